@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from ..instances.errors import InputError, UsageError
 from ..instances.instance import settings_of
 from ..instances.registry import Registry
+from ..instances.suggestions import did_you_mean
 from ..instances.text import shown
 from . import plotting
 from .evaluation import Evaluation
@@ -318,3 +319,15 @@ def problem_from_instance(instance: Instance, problem: str | None = None, **sett
 PROBLEMS: Registry[Callable[[Any, str, dict[str, Any]], Problem]] = Registry(
     "problem", "waybound.formulations.*", group="waybound.problems"
 )
+
+
+def refuse_unknown_settings(problem: str, settings: Mapping[str, Any], known: tuple[str, ...] = ()) -> None:
+    """Raise UsageError for a setting that ``problem`` does not have; ``convention`` may be ``exact`` everywhere."""
+    for key, value in settings.items():
+        if key == "convention":
+            if value not in (None, "exact"):
+                raise UsageError(f"{problem} problems have no distances to round: the convention can only be exact, not {value!r}")
+            continue
+        if key not in known:
+            takes = f"; it takes {', '.join(known)}{did_you_mean(key, known)}" if known else ""
+            raise UsageError(f"{problem} has no setting {key!r}{takes}")

@@ -10,6 +10,10 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+INTEGRALITY = 1e-5
+"""Largest distance to an integer that a solver's point may have and still be read as an answer."""
+
+
 LIMIT = 1e-11
 """Part of a limit by which a check lets it be exceeded, for the rounding of sums: 0.1 + 0.2 fits into 0.3. Whole numbers are compared
 exactly."""

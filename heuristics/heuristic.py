@@ -18,6 +18,8 @@ from ..solvers.backend import Control, Options, RawResult
 from ..solvers.linear_programs import LinearPrograms
 from ..solvers.own_options import own_options
 
+CUT_SHORT = "the time was up, or it was asked to stop"
+
 
 @dataclass(frozen=True)
 class Context:

@@ -372,4 +372,4 @@ def solver_named(name: str) -> Backend:
     return kind(variant) if variant else kind()
 
 
-BACKENDS: Registry[type[Backend]] = Registry("solver", "waybound.solvers.backends", "waybound.solvers.engines", group="waybound.solvers")
+BACKENDS: Registry[type[Backend]] = Registry("solver", "waybound.solvers.backends", "waybound.solvers.engines.*", group="waybound.solvers")

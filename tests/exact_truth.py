@@ -20,15 +20,15 @@ from exact_simplex import Tableau, bounded
 from waybound.formulations.auctions.balanced_partition import BalancedPartition
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.auctions.task_allocation import TaskAllocation
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
-from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.problem import Problem
 from waybound.formulations.risk.risky_path import RiskyPath
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.selection.selections import Selection
-from waybound.formulations.selection.submodular_selection import SubmodularSelection
-from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
-from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+from waybound.formulations.sata.max_min_lp import MaxMinLP
+from waybound.formulations.sata.selections import Selection
+from waybound.formulations.sata.submodular_selection import SubmodularSelection
+from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation
 from waybound.reports.benchmarks.exact_base import PARTS, Truth, Values
 from waybound.reports.benchmarks.exact_routing import RoutingTruth
 

@@ -23,8 +23,6 @@ from waybound.formulations.auctions.generalised_assignment import GeneralisedAss
 from waybound.formulations.auctions.joint_assignment import JointAssignment
 from waybound.formulations.auctions.room_exploration import RoomExploration
 from waybound.formulations.auctions.task_allocation import TaskAllocation
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
-from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.problem import Problem
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.risk.risk_allocation import RiskAllocation
@@ -32,8 +30,10 @@ from waybound.formulations.risk.risky_path import RiskyPath
 from waybound.formulations.risk.uncertain_path import UncertainPath
 from waybound.formulations.routing.objective import Composable, LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.selection.submodular_selection import SubmodularSelection
-from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+from waybound.formulations.sata.max_min_lp import MaxMinLP
+from waybound.formulations.sata.submodular_selection import SubmodularSelection
+from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.auctions.exploration_map import ExplorationMap
 from waybound.instances.auctions.robot_tasks import RobotTasks
 from waybound.instances.errors import InputError
@@ -45,9 +45,9 @@ from waybound.instances.risk.traverse_elements import CollectedRisk
 from waybound.instances.risk.uncertain_graph import UncertainGraph
 from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.instances.selection.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
-from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
-from waybound.instances.sensing.graph import SensingGraph, graph_of_edges
+from waybound.instances.sata.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
+from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
+from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
 
 Floats = np.ndarray[Any, np.dtype[np.float64]]
 Rng = np.random.Generator

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from waybound.instances.sensing.graph import SensingGraph, graph_of_edges
+from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 
 Robots = Sequence[Sequence[Mapping[int, float | Fraction]]]
 """For each robot its actions, for each action the weights of the targets it sees."""

@@ -8,8 +8,8 @@ from waybound.formulations.auctions.orchard_day import OrchardDay
 from waybound.instances.auctions.orchard_grid import OrchardGrid
 from waybound.instances.auctions.orchard_jobs import OrchardJobs
 from waybound.instances.auctions.orchard_rules import OrchardRules, OrchardStart
-from waybound.instances.worlds.orchard import OrchardWorld
-from waybound.reports.missions.orchard_days.policies import CHOOSING, trips
+from waybound.instances.auctions.worlds.orchard import OrchardWorld
+from waybound.reports.missions.auctions.orchard_days.policies import CHOOSING, trips
 
 LANE = OrchardGrid(1, 6)
 ONE_ROUTE = OrchardStart(np.array([1]), np.array([[1, 2, 3, 4]]))

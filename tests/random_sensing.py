@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.optimize import linprog
 
-from waybound.instances.sensing.graph import SensingGraph, graph_of_edges
+from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 
 
 def random_graph(seed: int, robots: int = 30, targets: int = 20, most_actions: int = 3, sees: int = 3, spread: float = 0.5) -> SensingGraph:

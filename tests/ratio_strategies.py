@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import strategies as st
 
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
-from waybound.formulations.selection.submodular_selection import SubmodularSelection
-from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
-from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation
-from waybound.instances.sensing.graph import graph_of_edges
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+from waybound.formulations.sata.submodular_selection import SubmodularSelection
+from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound.instances.sata.sensing_graph import graph_of_edges
+from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation
 
 WEIGHTS = st.one_of(st.integers(0, 9).map(float), st.floats(1e-3, 10.0), st.sampled_from([1e-3, 1e3]))
 """Ties and zeros often, any size seldom."""

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from waybound.formulations.selection.selections import Selection
-from waybound.instances.sensing.graph import SensingGraph, graph_of_edges
+from waybound.formulations.sata.selections import Selection
+from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 
 Robot = list[tuple[float, ...]]
 

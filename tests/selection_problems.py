@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.problem import Problem
-from waybound.formulations.selection.submodular_selection import SubmodularSelection
+from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Context, Outcome
-from waybound.instances.selection.constraints import Cardinality, Constraint, Knapsack, LimitRows, LinearConstraint, PartitionMatroid
-from waybound.instances.selection.functions import (
+from waybound.instances.sata.constraints import Cardinality, Constraint, Knapsack, LimitRows, LinearConstraint, PartitionMatroid
+from waybound.instances.sata.set_functions import (
     Coverage,
     DenseFacilityLocation,
     FacilityLocation,

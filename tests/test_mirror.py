@@ -1,8 +1,10 @@
-"""Tests mirror the code: the tests of ``formulations/selection/x.py`` are in ``tests/formulations/selection/test_x.py``."""
+"""Tests mirror the code: the tests of ``formulations/sata/x.py`` are in ``tests/formulations/sata/test_x.py``."""
 
 from __future__ import annotations
 
 import ast
+import importlib
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -17,43 +19,57 @@ KERNELS = {
     "formulations/routing/checking/state_space_kernels": "formulations/routing/checking/state_space",
     "formulations/routing/checking/walk_kernels": "formulations/routing/checking/set_partitioning_duals",
     "heuristics/auctions/auction_steps/bidding_kernels": "heuristics/auctions/sequential_single_item",
-    "formulations/transpose_kernels": "heuristics/selection/greedy_steps/picking",
+    "formulations/transpose_kernels": "heuristics/sata/greedy_steps/picking",
     "heuristics/auctions/conflict_kernels": "heuristics/auctions/conflict_auction",
     "heuristics/routing/insertion_steps/assignment_kernels": "heuristics/routing/greedy_assignment",
     "heuristics/routing/savings_steps/merging_kernels": "heuristics/routing/savings",
-    "heuristics/selection/greedy_steps/bottleneck_kernels": "heuristics/selection/greedy",
-    "heuristics/selection/greedy_steps/enumeration_kernels": "heuristics/selection/brute_force",
-    "heuristics/selection/greedy_steps/filling_kernels": "heuristics/selection/knapsack_greedy",
-    "heuristics/selection/greedy_steps/loops_kernels": "heuristics/selection/greedy_steps/picking",
+    "heuristics/sata/greedy_steps/bottleneck_kernels": "heuristics/sata/greedy",
+    "heuristics/sata/greedy_steps/enumeration_kernels": "heuristics/sata/brute_force",
+    "heuristics/sata/greedy_steps/filling_kernels": "heuristics/sata/knapsack_greedy",
+    "heuristics/sata/greedy_steps/loops_kernels": "heuristics/sata/greedy_steps/picking",
     "solvers/bounds/auctions/forest_kernels": "solvers/bounds/auctions/task_forest",
-    "reports/missions/orchard_days/day_kernels": "reports/missions/orchard_days/days",
+    "reports/missions/auctions/orchard_days/day_kernels": "reports/missions/auctions/orchard_days/days",
     "solvers/bounds/routing/route_label_kernels": "solvers/bounds/routing/column_generation",
     "solvers/bounds/routing/state_space_kernels": "solvers/bounds/routing/state_space",
-    "solvers/bounds/selection/gain_kernels": "solvers/bounds/selection/growing_sets",
-    "solvers/engines/assignment_steps/auction_kernels": "solvers/engines/assignment_steps/auction",
-    "solvers/engines/assignment_steps/price_kernels": "solvers/engines/assignment_steps/recovered_prices",
-    "solvers/engines/local_max_min/lane_kernels": "solvers/engines/local_max_min/level_kernels",
-    "solvers/engines/local_max_min/layer_kernels": "solvers/engines/local_max_min/arrays",
-    "solvers/engines/local_max_min/level_kernels": "solvers/engines/local_max_min/search",
-    "solvers/engines/saddle_steps/descent_kernels": "solvers/engines/saddle_steps/game",
-    "solvers/engines/saddle_steps/regret_kernels": "solvers/engines/saddle_steps/regret",
-    "solvers/engines/task_subset_steps/part_kernels": "solvers/engines/part_subsets",
-    "solvers/engines/task_subset_steps/subset_kernels": "solvers/engines/task_subset_steps/shares",
+    "solvers/bounds/sata/gain_kernels": "solvers/bounds/sata/growing_sets",
+    "solvers/engines/auctions/assignment_steps/auction_kernels": "solvers/engines/auctions/assignment_steps/auction",
+    "solvers/engines/auctions/assignment_steps/price_kernels": "solvers/engines/auctions/assignment_steps/recovered_prices",
+    "solvers/engines/sata/local_max_min/lane_kernels": "solvers/engines/sata/local_max_min/level_kernels",
+    "solvers/engines/sata/local_max_min/layer_kernels": "solvers/engines/sata/local_max_min/arrays",
+    "solvers/engines/sata/local_max_min/level_kernels": "solvers/engines/sata/local_max_min/search",
+    "solvers/engines/sata/saddle_steps/descent_kernels": "solvers/engines/sata/saddle_steps/game",
+    "solvers/engines/sata/saddle_steps/regret_kernels": "solvers/engines/sata/saddle_steps/regret",
+    "solvers/engines/auctions/task_subset_steps/part_kernels": "solvers/engines/auctions/part_subsets",
+    "solvers/engines/auctions/task_subset_steps/subset_kernels": "solvers/engines/auctions/task_subset_steps/shares",
 }
 """Compiled loops that take their caller's arrays apart, and mean nothing without it: the tests of the caller are theirs."""
 
+COMMANDS = {
+    "reports/missions/information_gathering_study",
+    "reports/missions/orchard_study",
+    "reports/missions/tracking_study",
+    "reports/missions/uncertain_graph_study",
+    "reports/tables/routing_features",
+}
+"""Old names of commands, a line each: ``python -m`` finds them here, and their modules in a wing."""
+
 ELSEWHERE = {
+    "formulations/checking/row_duals": "formulations/arrays/checking/test_lp_dual.py",  # its arithmetic
+    "reports/missions/_study_figures": "reports/missions/sata/test_tracking_figures.py",
+    "reports/missions/_study_tables": "reports/missions/sata/test_tracking_study.py",
+    "reports/plots/positions": "reports/plots/routing/test_maps.py",
     "reports/benchmarks/_bare_highs": "reports/benchmarks/test_highs_versions.py",  # a script that knows nothing of waybound
     **{f"reports/benchmarks/_bare_{name}": "reports/benchmarks/test_overhead.py" for name in ("ortools", "pyvrp", "routing", "vroom")},
     "reports/benchmarks/exact_base": "formulations/routing/test_whole_family.py",
     "reports/benchmarks/exact_routing": "formulations/routing/test_whole_family.py",  # against the judge
-    "solvers/engines/local_max_min/robot": "solvers/engines/local_max_min/test_messages.py",  # a robot alone has nobody to talk to
+    "solvers/engines/sata/local_max_min/robot": "solvers/engines/sata/local_max_min/test_messages.py",  # a robot alone talks to nobody
     "waybound/_version": "test_packaging.py",  # one line
     "waybound/_guard": "conformance/test_imports.py",  # one line, which fails where it must: in other processes
 }
 """Modules without a test of their own, and where they are tested."""
 
 STUDIES = "reports/ratios/studies/"
+FAMILIES = "/families/"
 """A study is a table of what is to be run; ``tests/ratios`` runs every one that is registered, against its literature."""
 
 NOTEBOOKS = "reports/notebooks/"
@@ -79,9 +95,18 @@ def name_of(module: Path) -> str:
     return module.with_suffix("").as_posix()
 
 
+def is_study(module: Path) -> bool:
+    """Families of instances and what begins with _ are read by studies, and have tests of their own."""
+    return name_of(module).startswith(STUDIES) and FAMILIES not in name_of(module) and not module.name.startswith("_")
+
+
 def test_every_module_has_its_test_where_it_is_mirrored() -> None:
-    known = {*KERNELS, *ELSEWHERE}
-    own = [module for module in modules() if name_of(module) not in known and not name_of(module).startswith((STUDIES, NOTEBOOKS))]
+    known = {*KERNELS, *ELSEWHERE, *COMMANDS}
+    own = [
+        module
+        for module in modules()
+        if name_of(module) not in known and not is_study(module) and not name_of(module).startswith(NOTEBOOKS)
+    ]
     assert [f"{module} has no tests/{mirrored(module)}" for module in own if not (TESTS / mirrored(module)).exists()] == []
 
 
@@ -111,6 +136,13 @@ def test_an_exception_is_made_only_for_modules_that_have_none_and_names_tests_th
 
 def test_every_module_of_studies_registers_one_so_that_all_are_run() -> None:
     for module in modules():
-        if name_of(module).startswith(STUDIES):
+        if is_study(module):
             text = (ROOT / module).read_text()
             assert any(word in text for word in ("guarantee_study(", "experiment(", "STUDIES.add(")), module
+
+
+@pytest.mark.parametrize("command", sorted(COMMANDS))
+def test_a_command_keeps_its_old_name_and_is_that_of_a_wing(command: str) -> None:
+    main = importlib.import_module(f"waybound.{command.replace('/', '.')}").main
+    folder, _, name = command.rpartition("/")
+    assert re.fullmatch(rf"waybound[.]{folder.replace('/', '[.]')}[.][a-z]+[.]{name}", main.__module__)

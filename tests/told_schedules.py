@@ -193,7 +193,7 @@ def of_picture(problem: RoutingProblem, answer: Routes) -> list[Told]:
     """The bars of service, and the marks at both ends of a route, of the chart of the schedule."""
     from matplotlib import pyplot as plt
 
-    from waybound.reports.plots.routing_schedule import plot_schedule
+    from waybound.reports.plots.routing.schedule import plot_schedule
 
     ax = plot_schedule(problem, answer, ax=plt.figure().add_subplot())
     marks = [

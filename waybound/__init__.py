@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     from .formulations.certificate import Certificate
     from .formulations.evaluation import Check, Evaluation, Violation
     from .formulations.evidence import Evidence, Guarantee
-    from .formulations.max_min.bottleneck_sata import BottleneckSATA
-    from .formulations.max_min.max_min_lp import MaxMinLP
     from .formulations.problem import Problem
     from .formulations.programs.compiled import Compiled
     from .formulations.programs.exactness import Exactness
@@ -61,12 +59,14 @@ if TYPE_CHECKING:
     )
     from .formulations.routing.problem import RoutingProblem
     from .formulations.routing.routes import Route, Routes
-    from .formulations.selection.selections import Selection
-    from .formulations.selection.submodular_selection import SubmodularSelection
-    from .formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+    from .formulations.sata.bottleneck_sata import BottleneckSATA
+    from .formulations.sata.max_min_lp import MaxMinLP
+    from .formulations.sata.selections import Selection
+    from .formulations.sata.submodular_selection import SubmodularSelection
+    from .formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
     from .formulations.solution import Solution
     from .heuristics.auctions.relay_steps.steiner_points import RelayTree, fermat_weber, fewest_relays, spanning_tree_relays
-    from .heuristics.selection.submodularity import check_submodular
+    from .heuristics.sata.submodularity import check_submodular
     from .instances.auctions.assignment import AssignmentInstance
     from .instances.auctions.exploration_map import ExplorationMap
     from .instances.auctions.generalised_assignment import GeneralisedAssignmentInstance
@@ -87,10 +87,10 @@ if TYPE_CHECKING:
     from .instances.risk.uncertain_graph import UncertainGraph
     from .instances.routing.instance import Energy, Group, RoutingInstance, Shipment, Sites, VehicleType
     from .instances.routing.travel import Travel
-    from .instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
-    from .instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
-    from .instances.selection.instance import SelectionInstance
-    from .instances.sensing.graph import SensingGraph
+    from .instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
+    from .instances.sata.selection import SelectionInstance
+    from .instances.sata.sensing_graph import SensingGraph
+    from .instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
     from .reports.comparing import compare
     from .reports.comparison import Comparison
     from .reports.missions.running import run
@@ -143,18 +143,18 @@ _MODULES = {
         "Vehicles",
     ),
     "formulations.problem": ("Problem",),
-    "formulations.max_min.bottleneck_sata": ("BottleneckSATA",),
-    "formulations.max_min.max_min_lp": ("MaxMinLP",),
+    "formulations.sata.bottleneck_sata": ("BottleneckSATA",),
+    "formulations.sata.max_min_lp": ("MaxMinLP",),
     "formulations.risk.risky_path": ("RiskyPath",),
     "formulations.routing.problem": ("RoutingProblem",),
-    "formulations.selection.submodular_selection": ("SubmodularSelection",),
-    "formulations.selection.winner_takes_all_sata": ("WinnerTakesAllSATA",),
+    "formulations.sata.submodular_selection": ("SubmodularSelection",),
+    "formulations.sata.winner_takes_all_sata": ("WinnerTakesAllSATA",),
     "formulations.programs.compiled": ("Compiled",),
     "formulations.programs.program": ("Program", "Rows", "Variables"),
     "formulations.routing.routes": ("Route", "Routes"),
-    "formulations.selection.selections": ("Selection",),
+    "formulations.sata.selections": ("Selection",),
     "formulations.solution": ("Solution",),
-    "heuristics.selection.submodularity": ("check_submodular",),
+    "heuristics.sata.submodularity": ("check_submodular",),
     "instances.auctions.robot_tasks": ("RobotTasks",),
     "instances.auctions.assignment": ("AssignmentInstance",),
     "instances.auctions.generalised_assignment": ("GeneralisedAssignmentInstance",),
@@ -173,10 +173,10 @@ _MODULES = {
     "instances.risk.uncertain_graph": ("UncertainGraph",),
     "instances.risk.risky_graph": ("RiskyGraph",),
     "instances.routing.instance": ("Energy", "Group", "RoutingInstance", "Shipment", "Sites", "VehicleType"),
-    "instances.selection.constraints": ("Cardinality", "Knapsack", "PartitionMatroid"),
-    "instances.selection.functions": ("Coverage", "DenseFacilityLocation", "FacilityLocation", "UserFunction"),
-    "instances.selection.instance": ("SelectionInstance",),
-    "instances.sensing.graph": ("SensingGraph",),
+    "instances.sata.constraints": ("Cardinality", "Knapsack", "PartitionMatroid"),
+    "instances.sata.set_functions": ("Coverage", "DenseFacilityLocation", "FacilityLocation", "UserFunction"),
+    "instances.sata.selection": ("SelectionInstance",),
+    "instances.sata.sensing_graph": ("SensingGraph",),
     "instances.routing.travel": ("Travel",),
     "reports.comparing": ("compare",),
     "reports.comparison": ("Comparison",),

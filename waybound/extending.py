@@ -12,8 +12,6 @@ from .formulations.certificate import verified_bound
 from .formulations.evaluation import Check, Checklist, Evaluation, Violation, judge
 from .formulations.evidence import CHECKERS, Evidence, EvidenceChecker, Guarantee, Reason
 from .formulations.forms import FORMS, Form
-from .formulations.max_min.bottleneck_sata import BottleneckSATA
-from .formulations.max_min.max_min_lp import MaxMinLP
 from .formulations.problem import PROBLEMS, Problem
 from .formulations.programs.circuits import Circuit
 from .formulations.programs.compiled import Compiled
@@ -29,9 +27,11 @@ from .formulations.programs.rows import rows
 from .formulations.programs.size import ProgramSize
 from .formulations.routing.problem import RoutingProblem
 from .formulations.routing.routes import Route, Routes
-from .formulations.selection.selections import Selection
-from .formulations.selection.submodular_selection import SubmodularSelection
-from .formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from .formulations.sata.bottleneck_sata import BottleneckSATA
+from .formulations.sata.max_min_lp import MaxMinLP
+from .formulations.sata.selections import Selection
+from .formulations.sata.submodular_selection import SubmodularSelection
+from .formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from .formulations.stop import NEVER, Stop, Stopped
 from .formulations.tolerance import allowance, same, widening
 from .heuristics.heuristic import HEURISTICS, Context, Heuristic, Outcome
@@ -45,11 +45,11 @@ from .instances.kinds import KINDS, Kind
 from .instances.registry import Registry
 from .instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
 from .instances.routing.travel import Travel
-from .instances.selection.constraints import Constraint, LimitRows, LinearConstraint
-from .instances.selection.functions import AT_ENTRY, AT_ITEM, IN_MATRIX, ItemFunction, ItemWeights, SetFunction
-from .instances.selection.instance import SelectionInstance
-from .instances.selection.json_kind import CONSTRAINTS, SET_FUNCTIONS, JsonPart
-from .instances.sensing.graph import SensingGraph
+from .instances.sata.constraints import Constraint, LimitRows, LinearConstraint
+from .instances.sata.json_kind.selection import CONSTRAINTS, SET_FUNCTIONS, JsonPart
+from .instances.sata.selection import SelectionInstance
+from .instances.sata.sensing_graph import SensingGraph
+from .instances.sata.set_functions import AT_ENTRY, AT_ITEM, IN_MATRIX, ItemFunction, ItemWeights, SetFunction
 from .instances.worlds import WORLDS, World, WorldKind
 from .reports.missions.mission import MISSIONS, Decision, Mission, Scene
 from .reports.ratios.study import STUDIES, Fault, Figure, Report, Study, StudySetting

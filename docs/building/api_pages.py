@@ -10,7 +10,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "routing": ("Routing", ("formulations.routing", "instances.routing")),
     "robots": (
         "Robots, selection, risk and auctions",
-        ("formulations.max_min", "formulations.selection", "formulations.risk", "formulations.auctions", "instances"),
+        ("formulations.sata", "formulations.risk", "formulations.auctions", "instances"),
     ),
     "answers": ("Answers, evidence, programs and errors", ("formulations", "instances.errors")),
 }

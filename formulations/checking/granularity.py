@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-from ...instances.selection.functions import IN_MATRIX
 
 Floats = NDArray[np.float64]
 
@@ -107,9 +104,3 @@ def lift(bound: float, sense: str, size: Grain | None) -> float:
     if sense == "max":
         return min(bound, size.multiple(math.floor(count + LIFT_TOLERANCE)))
     return max(bound, size.multiple(math.ceil(count - LIFT_TOLERANCE)))
-
-
-def value_grain(function: Any) -> Grain | None:
-    """Of what every value of a function with weights at items or entries is a multiple; None for full matrices and other functions."""
-    weights = function.as_item_weights()
-    return None if weights is None or weights.layout == IN_MATRIX else grain(weights.weights)

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...instances.arrays import entries_of
 from ...instances.errors import UsageError
+from ...instances.number_arrays import entries_of
 from ...instances.risk.element import TraverseElement
 from ...instances.risk.risky_graph import RiskyGraph
 from ..evidence import Evidence

@@ -43,7 +43,7 @@ def quadrangle(problem: BinAssignment, stop: Stop) -> bool:
 
 def completed(problem: BinAssignment, taken: NDArray[np.int64], stop: Stop) -> tuple[Assignment, int]:
     """An assignment of the most pairs that keeps as many of ``taken`` as possible, and how many it changes."""
-    from ...solvers.engines.assignment_steps.auction import auction
+    from ...solvers.engines.auctions.assignment_steps.auction import auction
 
     most = int((problem.largest >= 0).sum())
     if int((taken >= 0).sum()) >= most:

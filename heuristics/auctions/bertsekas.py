@@ -7,7 +7,7 @@ import math
 from ...formulations.auctions.bin_assignment import BinAssignment
 from ...formulations.evidence import Guarantee
 from ...instances.errors import UsageError
-from ...solvers.engines.assignment_steps.auction import FACTOR, Auction, auction
+from ...solvers.engines.auctions.assignment_steps.auction import FACTOR, Auction, auction
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 
 SOURCE = "Bertsekas (1979), A distributed algorithm for the assignment problem; Bertsekas and Castañon (1992)"

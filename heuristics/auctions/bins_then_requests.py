@@ -6,7 +6,7 @@ import numpy as np
 
 from ...formulations.auctions.bin_assignment import BinAssignment
 from ...formulations.auctions.joint_assignment import JointAssignment
-from ...solvers.engines.assignment_steps.auction import auction
+from ...solvers.engines.auctions.assignment_steps.auction import auction
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 
 

@@ -14,8 +14,8 @@ from ...formulations.risk.allocations import Allocation
 from ...formulations.risk.forms._blocks import Blocks, dense_rows
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
-from ...solvers.engines.convex_allocation_steps.session import open_session
-from ...solvers.engines.convex_allocation_steps.units import Units
+from ...solvers.engines.risk.convex_allocation_steps.session import open_session
+from ...solvers.engines.risk.convex_allocation_steps.units import Units
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .scenario import only_total, root
 

@@ -14,8 +14,8 @@ from ...formulations.risk.forms.uniform import uniform_risks
 from ...formulations.risk.normal import ndtr, ndtri
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
-from ...solvers.engines.convex_allocation_steps.session import open_session
-from ...solvers.engines.convex_allocation_steps.units import Units
+from ...solvers.engines.risk.convex_allocation_steps.session import open_session
+from ...solvers.engines.risk.convex_allocation_steps.units import Units
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 
 Floats = NDArray[np.float64]

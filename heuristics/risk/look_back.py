@@ -8,7 +8,7 @@ from ...formulations.evidence import Guarantee
 from ...formulations.risk.risky_path import Path, RiskyPath
 from ...formulations.stop import Stop, Stopped
 from ...instances.errors import UsageError
-from ...solvers.engines.risky_path_steps.look_back import look_back, without_loops
+from ...solvers.engines.risk.risky_path_steps.look_back import look_back, without_loops
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 
 SOURCE = "Xiao (2019), section 4.2.2.1, as Dijkstra's algorithm on moves"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...solvers.engines.path_search.non_dominated_paths import non_dominated_paths
+from ...solvers.engines.risk.path_search.non_dominated_paths import non_dominated_paths
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .graph_policies.rags import RiskAware
 

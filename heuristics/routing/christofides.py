@@ -6,8 +6,7 @@ from typing import Any
 
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Route, Routes
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from ..selection.greedy_steps.ending import CUT_SHORT
+from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
 from .tour_partitioning import FEATURES
 from .tour_steps.cutting import closed_routes
 from .tour_steps.giant_tour import giant_tour, guaranteed, moving_costs

@@ -10,8 +10,7 @@ from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Route, Routes
 from ...formulations.stop import Stop
 from ...instances.errors import UsageError
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from ..selection.greedy_steps.ending import CUT_SHORT
+from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
 from .tour_steps.dense import dense
 
 FEATURES = frozenset(

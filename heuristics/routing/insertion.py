@@ -11,8 +11,7 @@ import numpy as np
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
 from ...instances.errors import UsageError
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from ..selection.greedy_steps.ending import CUT_SHORT
+from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
 from .insertion_steps.site_data import site_data
 from .savings import FEATURES
 from .tour_steps.cutting import in_turn, routes_of, too_many

@@ -23,9 +23,8 @@ from ...formulations.routing.schedule import schedule
 from ...instances.errors import InputError, UnsupportedError, UsageError
 from ...instances.routing.features import RISKS
 from ...solvers.backend import Control, Engine, Options, solver_named
-from ...solvers.engines.pyvrp import PyVRP
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from ..selection.greedy_steps.ending import CUT_SHORT
+from ...solvers.engines.routing.pyvrp import PyVRP
+from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
 from .margin_steps.certain import allowed_risk, certain, split
 from .margin_steps.recombination import Pool
 

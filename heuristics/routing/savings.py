@@ -14,8 +14,7 @@ from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...instances.memory import fits, readable
 from ...instances.routing.travel import Travel
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from ..selection.greedy_steps.ending import CUT_SHORT
+from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
 
 Sites = NDArray[np.int64]
 

@@ -12,8 +12,7 @@ from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
 from ...formulations.stop import Stop
 from ...instances.errors import UsageError
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from ..selection.greedy_steps.ending import CUT_SHORT
+from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
 from .insertion import insertion
 from .savings import FEATURES
 from .tour_partitioning import pieces_of, radial_guarantee

@@ -12,8 +12,7 @@ from ...formulations.evidence import Guarantee
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Route, Routes
 from ...formulations.tolerance import widened
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from ..selection.greedy_steps.ending import CUT_SHORT
+from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
 from .tour_steps.cutting import closed_routes, in_turn, routes_of, too_many
 from .tour_steps.giant_tour import GiantTour, giant_tour, guaranteed, in_rows, moving_costs
 

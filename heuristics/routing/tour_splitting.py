@@ -7,8 +7,7 @@ import numpy as np
 from ...formulations.routing.objective import LongestRoute
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from ..selection.greedy_steps.ending import CUT_SHORT
+from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
 from .tour_steps.cutting import closed_routes, in_turn, routes_of
 from .tour_steps.giant_tour import giant_tour, guaranteed, in_rows, moving_costs
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import arrays
+from .. import number_arrays as arrays
 from ..errors import InputError
 from ..instance import digest
 from ..text import label

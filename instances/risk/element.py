@@ -13,8 +13,8 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..arrays import reals
 from ..errors import InputError
+from ..number_arrays import reals
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -15,8 +15,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import reals, refuse_outside, whole_numbers
 from ..errors import InputError
+from ..number_arrays import reals, refuse_outside, whole_numbers
 from .element import MemorylessElement, Space, placed, probabilities, rate_of
 
 Floats = NDArray[np.float64]

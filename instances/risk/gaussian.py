@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .. import arrays
+from .. import number_arrays as arrays
 from ..errors import InputError
 
 Floats = NDArray[np.float64]

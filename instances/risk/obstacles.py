@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..arrays import reals
 from ..errors import InputError
+from ..number_arrays import reals
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

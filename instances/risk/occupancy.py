@@ -13,8 +13,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..arrays import reals
 from ..errors import InputError
+from ..number_arrays import reals
 from .obstacles import merged_boxes
 
 Floats = NDArray[np.float64]

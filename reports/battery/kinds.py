@@ -13,21 +13,21 @@ from typing import Any
 import numpy as np
 
 from ...formulations.arrays.problem import ArrayProblem
-from ...formulations.max_min.bottleneck_sata import BottleneckSATA
-from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
 from ...formulations.programs.program import Program, Rows, Variables
 from ...formulations.risk.risky_path import RiskyPath
 from ...formulations.routing.problem import RoutingProblem
-from ...formulations.selection.submodular_selection import SubmodularSelection
-from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from ...formulations.sata.bottleneck_sata import BottleneckSATA
+from ...formulations.sata.max_min_lp import MaxMinLP
+from ...formulations.sata.submodular_selection import SubmodularSelection
+from ...formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from ...instances.risk.elements import LocaleRisk, MoveRisk
 from ...instances.risk.risky_graph import RiskyGraph
 from ...instances.routing.instance import Sites, VehicleType
 from ...instances.routing.travel import Travel
-from ...instances.selection.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
-from ...instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation
-from ...instances.sensing.graph import SensingGraph, graph_of_edges
+from ...instances.sata.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
+from ...instances.sata.sensing_graph import SensingGraph, graph_of_edges
+from ...instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation
 from .auction_kinds import AUCTIONS
 from .drawing import HUGE, TINY, Draw, Floats, Generator, weights, whole
 

@@ -18,16 +18,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.arrays.problem import ArrayProblem
-from ...formulations.max_min.bottleneck_sata import BottleneckSATA
-from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
 from ...formulations.programs.program import Program
 from ...formulations.risk.risky_path import RiskyPath
 from ...formulations.routing.problem import RoutingProblem
-from ...formulations.selection.submodular_selection import SubmodularSelection
+from ...formulations.sata.bottleneck_sata import BottleneckSATA
+from ...formulations.sata.max_min_lp import MaxMinLP
+from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...instances.risk.elements import LocaleRisk, MoveRisk
 from ...instances.routing.instance import VehicleType
-from ...instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
+from ...instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
 from .auction_truth import AUCTIONS, fractions
 from .rational_simplex import ONE, ZERO, Region, Vector, minimised
 

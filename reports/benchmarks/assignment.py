@@ -26,7 +26,7 @@ from ...formulations.problem import problem_from_instance
 from ...formulations.stop import NEVER
 from ...formulations.tolerance import same
 from ...instances.generating import generate
-from ...solvers.engines.assignment_steps.auction import auction
+from ...solvers.engines.auctions.assignment_steps.auction import auction
 from ...solvers.packages import is_installed
 from ...solving.solve import solve
 

@@ -15,9 +15,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from waybound.formulations.selection.submodular_selection import SubmodularSelection
-from waybound.instances.selection.constraints import Cardinality, PartitionMatroid
-from waybound.instances.selection.functions import Coverage
+from waybound.formulations.sata.submodular_selection import SubmodularSelection
+from waybound.instances.sata.constraints import Cardinality, PartitionMatroid
+from waybound.instances.sata.set_functions import Coverage
 from waybound.solving.solve import solve
 
 CASES = ((1000, 100, 2000, 20), (1000, 100, 1000, 10), (10000, 100, 2000, 20), (2000, 40, 400, 12))

@@ -22,8 +22,8 @@ from typing import Any
 
 import numpy as np
 
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
-from waybound.instances.sensing.graph import SensingGraph, graph_of_edges
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 from waybound.reports.benchmarks.side_by_side import in_a_fresh_process, same_model, timed
 
 PER_ROBOT, PER_TARGET, SEEN, REACH = 10, 20, 10, 15

@@ -24,12 +24,12 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 
-from waybound.formulations.selection.submodular_selection import SubmodularSelection
+from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Context
-from waybound.heuristics.selection.greedy_steps.picking import pick
-from waybound.instances.selection.constraints import Cardinality
-from waybound.instances.selection.functions import Coverage, DenseFacilityLocation
+from waybound.heuristics.sata.greedy_steps.picking import pick
+from waybound.instances.sata.constraints import Cardinality
+from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation
 from waybound.solvers.linear_programs import LinearPrograms
 
 ITEMS_OF_ELEMENT, ITEMS, CLIENTS = 20, 2000, 500

@@ -24,12 +24,12 @@ from waybound.formulations.evidence import Evidence
 from waybound.formulations.problem import Problem
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.formulations.solution import Solution
 from waybound.formulations.tolerance import same
 from waybound.instances.generating import generate
 from waybound.instances.routing.formats import solomon
-from waybound.instances.sensing.graph import SensingGraph
+from waybound.instances.sata.sensing_graph import SensingGraph
 from waybound.reports.battery.cases import Draw, cases
 from waybound.reports.battery.truth import Truth
 from waybound.solvers.backend import solver_named

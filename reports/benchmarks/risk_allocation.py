@@ -34,10 +34,10 @@ from waybound.instances.generating import generate
 from waybound.instances.risk.allocation import Affine, ChanceConstraints, Risk, RiskAllocationInstance
 from waybound.instances.risk.gaussian import Quantities
 from waybound.solvers.backend import Control, Options, RawResult
-from waybound.solvers.engines.convex_allocation import ConvexAllocation
-from waybound.solvers.engines.convex_allocation_steps.interval import Interval
-from waybound.solvers.engines.convex_allocation_steps.session import open_session
-from waybound.solvers.engines.convex_allocation_steps.successive_tangents import SuccessiveTangents
+from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
+from waybound.solvers.engines.risk.convex_allocation_steps.interval import Interval
+from waybound.solvers.engines.risk.convex_allocation_steps.session import open_session
+from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents import SuccessiveTangents
 
 Floats = NDArray[np.float64]
 

@@ -26,11 +26,11 @@ from typing import Any
 import numpy as np
 
 from waybound.formulations.certificate import certify
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.instances.generating import generate
-from waybound.instances.sensing.graph import SensingGraph, graph_of_edges
+from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 from waybound.solvers.backend import BACKENDS, Control, Options
-from waybound.solvers.engines.saddle import Saddle
+from waybound.solvers.engines.sata.saddle import Saddle
 from waybound.solvers.program_backend import ProgramBackend
 
 GAPS = (1e-1, 1e-2, 1e-3, 1e-4)

@@ -33,9 +33,9 @@ from waybound.heuristics.risk.graph_policies.policy import Greedy, LeastMean, Po
 from waybound.heuristics.risk.graph_policies.rags import RiskAware
 from waybound.instances.generating import generate
 from waybound.instances.risk.uncertain_graph import UncertainGraph
-from waybound.instances.worlds.uncertain_graph import UncertainGraphWorld
-from waybound.solvers.engines.path_search.non_dominated_paths import non_dominated_paths
-from waybound.solvers.engines.path_search.supported_paths import supported_paths
+from waybound.instances.risk.worlds.uncertain_graph import UncertainGraphWorld
+from waybound.solvers.engines.risk.path_search.non_dominated_paths import non_dominated_paths
+from waybound.solvers.engines.risk.path_search.supported_paths import supported_paths
 
 MOST_PATHS = 20
 RATE, SECONDS, ERRORS = 1e4, 0.1, 4.0

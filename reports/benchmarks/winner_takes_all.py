@@ -14,9 +14,9 @@ import argparse
 import statistics
 import time
 
-from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.generating import generate
-from waybound.instances.sensing.graph import SensingGraph
+from waybound.instances.sata.sensing_graph import SensingGraph
 from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
 from waybound.solvers.program_backend import ProgramBackend
 

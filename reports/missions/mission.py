@@ -158,4 +158,4 @@ class Mission(ABC):
         return type(self).scene is not Mission.scene
 
 
-MISSIONS: Registry[Callable[[], Mission]] = Registry("mission", "waybound.reports.missions", group="waybound.missions")
+MISSIONS: Registry[Callable[[], Mission]] = Registry("mission", "waybound.reports.missions.*", group="waybound.missions")

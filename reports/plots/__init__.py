@@ -1,4 +1,4 @@
-"""Pictures of answers. One module a family; it registers its plot in ``PLOTS``."""
+"""Pictures of answers. One module a family, in its wing's room; it registers its plot in ``PLOTS``."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Plot(Protocol):
     def __call__(self, problem: Any, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None) -> Any: ...
 
 
-PLOTS: Registry[Plot] = Registry("plot", "waybound.reports.plots")
+PLOTS: Registry[Plot] = Registry("plot", "waybound.reports.plots.*")
 """By family of problems."""
 
 

@@ -13,15 +13,15 @@ from numpy.typing import NDArray
 
 from ...formulations.certificate import verified_bound
 from ...formulations.evidence import Evidence
-from ...formulations.max_min.bottleneck_sata import BottleneckSATA
-from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
 from ...formulations.routing.objective import LongestRoute, Makespan, Reward, TotalCost
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
-from ...formulations.selection.feasibility import allowed
-from ...formulations.selection.selections import Selection
-from ...formulations.selection.submodular_selection import SubmodularSelection
+from ...formulations.sata.bottleneck_sata import BottleneckSATA
+from ...formulations.sata.feasibility import allowed
+from ...formulations.sata.max_min_lp import MaxMinLP
+from ...formulations.sata.selections import Selection
+from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...instances.errors import CheckFailedError, UsageError
 
 Floats = NDArray[np.float64]

@@ -166,4 +166,4 @@ class Study:
         return self.run(replace(setting or StudySetting(self.instances), **changes))
 
 
-STUDIES: Registry[Study] = Registry("study", "waybound.reports.ratios.studies", group="waybound.studies")
+STUDIES: Registry[Study] = Registry("study", "waybound.reports.ratios.studies.*", group="waybound.studies")

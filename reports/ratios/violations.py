@@ -6,17 +6,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ...formulations.max_min.bottleneck_sata import BottleneckSATA
-from ...formulations.max_min.max_min_lp import MaxMinLP
 from ...formulations.problem import Problem
 from ...formulations.risk.uncertain_path import UncertainPath
 from ...formulations.routing.problem import RoutingProblem
-from ...formulations.selection.submodular_selection import SubmodularSelection
-from ...formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from ...formulations.sata.bottleneck_sata import BottleneckSATA
+from ...formulations.sata.max_min_lp import MaxMinLP
+from ...formulations.sata.submodular_selection import SubmodularSelection
+from ...formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from ...instances.instance import Instance
 from ...instances.routing.instance import RoutingInstance
-from ...instances.selection.instance import SelectionInstance
-from ...instances.selection.json_kind import writable
+from ...instances.sata.json_kind.selection import writable
+from ...instances.sata.selection import SelectionInstance
 from .study import Fault, Report
 
 

@@ -6,11 +6,11 @@ import pytest
 
 import waybound as wb
 from waybound.formulations.evidence import Guarantee
-from waybound.formulations.selection.selections import Selection
+from waybound.formulations.sata.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
 from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
 from waybound.reports.ratios.judging import Configuration
-from waybound.reports.ratios.selection_families import random_families
+from waybound.reports.ratios.studies.sata.families.selection import random_families
 from waybound.reports.ratios.study import STUDIES, Study
 
 
@@ -85,7 +85,7 @@ def test_table_3_1_ends_well(run):
 
 
 def test_table_3_1_ends_with_5_when_an_entry_differs(run, monkeypatch, tmp_path):
-    from waybound.reports.ratios.studies import table_3_1
+    from waybound.reports.ratios.studies.sata import table_3_1
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(table_3_1.PRINTED, 10, (0.5, 0.5, 0.7592, 0.2409, 0.2409, 0.7591))

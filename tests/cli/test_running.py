@@ -91,7 +91,7 @@ def test_what_cannot_be_run_is_refused_in_one_line_and_nothing_is_written(refuse
 
 
 def test_an_interrupt_writes_the_steps_so_far_and_is_exit_0(run, tmp_path, monkeypatch):
-    from waybound.reports.missions.tracking import Tracking
+    from waybound.reports.missions.sata.tracking import Tracking
 
     real, calls = Tracking.measures, []
 
@@ -110,7 +110,7 @@ def test_an_interrupt_writes_the_steps_so_far_and_is_exit_0(run, tmp_path, monke
 
 
 def test_an_interrupt_before_the_first_step_is_exit_130_and_writes_nothing(refused, tmp_path, monkeypatch):
-    from waybound.reports.missions.tracking import Tracking
+    from waybound.reports.missions.sata.tracking import Tracking
 
     monkeypatch.setattr(Tracking, "teams", lambda self, observation: os.kill(os.getpid(), signal.SIGINT) or [observation])
     told = refused("run", "tracking", "--heuristic", "greedy", "--out", tmp_path / "log.csv", "-q", code=130)

@@ -17,7 +17,13 @@ from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import UnsupportedError
 from waybound.reports.benchmarks.exact_routing import RoutingTruth
 from waybound.reports.benchmarks.routing_variants import drawn, risky, with_features
-from waybound.reports.tables.routing_features import ROWS, declared_by_engines, declared_by_forms, declared_by_heuristics, solvers_of_forms
+from waybound.reports.tables.routing.routing_features import (
+    ROWS,
+    declared_by_engines,
+    declared_by_forms,
+    declared_by_heuristics,
+    solvers_of_forms,
+)
 from waybound.solvers.backend import BACKENDS, Control, Options, solver_named
 from waybound.solvers.bounds import BOUNDS
 from waybound.solving.listing import missing_features

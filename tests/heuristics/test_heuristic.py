@@ -10,7 +10,7 @@ from selection_problems import cover_30
 
 from waybound.formulations.evidence import Evidence, Guarantee
 from waybound.formulations.programs.exactness import Exactness
-from waybound.formulations.selection.selections import Selection
+from waybound.formulations.sata.selections import Selection
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS, Context, Heuristic, HeuristicWork, Outcome
 from waybound.instances.errors import UsageError

@@ -20,8 +20,8 @@ from waybound.cli.app import app
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.problem import Problem
 from waybound.instances.errors import CheckFailedError, InputError
-from waybound.instances.selection.constraints import PartitionMatroid
-from waybound.instances.selection.functions import Coverage
+from waybound.instances.sata.constraints import PartitionMatroid
+from waybound.instances.sata.set_functions import Coverage
 from waybound.solvers.backend import RawResult
 from waybound.solvers.bounds import BOUNDS, replaced
 from waybound.solving.runs import Run
@@ -205,7 +205,7 @@ def test_a_bound_that_contradicts_the_answer_is_withheld_and_said(bound: float, 
 def test_a_guarantee_that_fails_leaves_the_heuristics_answer(fault: Any, words: str, monkeypatch: pytest.MonkeyPatch, tally: Any) -> None:
     problem = PROBLEMS[1][0]
     whole = wb.solve(problem, heuristic="local", bound_time=0)
-    monkeypatch.setattr("waybound.heuristics.max_min.local._guarantee", failing(fault))
+    monkeypatch.setattr("waybound.heuristics.sata.local._guarantee", failing(fault))
     found = wb.solve(problem, heuristic="local", bound_time=0)
     assert found.objective == whole.objective
     assert words in found.message
@@ -216,7 +216,7 @@ def test_a_guarantee_that_fails_leaves_the_heuristics_answer(fault: Any, words: 
 def test_evidence_that_a_heuristic_cannot_make_leaves_its_answer(heuristic: str, part: str, monkeypatch: pytest.MonkeyPatch) -> None:
     problem = PROBLEMS[2][0]
     whole = wb.solve(problem, heuristic=heuristic, bound_time=0)
-    monkeypatch.setattr(f"waybound.heuristics.selection.greedy_steps.ending.{part}", failing(MemoryError))
+    monkeypatch.setattr(f"waybound.heuristics.sata.greedy_steps.ending.{part}", failing(MemoryError))
     found = wb.solve(problem, heuristic=heuristic, bound_time=0)
     assert found.objective == whole.objective
     assert found.certificate.guarantee == whole.certificate.guarantee

@@ -19,13 +19,13 @@ from waybound.formulations.auctions.generalised_assignment import GeneralisedAss
 from waybound.formulations.auctions.joint_assignment import JointAssignment
 from waybound.formulations.auctions.orchard_day import OrchardDay
 from waybound.formulations.auctions.room_exploration import RoomExploration
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem, problem_from_instance
 from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.routing.objective import LongestRoute, Objective, Reward
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.selection.submodular_selection import SubmodularSelection
-from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+from waybound.formulations.sata.submodular_selection import SubmodularSelection
+from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.auctions.exploration_map import ExplorationMap
@@ -35,9 +35,9 @@ from waybound.instances.errors import WayboundError
 from waybound.instances.generating import generate
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
-from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, UserFunction
-from waybound.instances.sensing.graph import SensingGraph
+from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound.instances.sata.sensing_graph import SensingGraph
+from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, UserFunction
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options
 from waybound.solvers.bounds import BOUNDS
 from waybound.solving.bounding import find_bounds

@@ -22,8 +22,8 @@ from small_routing import plane, small
 
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import certify, check_certificate
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.problem import Problem
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.formulations.stop import Stop
 from waybound.instances.errors import WayboundError
 from waybound.reports.battery.kinds import KINDS

@@ -21,7 +21,7 @@ from waybound.formulations.forms import FORMS
 from waybound.formulations.problem import Problem
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
-from waybound.formulations.selection.selections import Selection
+from waybound.formulations.sata.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import CheckFailedError, WayboundError
 from waybound.solvers.backend import BACKENDS

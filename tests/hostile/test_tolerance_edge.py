@@ -21,13 +21,13 @@ from waybound.formulations.routing.judge import schedule
 from waybound.formulations.routing.overrun import joint_overrun, route_overrun
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
-from waybound.formulations.selection.selections import Selection
-from waybound.formulations.selection.submodular_selection import SubmodularSelection
+from waybound.formulations.sata.selections import Selection
+from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.formulations.stop import Stop
 from waybound.instances.errors import CheckFailedError, InputError
 from waybound.instances.routing.instance import ENERGY_CHARGES, Energy
-from waybound.instances.selection.constraints import Knapsack
-from waybound.solvers.engines.convex_allocation_steps.successive_tangents import SuccessiveTangents
+from waybound.instances.sata.constraints import Knapsack
+from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents import SuccessiveTangents
 from waybound.solving.bounding import find_bounds
 
 SEED = 82

@@ -14,9 +14,9 @@ from waybound.instances import data
 from waybound.instances.bundled import RECIPES, bundled_names, bundled_path, regenerate
 from waybound.instances.errors import UsageError
 from waybound.instances.reading import read_instance
-from waybound.instances.selection.constraints import Cardinality
-from waybound.instances.selection.functions import Coverage
-from waybound.instances.selection.instance import SelectionInstance
+from waybound.instances.sata.constraints import Cardinality
+from waybound.instances.sata.selection import SelectionInstance
+from waybound.instances.sata.set_functions import Coverage
 from waybound.instances.writing import write_instance
 
 GENERATED = [name for name in bundled_names() if not RECIPES[name].source]

@@ -9,7 +9,7 @@ from waybound.instances.errors import InputError
 from waybound.instances.formats import FORMATS
 from waybound.instances.generating import generate
 from waybound.instances.kinds import KINDS
-from waybound.instances.max_min.instance import MaxMinInstance, SparseMatrix
+from waybound.instances.sata.max_min_lp import MaxMinInstance, SparseMatrix
 
 EXAMPLES = {
     "routing": lambda: generate("random", customers=4, seed=1),

@@ -20,14 +20,14 @@ from waybound.instances.bundled import bundled_path
 from waybound.instances.errors import InputError, WayboundError
 from waybound.instances.formats import FORMATS, waybound_json
 from waybound.instances.generating import generate
-from waybound.instances.max_min.instance import MaxMinInstance, SparseMatrix
 from waybound.instances.reading import read_instance
 from waybound.instances.routing.formats import sites_csv
 from waybound.instances.routing.solution_files import routes_from_text
-from waybound.instances.selection.constraints import Cardinality, Knapsack, PartitionMatroid
-from waybound.instances.selection.functions import Coverage, DenseFacilityLocation, FacilityLocation
-from waybound.instances.selection.instance import SelectionInstance
-from waybound.instances.sensing.graph import SensingGraph
+from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound.instances.sata.max_min_lp import MaxMinInstance, SparseMatrix
+from waybound.instances.sata.selection import SelectionInstance
+from waybound.instances.sata.sensing_graph import SensingGraph
+from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation
 
 TSP = (
     "NAME: t\nTYPE: TSP\nDIMENSION: 4\nEDGE_WEIGHT_TYPE: EXPLICIT\nEDGE_WEIGHT_FORMAT: UPPER_ROW\nEDGE_WEIGHT_SECTION\n1 2 3\n4 5\n6\nEOF\n"

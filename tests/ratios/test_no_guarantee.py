@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import pytest
 
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
-from waybound.formulations.selection.submodular_selection import SubmodularSelection
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.instances.errors import UsageError
-from waybound.instances.selection.constraints import Cardinality
-from waybound.instances.selection.functions import UserFunction
-from waybound.reports.ratios import max_min_families as graphs
-from waybound.reports.ratios import selection_families as random
-from waybound.reports.ratios import selection_traps as traps
+from waybound.instances.sata.constraints import Cardinality
+from waybound.instances.sata.set_functions import UserFunction
 from waybound.reports.ratios.judging import judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
+from waybound.reports.ratios.studies.sata.families import max_min as graphs
+from waybound.reports.ratios.studies.sata.families import selection as random
+from waybound.reports.ratios.studies.sata.families import selection_traps as traps
 
 
 def whole(rows, name="case"):
@@ -75,7 +75,7 @@ def test_more_layers_are_not_better_by_themselves():
 
 
 def test_a_target_that_nobody_sees_ends_the_guarantee():
-    from waybound.instances.sensing.graph import graph_of_edges
+    from waybound.instances.sata.sensing_graph import graph_of_edges
 
     graph = graph_of_edges([0, 0], [0, 1], [0, 1], robots=1, targets=3)
     found = run(BottleneckSATA(graph, fractional=True), "local")

@@ -13,9 +13,9 @@ from ratio_strategies import assignments, bottlenecks, selections
 
 from waybound.reports.ratios.judging import judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
-from waybound.reports.ratios.studies.greedy import greedy_ratio
-from waybound.reports.ratios.studies.knapsack_greedy import SHARES
-from waybound.reports.ratios.studies.local import degrees
+from waybound.reports.ratios.studies.sata.greedy import greedy_ratio
+from waybound.reports.ratios.studies.sata.knapsack_greedy import SHARES
+from waybound.reports.ratios.studies.sata.local import degrees
 from waybound.reports.ratios.violations import instance_text
 
 SHORT = settings(max_examples=draws(80))
@@ -98,7 +98,7 @@ def test_lazy_greedy_has_the_value_of_greedy(problem):
 @SHORT
 @given(bottlenecks())
 def test_shares_are_worth_at_least_as_much_as_whole_actions(problem):
-    from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+    from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 
     note(instance_text(problem))
     assert optimum(problem).value >= optimum(BottleneckSATA(problem.graph)).value * (1 - 1e-9)
@@ -108,7 +108,7 @@ def test_shares_are_worth_at_least_as_much_as_whole_actions(problem):
 def test_a_broken_guarantee_is_shrunk_and_printed_as_a_file():
     """A heuristic that takes the first elements and claims 1/2 is caught on an instance of two elements at most."""
     from waybound.formulations.evidence import Guarantee
-    from waybound.formulations.selection.selections import Selection
+    from waybound.formulations.sata.selections import Selection
     from waybound.heuristics.heuristic import Outcome
 
     seen = {}
@@ -131,8 +131,8 @@ def test_a_broken_guarantee_is_shrunk_and_printed_as_a_file():
 
 def test_weights_of_any_size_keep_the_optimum_two_sided():
     for spread in (1e-6, 1.0, 1e6):
-        from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
-        from waybound.instances.sensing.graph import graph_of_edges
+        from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+        from waybound.instances.sata.sensing_graph import graph_of_edges
 
         rng = np.random.default_rng(4)
         weights = spread * rng.lognormal(0, 2, 12)

@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from waybound.formulations.selection.submodular_selection import SubmodularSelection
-from waybound.instances.selection.constraints import Cardinality
-from waybound.reports.ratios import max_min_families as graphs
-from waybound.reports.ratios import selection_traps as traps
+from waybound.formulations.sata.submodular_selection import SubmodularSelection
+from waybound.instances.sata.constraints import Cardinality
 from waybound.reports.ratios.judging import judge, ratio_of, run_heuristic
 from waybound.reports.ratios.optimum import MOST_ELEMENTS, optimum
+from waybound.reports.ratios.studies.sata.families import max_min as graphs
+from waybound.reports.ratios.studies.sata.families import selection_traps as traps
 
 EXACT = {"search": "secant", "eps": 1e-6, "ball": False}
 
@@ -115,7 +115,7 @@ def test_cycles_are_solved_exactly(n, h):
 @pytest.mark.parametrize("h", [1, 2, 5])
 @pytest.mark.parametrize("n", [2, 3, 8])
 def test_private_targets_are_solved_exactly_and_have_the_integrality_gap(n, h):
-    from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+    from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 
     problem = graphs.private_targets(n)
     assert value(problem, "local", h=h, **EXACT) == pytest.approx(1 / n, abs=1e-6)

@@ -26,9 +26,9 @@ from waybound.reports.benchmarks.risk_allocation import by_program, reference
 from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.backends.cvxpy import CVXPY, solvers_found
 from waybound.solvers.backends.highs import Highs
-from waybound.solvers.engines.convex_allocation import ConvexAllocation
-from waybound.solvers.engines.convex_allocation_steps.session import open_session
-from waybound.solvers.engines.exact_joint import ExactJoint
+from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
+from waybound.solvers.engines.risk.convex_allocation_steps.session import open_session
+from waybound.solvers.engines.risk.exact_joint import ExactJoint
 
 CONE_SOLVERS = [
     pytest.param(name, marks=pytest.mark.skipif(name not in solvers_found(), reason="it is not installed")) for name in ("CLARABEL", "ECOS")

@@ -13,9 +13,9 @@ from sata_cases import CASES
 
 import waybound as wb
 from waybound.formulations.certificate import check_certificate, verified_bound
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.programs.program import INTEGERS, LINEAR, QUADRATIC
-from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
 from waybound.solvers.program_backend import takers
@@ -179,7 +179,7 @@ def test_solvers_that_run_apart_are_reached_through_solve(solver: str) -> None:
 
 def test_gap_family_has_an_unbounded_integrality_gap() -> None:
     for n in (2, 5, 9):
-        from waybound.instances.sensing.graph import graph_of_edges
+        from waybound.instances.sata.sensing_graph import graph_of_edges
 
         graph = graph_of_edges(np.zeros(n, int), np.arange(n), np.arange(n))
         assert wb.solve(BottleneckSATA(graph, fractional=True), "highs", bound_time=0).objective == pytest.approx(1 / n)

@@ -12,9 +12,9 @@ from programs import Counting, Patient, program
 from random_sensing import optimum, random_graph
 
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.programs.compiled import Compiled
 from waybound.formulations.programs.program import LINEAR, Program, Rows, Variables
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.formulations.stop import Stop
 from waybound.instances.errors import MissingPackageError, UnsupportedError, UsageError, WayboundError
 from waybound.solvers.backend import BACKENDS, LP_SOLVER

@@ -16,7 +16,7 @@ from waybound.formulations.answers import write_answer
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.problem import Problem
 from waybound.formulations.routing.routes import Route, Routes
-from waybound.formulations.selection.selections import Selection
+from waybound.formulations.sata.selections import Selection
 from waybound.instances.errors import InputError, UsageError
 from waybound.solving.answers import answer_given
 

@@ -13,7 +13,6 @@ from sata_cases import CASES
 
 import waybound as wb
 from waybound.formulations.forms import FORMS, nearest_form
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC
 from waybound.formulations.routing.objective import (
     TERMS,
@@ -27,7 +26,8 @@ from waybound.formulations.routing.objective import (
     Vehicles,
 )
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.instances.routing.features import FEATURES, UNASKED

@@ -10,9 +10,9 @@ from programs import Counting
 from random_sensing import random_graph
 
 from waybound.cli.solving import exit_code
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.instances.errors import SearchFailedError, UnsupportedError, UsageError
 from waybound.instances.routing.instance import VehicleType
 from waybound.solvers.backend import BACKENDS, Control, Options, RawResult

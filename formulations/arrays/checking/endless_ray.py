@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from ....instances.errors import InputError
+from ...checking.evidence_numbers import numbers
 from ...evidence import ENDLESS
-from ...routing.checking.multipliers import numbers
 
 
 @ENDLESS.register("endless-ray")

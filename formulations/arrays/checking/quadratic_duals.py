@@ -30,10 +30,10 @@ from typing import Any
 import numpy as np
 
 from ....instances.errors import InputError
+from ...checking.evidence_numbers import numbers
 from ...checking.granularity import Floats, grain, lift
+from ...checking.row_duals import least_value
 from ...evidence import CHECKERS
-from ...routing.checking.multipliers import numbers
-from .lp_dual import least_value
 
 MOST_STEPS = 100_000
 """Products of fractions that finding out about a matrix may take; more prove nothing."""

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ...checking.evidence_numbers import numbers
 from ...evidence import CHECKERS
-from ...routing.checking.multipliers import numbers
 
 Floats = NDArray[np.float64]
 

@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ...arrays.checking.lp_dual import least_value
+from ...checking.evidence_numbers import numbers
+from ...checking.row_duals import least_value
 from ...evidence import CHECKERS
-from ...routing.checking.multipliers import numbers
 
 Floats = NDArray[np.float64]
 

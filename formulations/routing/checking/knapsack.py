@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ...checking.evidence_numbers import number
 from ...checking.granularity import grain, lift
 from ...evidence import CHECKERS
 from .known_features import unknown_features
-from .multipliers import number
 from .round_trips import least_peak
 from .stops_on_the_way import without_stops
 from .vehicle_moves import VehicleMoves, alike, terms_of

@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ...checking.evidence_numbers import numbers
 from ...checking.granularity import lift
 from ...evidence import CHECKERS
 from ...stop import current_stop
-from .multipliers import numbers
 from .relaxation import Relaxation, Resource, relax
 
 if TYPE_CHECKING:

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
 from ...evidence import CHECKERS
-from .multipliers import number, numbers
 from .relaxation import Relaxation, relax
 
 if TYPE_CHECKING:

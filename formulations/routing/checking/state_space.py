@@ -20,11 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
 from ...evidence import CHECKERS
 from ...stop import current_stop
 from .known_features import unknown_features
-from .multipliers import number, numbers
 from .stops_on_the_way import without_stops
 from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, terms_of, value_grain, worth_of_visits
 

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ....instances.errors import InputError
+from ...checking.evidence_numbers import number
 from ...evidence import CHECKERS
 from .known_features import unknown_features
-from .multipliers import number
 from .round_trips import least_peak
 from .route_limits import allowed
 from .stops_on_the_way import without_stops

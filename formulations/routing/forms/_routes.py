@@ -9,11 +9,9 @@ from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...programs.program import Floats
+from ...tolerance import INTEGRALITY
 from ..preparation import Preparation, Resource
 from ..routes import Route
-
-INTEGRALITY = 1e-5
-"""Largest distance to an integer that a solver's point may have and still be read as an answer."""
 
 
 def used(x: Floats) -> NDArray[np.bool_]:

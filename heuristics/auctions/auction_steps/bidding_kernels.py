@@ -11,7 +11,7 @@ import numpy as np
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
-from ....solvers.engines.task_subset_steps.subset_kernels import costs_to_go, path_through
+from ....solvers.engines.auctions.task_subset_steps.subset_kernels import costs_to_go, path_through
 
 SUM, LARGEST, WAYS = 0, 1, 2
 """What a bid counts: the way that is added, the whole path with it, or what is added to the ways of all its tasks."""

@@ -54,7 +54,7 @@ def single_moves(
     -----
     Source: Zhang (2015), algorithm 2, after Kim and Shell (2014); docs/formulations/balanced-partition.md#distributed-sampling.
     """
-    from ....solvers.engines.task_subset_steps.part_kernels import CLIQUE, NONE, TREE, part_cost
+    from ....solvers.engines.auctions.task_subset_steps.part_kernels import CLIQUE, NONE, TREE, part_cost
 
     weights, between = np.array(problem.weights), np.array(problem.instance.between)
     kind = {"none": NONE, "clique": CLIQUE, "mst": TREE}[problem.edges]

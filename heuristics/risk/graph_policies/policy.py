@@ -10,8 +10,8 @@ import numpy as np
 
 from ....instances.errors import InputError
 from ....instances.risk.uncertain_graph import Floats, UncertainGraph
-from ....solvers.engines.path_search.non_dominated_paths import NonDominated
-from ....solvers.engines.path_search.supported_paths import shortest_path
+from ....solvers.engines.risk.path_search.non_dominated_paths import NonDominated
+from ....solvers.engines.risk.path_search.supported_paths import shortest_path
 
 
 class Policy(ABC):

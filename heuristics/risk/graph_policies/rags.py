@@ -11,7 +11,7 @@ from ....formulations.risk.shared_edges import JointCosts, joint_probabilities
 from ....formulations.tolerance import EQUAL
 from ....instances.errors import UsageError
 from ....instances.risk.uncertain_graph import Floats, UncertainGraph
-from ....solvers.engines.path_search.non_dominated_paths import NonDominated
+from ....solvers.engines.risk.path_search.non_dominated_paths import NonDominated
 from .policy import Following
 
 RULES = ("best", "scan")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ... import arrays
+from ... import number_arrays as arrays
 from ...document import array, fields, integer, json_number, json_numbers, kind_of, real, reals, square, string, strings, wholes
 from ...errors import InputError
 from ...kinds import KINDS, Kind

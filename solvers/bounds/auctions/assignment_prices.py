@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
-from ...engines.assignment_steps.auction import auction
-from ...engines.assignment_steps.thresholds import least_threshold
+from ...engines.auctions.assignment_steps.auction import auction
+from ...engines.auctions.assignment_steps.thresholds import least_threshold
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 
@@ -30,7 +30,10 @@ def compute(problem: BinAssignment, stop: Stop, linear: LinearPrograms) -> Evide
     return made.evidence(problem, "auction prices") if made.complete else None
 
 
-KERNELS = ("waybound.solvers.engines.assignment_steps.auction_kernels", "waybound.solvers.engines.assignment_steps.price_kernels")
+KERNELS = (
+    "waybound.solvers.engines.auctions.assignment_steps.auction_kernels",
+    "waybound.solvers.engines.auctions.assignment_steps.price_kernels",
+)
 
 
 BOUNDS.add("assignment-prices", BoundMethod("assignment-prices", missing, compute, order=1, kernels=KERNELS))

@@ -14,7 +14,7 @@ from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 
 if TYPE_CHECKING:
-    from ...engines.convex_allocation_steps.interval import Interval
+    from ...engines.risk.convex_allocation_steps.interval import Interval
 
 
 def missing(problem: Any) -> frozenset[str]:
@@ -24,7 +24,7 @@ def missing(problem: Any) -> frozenset[str]:
 
 def compute(problem: RiskAllocation, stop: Stop, linear: LinearPrograms) -> Evidence | None:
     """Prices by successive tangents, for what is left of the problem without alternatives, and without sums where risk is joint."""
-    from ...engines.convex_allocation_steps.successive_tangents import SuccessiveTangents
+    from ...engines.risk.convex_allocation_steps.successive_tangents import SuccessiveTangents
 
     part, rows = problem.convex_part()
     return next(iter(part_evidence(problem, rows, SuccessiveTangents(part, linear.seed).run(stop))), None)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.stop import NEVER, Stop, until
-from ...engines.risky_path_steps.least_hazard import least_hazard
+from ...engines.risk.risky_path_steps.least_hazard import least_hazard
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 

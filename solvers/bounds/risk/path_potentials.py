@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
-from ...engines.path_search.supported_paths import supported_paths
+from ...engines.risk.path_search.supported_paths import supported_paths
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 

@@ -14,7 +14,7 @@ from waybound.formulations.auctions.orchard_day import OrchardDay, in_order
 from waybound.formulations.evidence import CHECKERS
 from waybound.instances.auctions.orchard_jobs import OrchardJobs
 from waybound.instances.errors import InputError, UsageError
-from waybound.reports.missions.orchard_days.days import play_day
+from waybound.reports.missions.auctions.orchard_days.days import play_day
 
 # places, steps at which they are full, robots, ways out and home, least last step, least sum
 SCHEDULES = [

@@ -152,7 +152,7 @@ def test_a_tree_that_is_too_deep_is_refused_before_it_is_walked() -> None:
 def test_families_without_statements_refuse_trees() -> None:
     from random_sensing import random_graph
 
-    from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+    from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 
     shares = BottleneckSATA(random_graph(1, robots=2, targets=2), fractional=True)
     with pytest.raises(InputError, match="nothing can be stated"):

@@ -9,7 +9,7 @@ from risk_problems import run
 
 from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.instances.errors import InputError, UnsupportedError
-from waybound.solvers.engines.convex_allocation import ConvexAllocation
+from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 
 
 def test_the_stalling_problem_in_cvxpy() -> None:

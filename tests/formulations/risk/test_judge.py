@@ -11,7 +11,7 @@ from scipy.stats import norm
 from waybound.formulations.risk.allocations import Allocation
 from waybound.formulations.risk.judge import evaluate_allocation, safest_risks
 from waybound.formulations.risk.risk_allocation import RiskAllocation
-from waybound.solvers.engines.convex_allocation import ConvexAllocation
+from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 
 UNIFORM = 5.0 + ndtri(0.05)
 

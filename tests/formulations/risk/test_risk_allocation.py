@@ -12,7 +12,7 @@ from risk_problems import around_a_box, problem, run
 import waybound as wb
 from waybound.formulations.risk.allocations import Allocation
 from waybound.instances.errors import InputError
-from waybound.solvers.engines.convex_allocation import ConvexAllocation
+from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 
 
 def test_statements_on_alternatives_restrict() -> None:

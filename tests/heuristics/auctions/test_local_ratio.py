@@ -10,7 +10,7 @@ from knapsack_assignments import enumerated, random_assignment, worked
 import waybound as wb
 from waybound.heuristics.auctions import _knapsack
 from waybound.instances.errors import UsageError, WayboundError
-from waybound.reports.ratios.knapsack_assignment_families import stolen
+from waybound.reports.ratios.studies.auctions.families.knapsack_assignment import stolen
 
 
 def test_two_is_kept_and_three_where_knapsacks_are_cut(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,8 +9,8 @@ from bin_assignments import worked
 
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.instances.errors import UsageError
-from waybound.reports.ratios.assignment_families import serial_line
 from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.studies.auctions.families.assignment import serial_line
 
 
 def run(problem: BinAssignment, **options):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.reports.benchmarks import compile_max_min as benchmark
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from waybound.reports.benchmarks.routing_variants import CHANGES, CUSTOMERS, TURNS, drawn, features_of
-from waybound.reports.tables.routing_features import ROWS
+from waybound.reports.tables.routing.routing_features import ROWS
 
 
 def test_each_has_the_feature_whose_turn_it_is() -> None:

@@ -12,7 +12,7 @@ from waybound.instances.errors import InputError, UsageError
 from waybound.instances.worlds import World
 from waybound.reports.missions.animation import MOST_FRAMES, Film, save_side_by_side
 from waybound.reports.missions.mission import Mission
-from waybound.reports.missions.tracking import Tracking
+from waybound.reports.missions.sata.tracking import Tracking
 
 SMALL = {"robots": 3, "targets": 4, "width": 60.0, "height": 60.0}
 

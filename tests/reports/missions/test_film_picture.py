@@ -9,7 +9,7 @@ from waybound import run
 from waybound.reports.missions.animation import Film
 from waybound.reports.missions.film_picture import TRAIL, Picture
 from waybound.reports.missions.mission import MISSIONS
-from waybound.reports.missions.tracking import Tracking
+from waybound.reports.missions.sata.tracking import Tracking
 
 SMALL = {"robots": 3, "targets": 6, "width": 60.0, "height": 60.0}
 

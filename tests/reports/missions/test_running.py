@@ -12,10 +12,10 @@ import pandas as pd
 import pytest
 
 import waybound as wb
-from waybound.formulations.selection.submodular_selection import SubmodularSelection
+from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.instances.errors import InputError, UnsupportedError, UsageError
-from waybound.instances.selection.constraints import Cardinality
-from waybound.instances.selection.functions import Coverage
+from waybound.instances.sata.constraints import Cardinality
+from waybound.instances.sata.set_functions import Coverage
 from waybound.instances.worlds import Setting, World, setting_values
 from waybound.reports.missions import running
 from waybound.reports.missions.mission import Mission

@@ -10,7 +10,7 @@ import pytest
 from outside_family import Jobs, LeastWaiting, register
 
 import waybound as wb
-from waybound.formulations.selection.selections import Selection
+from waybound.formulations.sata.selections import Selection
 from waybound.reports.plots import PLOTS, check_drawable, plot_solution, save_plot
 
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from waybound.formulations.evidence import Evidence, Guarantee
-from waybound.formulations.selection.selections import Selection
+from waybound.formulations.sata.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
 from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
 from waybound.reports.ratios.judging import Configuration
-from waybound.reports.ratios.selection_families import random_families
+from waybound.reports.ratios.studies.sata.families.selection import random_families
 from waybound.reports.ratios.study import Report, StudySetting
 
 HALF = Guarantee(2.0, "f(S) >= f(OPT) / 2", (), "nowhere")

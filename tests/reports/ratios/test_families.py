@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from waybound.reports.ratios import max_min_families as graphs
-from waybound.reports.ratios import planted_families as planted
-from waybound.reports.ratios import selection_families as random
+from waybound.reports.ratios.studies.sata.families import max_min as graphs
+from waybound.reports.ratios.studies.sata.families import planted
+from waybound.reports.ratios.studies.sata.families import selection as random
 
 RANDOM = [
     *(family for rule in random.CONSTRAINTS for family in random.random_families(rule)), random.random_assignments(),

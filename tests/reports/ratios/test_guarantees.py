@@ -10,7 +10,7 @@ import waybound as wb
 from waybound.reports.ratios.guarantees import FALSE_ALARM, GuaranteePlan, hoeffding_margin, run_plan
 from waybound.reports.ratios.judging import Configuration, judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
-from waybound.reports.ratios.selection_families import random_families
+from waybound.reports.ratios.studies.sata.families.selection import random_families
 from waybound.reports.ratios.study import STUDIES, StudySetting
 from waybound.reports.ratios.violations import write_faults
 

@@ -10,7 +10,7 @@ import pytest
 from selection_problems import cover_tight
 
 from waybound.formulations.evidence import Evidence, Guarantee
-from waybound.formulations.selection.selections import Selection
+from waybound.formulations.sata.selections import Selection
 from waybound.heuristics.heuristic import Outcome
 from waybound.reports.ratios.judging import Case, Configuration, audit, judge, ratio_of, run_heuristic
 from waybound.reports.ratios.optimum import Optimum, optimum

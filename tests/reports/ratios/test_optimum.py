@@ -12,17 +12,17 @@ from hypothesis import given, settings
 from ratio_strategies import assignments, graphs, selections
 from sata_cases import CASES
 
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
-from waybound.formulations.max_min.max_min_lp import MaxMinLP
 from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.selection.selections import Selection
-from waybound.formulations.selection.submodular_selection import SubmodularSelection
-from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+from waybound.formulations.sata.max_min_lp import MaxMinLP
+from waybound.formulations.sata.selections import Selection
+from waybound.formulations.sata.submodular_selection import SubmodularSelection
+from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import CheckFailedError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.instances.selection.constraints import Cardinality
-from waybound.instances.selection.functions import Coverage, UserFunction
+from waybound.instances.sata.constraints import Cardinality
+from waybound.instances.sata.set_functions import Coverage, UserFunction
 from waybound.reports.ratios.optimum import MOST_ELEMENTS, allowed_sets, attained, optimum, set_values
 
 

@@ -10,10 +10,10 @@ import waybound as wb
 from waybound.formulations.problem import problem_from_instance
 from waybound.instances.errors import InputError
 from waybound.instances.writing import write_instance
-from waybound.reports.ratios import max_min_families as graphs
-from waybound.reports.ratios import routing_families as routes
-from waybound.reports.ratios import selection_families as random
-from waybound.reports.ratios import uncertain_families as uncertain
+from waybound.reports.ratios.studies.risk.families import uncertain_graphs as uncertain
+from waybound.reports.ratios.studies.routing.families import routing as routes
+from waybound.reports.ratios.studies.sata.families import max_min as graphs
+from waybound.reports.ratios.studies.sata.families import selection as random
 from waybound.reports.ratios.study import Fault, Report
 from waybound.reports.ratios.violations import instance_of, instance_text, summary_lines, write_faults
 from waybound.reports.tables.table import Table

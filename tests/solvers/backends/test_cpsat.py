@@ -13,9 +13,9 @@ from programs import program
 from sata_cases import CASES
 
 import waybound as wb
-from waybound.formulations.max_min.bottleneck_sata import BottleneckSATA
 from waybound.formulations.programs.circuits import Circuit
-from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.solvers.backend import STATUSES, Control, Options
 from waybound.solvers.backends import cpsat

@@ -11,7 +11,7 @@ from sata_cases import CASES
 
 import waybound as wb
 from waybound.formulations.programs.program import INTEGERS, QUADRATIC
-from waybound.formulations.selection.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.backends import mathopt as module

@@ -24,7 +24,7 @@ from waybound.formulations.risk.checking.risk_allocation_duals import (
 from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.instances.errors import InputError
 from waybound.reports.benchmarks.risk_allocation import random_problem
-from waybound.solvers.engines.convex_allocation import ConvexAllocation
+from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 
 
 def proved(p: RiskAllocation) -> tuple[Any, float, dict[str, Any]]:

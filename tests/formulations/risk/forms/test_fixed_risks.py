@@ -13,7 +13,7 @@ from waybound.formulations.risk.forms._fixed_risks import ROUNDED, fixed_margins
 from waybound.formulations.risk.forms._piecewise import NEGLIGIBLE
 from waybound.formulations.stop import Stop
 from waybound.solvers.backend import Control, Options, solver_named
-from waybound.solvers.engines.convex_allocation_steps.session import open_session
+from waybound.solvers.engines.risk.convex_allocation_steps.session import open_session
 
 
 def test_margins_stand_on_the_right_side() -> None:

@@ -12,7 +12,7 @@ from waybound.formulations.certificate import verified_bound
 from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.risk.forms import tangents
 from waybound.formulations.stop import Stop
-from waybound.solvers.engines.convex_allocation_steps.session import open_session
+from waybound.solvers.engines.risk.convex_allocation_steps.session import open_session
 
 
 @pytest.mark.parametrize(("p", "best"), [(problem(), 13.731143), (margins([1.0, 2.0, 5.0], 0.1), 13.808752)], ids=["max", "min"])

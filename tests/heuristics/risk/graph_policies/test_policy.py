@@ -8,7 +8,7 @@ from uncertain_graphs import WORKED, all_paths, graph_of, named, random_graph
 
 from waybound.heuristics.risk.graph_policies.policy import Greedy, Hindsight, LeastMean
 from waybound.instances.errors import InputError
-from waybound.solvers.engines.path_search.non_dominated_paths import non_dominated_paths
+from waybound.solvers.engines.risk.path_search.non_dominated_paths import non_dominated_paths
 
 
 def walk(policy, costs):

@@ -9,7 +9,7 @@ from uncertain_graphs import WORKED, graph_of, named
 from waybound.heuristics.risk.graph_policies.rags import RiskAware
 from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
-from waybound.solvers.engines.path_search.non_dominated_paths import NonDominated, non_dominated_paths
+from waybound.solvers.engines.risk.path_search.non_dominated_paths import NonDominated, non_dominated_paths
 
 
 @pytest.fixture

@@ -1,3 +1,0 @@
-"""Bottleneck assignment and max-min linear programs."""
-
-from ... import _guard as _guard

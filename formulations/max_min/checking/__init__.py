@@ -1,3 +1,0 @@
-"""Checkers of max-min evidence, in plain code of their own."""
-
-from .... import _guard as _guard

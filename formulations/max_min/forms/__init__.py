@@ -1,3 +1,0 @@
-"""Forms of max-min problems."""
-
-from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Checkers of bounds on selections and max-min programs: they read problem data and evidence, nothing else."""
+
+from .... import _guard as _guard

@@ -1,0 +1,151 @@
+"""Evidence ``item-prices``: one price an item, multiplied out against the elements.
+
+For prices p >= 0 of the items and any set S of elements, each item is worth its price and what the best element gives beyond it::
+
+    f(S) = sum_j max_{e in S} c_ej  <=  sum_j p_j + sum_{e in S} sum_j max(0, c_ej - p_j)
+
+and the last sum is at most that of the best set that the constraint allows, elements now counting each for itself: the k best, the
+best of each group, or under a budget the best by worth for cost with the last one in part (of several budgets, and any sum of them,
+the tightest).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.errors import InputError
+from ....instances.sata.set_functions import AT_ITEM, IN_MATRIX
+from ...checking.evidence_numbers import numbers
+from ...checking.granularity import Grain, grain, lift
+from ...evidence import CHECKERS
+from ...tolerance import room
+from .decided import contradicted, spent, split
+
+Floats = NDArray[np.float64]
+
+_EPS = float(np.finfo(np.float64).eps)
+_TINY = 5e-324
+_STRIP = 2**22
+"""Entries of a full matrix that are looked at in one go."""
+
+
+@CHECKERS.register("item-prices")
+def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
+    """Upper bound on a coverage or facility-location problem that any prices of its items prove.
+
+    Parameters
+    ----------
+    problem : SubmodularSelection
+    data : dict
+        ``prices``: one number an item. Negative ones count as 0. Under several budgets ``multipliers``, if there are any: one number a
+        row, for a budget that they make of all.
+
+    Returns
+    -------
+    float
+        Infinite where the sums overflow; minus infinity where decided elements leave no answer.
+
+    Raises
+    ------
+    InputError
+        If the list is missing, of the wrong length, or holds anything but finite numbers, or the function has no items.
+
+    Notes
+    -----
+    Source: linear programming duality for the facility-location problem (Cornuéjols, Fisher, Nemhauser 1977);
+    docs/formulations/winner-takes-all.md#item-prices. All sums are of nonnegative terms, and are rounded upwards.
+    """
+    weights = problem.function.as_item_weights() if problem.family == "selection" else None  # data: each layout is added up here
+    if weights is None:
+        raise InputError("prices of items are evidence for coverage and facility-location problems", found=problem.problem)
+    p = np.maximum(numbers(data, "prices", weights.num_items), 0.0)
+    if contradicted(problem):
+        return -math.inf
+    with np.errstate(over="ignore", invalid="ignore"):
+        worth, longest = _worths(weights, p, problem.num_elements)
+        fixed, left = split(problem, worth)
+        parts = np.concatenate([fixed, _best(problem, left, data)])
+        if not (np.isfinite(worth).all() and np.isfinite(parts).all()):
+            return math.inf
+        try:
+            total = math.fsum(p) + math.fsum(parts)
+        except OverflowError:
+            return math.inf
+        return lift(total * (1.0 + (longest + 16) * _EPS) + (_TINY if total > 0 else 0.0), "max", value_grain(problem.function))
+
+
+def _worths(weights: Any, p: Floats, n: int) -> tuple[Floats, int]:
+    """What each element gives beyond the prices, and the number of terms in the longest of these sums."""
+    if weights.layout == IN_MATRIX:
+        parts = [np.maximum(strip - p, 0.0).sum(axis=1) for strip in _strips(weights.matrix)]
+        return np.concatenate([np.zeros(0), *parts]), weights.num_items
+    counts = np.diff(weights.indptr)
+    element = np.repeat(np.arange(n), counts)
+    given = weights.weights[weights.indices] if weights.layout == AT_ITEM else weights.weights
+    beyond = np.maximum(given - p[weights.indices], 0.0)
+    return np.bincount(element, beyond, minlength=n).astype(np.float64), int(counts.max(initial=0))
+
+
+def _strips(matrix: Any) -> Iterator[Floats]:
+    """Some rows after the other, in full precision."""
+    step = max(1, _STRIP // max(1, matrix.shape[1]))
+    for first in range(0, matrix.shape[0], step):
+        yield matrix[first : first + step].astype(np.float64)
+
+
+def _best(problem: Any, worth: Floats, data: Mapping[str, Any]) -> Floats:
+    """Terms whose sum no set of undecided elements exceeds that is allowed beside the taken ones, each counting for itself; all where
+    nothing is known of the constraint."""
+    constraint = problem.constraint
+    partition, rows = constraint.as_partition(len(worth)), constraint.rows(len(worth))
+    if partition is not None:
+        limits = partition.limits - np.bincount(partition.groups[problem.taken], minlength=len(partition.limits))
+        order = np.lexsort((-worth, partition.groups))
+        groups = partition.groups[order]
+        rank = np.arange(len(order)) - np.searchsorted(groups, groups)
+        return np.asarray(worth[order[rank < limits[groups]]], dtype=np.float64)
+    if rows is None:
+        return worth
+    budgets = []
+    for row, limit in enumerate(rows.limit.tolist()):
+        costs, mine = np.zeros(len(worth)), rows.row == row
+        costs[rows.element[mine]] = rows.coefficient[mine]
+        budgets.append((costs, limit))
+    if "multipliers" in data:  # what the rows allow, so does their sum, each times a number >= 0
+        y = np.maximum(numbers(data, "multipliers", len(budgets)), 0.0)
+        total = math.fsum(factor * room(costs, limit) for factor, (costs, limit) in zip(y, budgets, strict=True))
+        together = sum((factor * costs for factor, (costs, _) in zip(y, budgets, strict=True)), np.zeros(len(worth)))
+        budgets.append((together, total * (1.0 + (len(budgets) + 4) * _EPS)))
+    return min([worth, *(_fractional_knapsack(costs, limit, worth, spent(problem, costs)) for costs, limit in budgets)], key=np.sum)
+
+
+def _fractional_knapsack(costs: Floats, budget: float, worth: Floats, used: float) -> Floats:
+    """For any rate q >= 0 of worth for cost, q budget and what the elements are worth beyond q times their cost.
+
+    The best q is the ratio at which the budget runs out; no other needs to be right for the bound to hold.
+    """
+    most = max(0.0, room(costs, budget) * (1.0 + 4 * _EPS) - used)  # evaluate lets that much pass
+    with np.errstate(over="ignore", under="ignore"):  # in a unit in which the budget is below 1
+        costs, most = (np.ldexp(v, -np.frexp(budget)[1]) for v in (costs, most))
+    fits = costs <= most
+    costs, worth = costs[fits], worth[fits]
+    paid = (costs > 0) & (worth > 0)
+    rate = worth[paid] / costs[paid]
+    order = np.argsort(-rate, kind="stable")
+    at = int(np.searchsorted(np.cumsum(costs[paid][order]), most, side="right"))
+    q = float(rate[order][at]) if at < len(rate) else 0.0
+    if not math.isfinite(q):
+        q = 0.0
+    # The rounding of the product, in the direction that leaves more.
+    return np.append(np.maximum(worth - q * costs * (1.0 - 2 * _EPS), 0.0), q * most)
+
+
+def value_grain(function: Any) -> Grain | None:
+    """Of what every value of a function with weights at items or entries is a multiple; None for full matrices and other functions."""
+    weights = function.as_item_weights()
+    return None if weights is None or weights.layout == IN_MATRIX else grain(weights.weights)

@@ -1,0 +1,89 @@
+"""Evidence ``packing-covering-duals``: prices of packing and covering rows, multiplied out against the matrices.
+
+For y, z >= 0, scaled by the best t that makes ``C'y <= t A'z``, and any x >= 0::
+
+    A x <= 1:  min_j (C x)_j <= y'C x / sum y <= t z'A x / sum y <= t sum z / sum y            (sense ``max``)
+    C x >= 1:  max_i (A x)_i >= z'A x / sum z >= y'C x / (t sum z) >= sum y / (t sum z)        (sense ``min``)
+
+with t = max over the variables v of (C'y)_v / (A'z)_v. A variable that covers for nothing, (A'z)_v = 0 < (C'y)_v, leaves no bound.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....instances.errors import InputError
+from ...checking.evidence_numbers import numbers
+from ...evidence import CHECKERS
+
+Floats = NDArray[np.float64]
+
+_EPS = float(np.finfo(np.float64).eps)
+_TINY = 5e-324
+
+
+@CHECKERS.register("packing-covering-duals")
+def check_packing_covering_duals(problem: Any, data: Mapping[str, Any]) -> float:
+    """Bound on a max-min or min-max linear program that any prices of its rows prove.
+
+    Parameters
+    ----------
+    problem : MaxMinLP
+    data : dict
+        ``covering``: y, one number a row of C; ``packing``: z, one number a row of A. Negative ones count as 0.
+
+    Returns
+    -------
+    float
+        Infinity (``max``) or minus infinity (``min``) where nothing is proved.
+
+    Raises
+    ------
+    InputError
+        If the lists are missing, differ in length from the matrices, or hold anything but finite numbers.
+
+    Notes
+    -----
+    Source: linear programming duality; docs/formulations/bottleneck.md#packing-covering-duals. All sums are of nonnegative terms, so that
+    their relative error is that of their roundings; what falls below the smallest number counts against the bound.
+    """
+    if problem.family != "max-min" or getattr(problem, "packing", None) is None:
+        raise InputError("prices of packing and covering rows are evidence for max-min LPs", found=problem.problem)
+    a, c = problem.packing, problem.covering
+    y = _scaled(numbers(data, "covering", c.rows))
+    z = _scaled(numbers(data, "packing", a.rows))
+    nothing = math.inf if problem.sense == "max" else -math.inf
+    if not y.any() or (problem.sense == "min" and not z.any()):
+        return nothing
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore", under="ignore"):
+        worth, terms = _transposed(c, y)
+        price, others = _transposed(a, z)
+        used = np.nonzero(terms)[0]
+        rate = (worth + terms * _TINY)[used] / np.maximum(price - others * _TINY, 0.0)[used]
+        t = float(rate.max(initial=0.0))
+        dearest, least = (z, y) if problem.sense == "max" else (y, z)
+        ratio = math.fsum(dearest) / math.fsum(least)
+        slack = 1.0 + (int(terms.max(initial=0)) + int(others.max(initial=0)) + 16) * _EPS
+        bound = t * ratio * slack + _TINY if problem.sense == "max" else ratio / t / slack if t > 0 else -math.inf
+    return bound if math.isfinite(bound) else nothing
+
+
+def _scaled(values: Floats) -> Floats:
+    """Nonnegative, the largest 1: guards the products against overflow."""
+    made = np.maximum(values, 0.0)
+    largest = float(made.max(initial=0.0))
+    with np.errstate(over="ignore", under="ignore"):
+        return made / largest if largest > 0 else made
+
+
+def _transposed(matrix: Any, prices: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    """For each variable the sum of its coefficients times the prices of their rows, and how many prices are positive."""
+    row = np.repeat(np.arange(matrix.rows), np.diff(matrix.indptr))
+    mine = prices[row]
+    worth = np.bincount(matrix.indices, matrix.data * mine, minlength=matrix.columns).astype(np.float64)
+    return worth, np.bincount(matrix.indices, mine > 0, minlength=matrix.columns).astype(np.int64)

@@ -1,0 +1,204 @@
+"""General max-min and min-max linear programs: packing rows against covering rows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...instances.errors import InputError, UsageError
+from ...instances.sata.max_min_lp import MaxMinInstance, SparseMatrix
+from ..evaluation import Evaluation, judge
+from ..problem import PROBLEMS, Problem, refuse_unknown_settings
+from ..tolerance import VECTOR
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Floats = NDArray[np.float64]
+
+
+class MaxMinLP(Problem):
+    """``max``: maximise the least entry of C x subject to A x <= 1, x >= 0. ``min``: minimise the largest of A x subject to C x >= 1.
+
+    Parameters
+    ----------
+    packing, covering : SparseMatrix, or any matrix of shape (rows, variables)
+        A and C, nonnegative.
+    sense : str
+        ``max`` or ``min``.
+    name : str
+    variable_names : sequence of str, optional
+
+    Raises
+    ------
+    InputError
+        If the matrices do not fit each other, or the program is unbounded or infeasible by its pattern.
+
+    Notes
+    -----
+    Source: Floréen, Hassinen, Kaasinen, Kaski, Musto and Suomela (2011), Local approximability of max-min and min-max linear
+    programs; docs/formulations/bottleneck.md#max-min-and-min-max-linear-programs. The bottleneck problem of robots is the member with one
+    packing row a variable.
+    """
+
+    family: ClassVar[str] = "max-min"
+
+    def __init__(
+        self,
+        packing: Any,
+        covering: Any,
+        *,
+        sense: str = "max",
+        name: str = "max-min-lp",
+        variable_names: tuple[str, ...] | None = None,
+        notes: tuple[str, ...] = (),
+    ) -> None:
+        a, c = (m if isinstance(m, SparseMatrix) else SparseMatrix.of(m) for m in (packing, covering))
+        self.instance = MaxMinInstance(a, c, sense, variable_names, name=name, notes=notes)
+        self.packing, self.covering = a, c
+        self.name, self.problem, self.notes = name, "max-min-lp", notes
+
+    @property
+    def num_variables(self) -> int:
+        return self.packing.columns
+
+    @property
+    def senses(self) -> tuple[str, ...]:
+        return (self.instance.sense,)
+
+    @property
+    def convention(self) -> str:
+        return "exact"
+
+    def digest(self) -> str:
+        return self.instance.digest()
+
+    @cached_property
+    def one_packing_row(self) -> bool:
+        """Whether every variable that covers stands in exactly one packing row, as the actions of robots do."""
+        rows = np.bincount(self.packing.indices, minlength=self.num_variables)
+        return bool((rows[np.unique(self.covering.indices)] == 1).all())
+
+    def features(self) -> frozenset[str]:
+        """``packing-covering`` always; ``min-max`` and ``several-packing-rows`` where it is or has them."""
+        marks = {"min-max": self.sense == "min", "several-packing-rows": not self.one_packing_row}
+        return frozenset({"packing-covering", *(name for name, present in marks.items() if present)})
+
+    def facts(self) -> dict[str, Any]:
+        """Sizes of the two matrices, and whether each variable stands in one packing row."""
+        return {
+            "variables": self.num_variables,
+            "packing": self.packing.facts(),
+            "covering": self.covering.facts(),
+            "one_packing_row": self.one_packing_row,
+        }
+
+    def variable_name(self, variable: int) -> str:
+        names = self.instance.variable_names
+        return str(variable + 1) if names is None else names[variable]
+
+    def evaluate(self, answer: Any) -> Evaluation:
+        """Recompute every row of the vector ``answer`` of shape (variables,).
+
+        What passes is priced at the nearest multiple of its nonnegative part that breaks no row, so that nothing is gained by what the
+        tests let pass. A negative entry is tested by what it adds to a row.
+        """
+        x = self._vector(answer)
+        maximise = self.sense == "max"
+        with np.errstate(invalid="ignore", over="ignore"):
+            packed, covered = _rows(self.packing, x), _rows(self.covering, x)
+            row, excess = ("packing", packed - 1.0) if maximise else ("covering", 1.0 - covered)
+            negative = np.where(np.isfinite(x), -x * self._heaviest, math.inf)
+            value = float(covered.min()) if maximise else float(packed.max())
+        judged = (
+            judge("variables", negative, lambda k: f"variable {self.variable_name(k)} is {x[k]:.9g}, not 0 or more", VECTOR),
+            judge(row, excess, lambda k: f"{row} row {k + 1} is broken, by {excess[k]:.9g}", VECTOR),
+        )
+        violations = tuple(v for _, found in judged for v in found)
+        priced = value if violations else self._price(np.maximum(x, 0.0))
+        return Evaluation((priced,), tuple(check for check, _ in judged), violations, {}, precision=VECTOR)
+
+    def answer_at_hand(self) -> Floats | None:
+        """All variables alike, as large (``max``) or small (``min``) as the rows let them be."""
+        matrix, worst = (self.packing, np.max) if self.sense == "max" else (self.covering, np.min)
+        limit = float(worst(_rows(matrix, np.ones(self.num_variables))))
+        return np.full(self.num_variables, 1.0 / limit) if 0.0 < limit < math.inf else None
+
+    def _price(self, x: Floats) -> float:
+        """The objective at the nearest multiple of ``x`` that breaks no row."""
+        most, least = float(_rows(self.packing, x).max()), float(_rows(self.covering, x).min())
+        return least / max(1.0, most) if self.sense == "max" else most / min(1.0, least)
+
+    @cached_property
+    def _heaviest(self) -> Floats:
+        """Largest coefficient of each variable in the rows that limit it; 1 where it stands in none."""
+        rows = self.packing if self.sense == "max" else self.covering
+        made = np.zeros(self.num_variables)
+        np.maximum.at(made, rows.indices, rows.data)
+        return np.where(made > 0, made, 1.0)
+
+    def _vector(self, answer: Any) -> Floats:
+        try:
+            x = np.asarray(answer, dtype=np.float64)
+        except (TypeError, ValueError):
+            x = np.zeros((0, 0))
+        if x.shape != (self.num_variables,):
+            raise UsageError(f"an answer to {self.problem} is a vector of {self.num_variables} numbers")
+        return x
+
+    def answer_to_json(self, answer: Any) -> dict[str, Any]:
+        x = np.asarray(answer, dtype=np.float64)
+        return {"kind": "values", "values": {self.variable_name(k): float(x[k]) for k in np.nonzero(x)[0].tolist()}}
+
+    def answer_from_json(self, data: Any) -> Floats:
+        if not isinstance(data, Mapping) or data.get("kind") != "values" or not isinstance(data.get("values"), Mapping):
+            raise InputError("not an answer to a max-min LP", expected='an object {"kind": "values", "values": {"1": 0.5, ...}}')
+        index, x = {self.variable_name(k): k for k in range(self.num_variables)}, np.zeros(self.num_variables)
+        for name, value in data["values"].items():
+            if name not in index:
+                raise InputError(f"the answer names an unknown variable {str(name)[:80]!r}")
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                raise InputError(f"the value of variable {name} is not a number", found=str(value)[:80])
+            x[index[name]] = value
+        return x
+
+    def answer_of(self, given: Any) -> Floats:
+        """A vector of shape (variables,)."""
+        return self._vector(given)
+
+    def answer_to_frame(self, answer: Any) -> pd.DataFrame:
+        """One row a variable that is not 0: variable, value."""
+        import pandas as pd
+
+        x = np.asarray(answer, dtype=np.float64)
+        used = np.nonzero(x)[0].tolist()
+        return pd.DataFrame({"variable": [self.variable_name(k) for k in used], "value": x[used]})
+
+    def to_instance(self) -> MaxMinInstance:
+        return self.instance
+
+    def __repr__(self) -> str:
+        kind = "max-min" if self.sense == "max" else "min-max"
+        rows = f"{self.packing.rows} packing and {self.covering.rows} covering rows"
+        return f"<MaxMinLP {self.name}: {kind}, {self.num_variables} variables, {rows}>"
+
+
+def _rows(matrix: SparseMatrix, x: Floats) -> Floats:
+    row = np.repeat(np.arange(matrix.rows), np.diff(matrix.indptr))
+    return np.asarray(np.bincount(row, matrix.data * x[matrix.indices], minlength=matrix.rows), dtype=np.float64)
+
+
+@PROBLEMS.register("max-min-lp")
+def _build(instance: Any, problem: str, settings: dict[str, Any]) -> MaxMinLP:
+    if not isinstance(instance, MaxMinInstance):
+        raise UsageError(f"{instance.name} holds no packing and covering rows, so it cannot be read as {problem}")
+    refuse_unknown_settings(problem, settings)
+    return MaxMinLP(
+        instance.packing, instance.covering, sense=instance.sense, name=instance.name, variable_names=instance.variable_names,
+        notes=instance.notes,
+    )  # fmt: skip

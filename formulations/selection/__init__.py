@@ -1,3 +1,0 @@
-"""Choosing elements: submodular functions, winner takes all."""
-
-from ... import _guard as _guard

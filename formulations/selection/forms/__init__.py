@@ -1,3 +1,0 @@
-"""Forms of selection problems."""
-
-from .... import _guard as _guard

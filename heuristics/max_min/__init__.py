@@ -1,3 +1,0 @@
-"""Approximations for max-min problems."""
-
-from ... import _guard as _guard

@@ -1,0 +1,47 @@
+"""Ratios that hold for greedy methods, and the assumptions under which they do, checked on the problem."""
+
+from __future__ import annotations
+
+import math
+
+from ....formulations.evidence import Guarantee
+from ....formulations.sata.submodular_selection import SubmodularSelection
+from ..submodularity import check_submodular
+from .limits import Limits
+
+SAMPLES = 200
+"""Triples of sets and element on which a user's declaration is tried before a guarantee rests on it."""
+
+NWF = "Nemhauser, Wolsey and Fisher (1978), An analysis of approximations for maximizing submodular set functions I"
+FNW = "Fisher, Nemhauser and Wolsey (1978), An analysis of approximations for maximizing submodular set functions II"
+
+
+def assumptions(problem: SubmodularSelection) -> tuple[tuple[str, ...], str]:
+    """What makes ``f`` monotone and submodular with f({}) = 0; where nothing does, no assumptions and the reason in words."""
+    f = problem.function
+    if f.as_item_weights() is not None:
+        return (f"{f.name} with weights >= 0: monotone, submodular, 0 for the empty set",), ""
+    if not (f.monotone and f.submodular):
+        return (), f"nothing is guaranteed or bounded: {f.label} is not declared monotone and submodular"
+    report = check_submodular(f, samples=SAMPLES, seed=1)
+    if not report:
+        return (), f"nothing is guaranteed or bounded, whatever is declared: {report}"
+    return (f"{f.label} is monotone and submodular as declared by the user; {report}",), ""
+
+
+def greedy_guarantee(problem: SubmodularSelection, holds: tuple[str, ...]) -> Guarantee | None:
+    """Of the best element again and again: 1 - (1 - 1/k)^k under a cardinality limit k, 1/2 under any other matroid."""
+    c = problem.constraint
+    if not holds or not c.matroid:
+        return None
+    if c.matroid == "uniform":
+        k = max(1, Limits.of(problem).most)
+        share = 1.0 - (1.0 - 1.0 / k) ** k
+        statement = f"f(S) >= (1 - (1 - 1/{k})^{k}) f(OPT), that is {rounded_down(share)} f(OPT); for every k more than 1 - 1/e"
+        return Guarantee(1.0 / share, statement, (*holds, f"at most k = {k} elements"), NWF)
+    return Guarantee(2.0, "f(S) >= f(OPT) / 2", (*holds, f"{c.matroid} matroid"), FNW)
+
+
+def rounded_down(share: float) -> str:
+    """Four decimals that do not promise more than is proved."""
+    return f"{math.floor(share * 1e4 + 1e-9) / 1e4:.4f}"

@@ -1,0 +1,132 @@
+"""Cardinality limits and partition matroids as one thing: groups, and room in each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....formulations.problem import Problem
+from ....formulations.sata.bottleneck_sata import BottleneckSATA
+from ....formulations.sata.feasibility import Openings
+from ....formulations.sata.submodular_selection import SubmodularSelection
+from ....instances.errors import UsageError
+
+FUNCTIONS = frozenset({"function:coverage", "function:facility-location"})
+ANY_FUNCTION = FUNCTIONS | {"function:user"}
+GROUPED = frozenset({"constraint:cardinality", "constraint:partition"})
+FORMULATED = GROUPED | {"constraint:knapsack", "constraint:rows"}
+ASKED = frozenset({"constraint:rows", "constraint:user"})
+"""Constraints of others, which are asked what may still be chosen."""
+ANY_CONSTRAINT = FORMULATED | ASKED
+
+
+@dataclass(frozen=True, eq=False)
+class Limits:
+    """At most ``room[g]`` elements of group g; a cardinality limit is one group.
+
+    Parameters
+    ----------
+    groups : array of shape (elements,)
+    room : array of shape (groups,)
+        No larger than the group: what can be chosen from it.
+    """
+
+    groups: NDArray[np.int32]
+    room: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, problem: SubmodularSelection | BottleneckSATA) -> Limits:
+        """The limits of a problem whose constraint is a partition; raises TypeError for another."""
+        found = cls.if_any(problem)
+        if found is None:
+            raise TypeError(f"the constraint {problem.constraint.name} is no limit for each group")
+        return found
+
+    @classmethod
+    def if_any(cls, problem: SubmodularSelection | BottleneckSATA) -> Limits | None:
+        """The same, or None."""
+        partition = problem.constraint.as_partition(problem.num_elements)
+        if partition is None:
+            return None
+        sizes = np.bincount(partition.groups, minlength=len(partition.limits))
+        return cls(np.array(partition.groups, np.int32), np.minimum(partition.limits, sizes).astype(np.int64))
+
+    @property
+    def most(self) -> int:
+        """Elements of a set that is full."""
+        return int(self.room.sum())
+
+    def members(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """``(starts, elements)``: the elements of group g are ``elements[starts[g]:starts[g + 1]]``, in ascending order."""
+        starts = np.zeros(len(self.room) + 1, np.int64)
+        np.cumsum(np.bincount(self.groups, minlength=len(self.room)), out=starts[1:])
+        return starts, np.argsort(self.groups, kind="stable")
+
+    def first(self, order: NDArray[np.int64]) -> NDArray[np.int64]:
+        """The elements that come first in ``order``, as many of each group as it has room for, in that order."""
+        by_group = np.argsort(self.groups[order], kind="stable")
+        member = self.groups[order][by_group]
+        place = np.arange(len(order)) - np.searchsorted(member, member)
+        return order[np.sort(by_group[place < self.room[member]])]
+
+    def without(self, chosen: Sequence[int]) -> NDArray[np.int64]:
+        """Room that is left beside ``chosen``.
+
+        Raises
+        ------
+        UsageError
+            If there is not enough room for them.
+        """
+        left = self.room - np.bincount(self.groups[list(chosen)], minlength=len(self.room))
+        if (left < 0).any():
+            raise UsageError("the elements of base break the constraint already")
+        return left
+
+    def plain_evaluations(self, picks: Sequence[int], base: Sequence[int] = ()) -> int:
+        """Gains that a plain greedy evaluates on the way to ``picks``: in each round those of all elements that could be taken."""
+        left = self.without(base)
+        free = np.bincount(self.groups, minlength=len(self.room)) - np.bincount(self.groups[list(base)], minlength=len(self.room))
+        open_ = int(free[left > 0].sum())
+        total = 0
+        for e in picks:
+            total += open_
+            g = self.groups[e]
+            left[g] -= 1
+            free[g] -= 1
+            open_ -= 1 + (int(free[g]) if left[g] == 0 else 0)
+        return total
+
+
+def first_allowed(problem: SubmodularSelection | BottleneckSATA, order: NDArray[np.int64]) -> list[int]:
+    """The elements of ``order``, one after the other, that the constraint still allows."""
+    limits = Limits.if_any(problem)
+    if limits is not None:
+        return [int(e) for e in limits.first(order)]
+    return Openings(problem.constraint, problem.num_elements).take_in_order(order.tolist())
+
+
+def not_whole(problem: Problem) -> frozenset[str]:
+    """Why a heuristic for whole actions cannot take a max-min problem: it is another than the bottleneck."""
+    return frozenset({f"{problem.problem} problems"}) if problem.family == "max-min" and problem.problem != "bottleneck" else frozenset()
+
+
+def chosen_elements(what: str, given: object, problem: SubmodularSelection) -> list[int]:
+    """Different element numbers from 0, from a list of them, or from a text of names that are separated by commas.
+
+    Raises
+    ------
+    UsageError
+        If it is no such list.
+    """
+    size = problem.num_elements
+    if isinstance(given, str):
+        number = {problem.element_name(e): e for e in range(size)}
+        found = [number.get(part.strip(), -1) for part in given.split(",") if part.strip()]
+    else:
+        found = list(given) if isinstance(given, Sequence | np.ndarray) and not isinstance(given, bytes) else [-1]
+    if any(isinstance(e, bool) or not isinstance(e, int | np.integer) or not 0 <= e < size for e in found) or len(set(found)) < len(found):
+        raise UsageError(f"{what} must be a list of different element numbers from 0 to {size - 1}, or of names, not {str(given)[:80]!r}")
+    return [int(e) for e in found]

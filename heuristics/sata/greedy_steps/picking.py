@@ -1,0 +1,156 @@
+"""Greedy picking, by whichever evaluation is asked for or measures fastest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....formulations.sata.feasibility import Openings
+from ....formulations.sata.submodular_selection import SubmodularSelection
+from ....formulations.stop import Stop
+from ....instances.errors import UsageError
+from ....instances.sata.set_functions import AT_ITEM, IN_MATRIX, Floats, ItemWeights, SetFunction
+from ....solvers.bounds.sata.growing_sets import GrowingSet, WeightedSet, empty_set, first_of_largest, rounding
+from .limits import Limits
+
+EVALUATIONS = ("auto", "plain", "lazy", "incremental")
+
+THIN = 0.5
+"""Share of positive weights up to which gains are kept up to date faster than they are evaluated lazily (measured; see the benchmark)."""
+
+
+@dataclass(frozen=True)
+class Picked:
+    """What a greedy took, and how it went.
+
+    Parameters
+    ----------
+    elements : list of int
+        In the order of choice.
+    gains : list of float
+    evaluations, plain_evaluations : int
+        Gains evaluated, and those that a plain greedy evaluates on the way to these picks.
+    evaluation : str
+        ``plain, lazy`` or ``incremental``.
+    ended : str
+        ``full`` (no room is left), ``eps`` (what is left gains less) or ``stopped``.
+    """
+
+    elements: list[int]
+    gains: list[float]
+    evaluations: int
+    plain_evaluations: int
+    evaluation: str
+    ended: str
+
+
+def check_threshold(eps: Any) -> None:
+    """Raise UsageError unless ``eps`` is a gain that a greedy may stop at."""
+    if isinstance(eps, bool) or not isinstance(eps, int | float) or not (eps >= 0 and math.isfinite(eps)):
+        raise UsageError(f"eps must be a finite number of at least 0, not {eps!r}")
+
+
+def pick(problem: SubmodularSelection, stop: Stop, *, evaluation: str = "auto", eps: float = 0.0, base: Sequence[int] = ()) -> Picked:
+    """The best element that there is room for, again and again; ties go to the smallest index.
+
+    Gains of functions that are known by their values only are differences, and tie where these differ by rounding.
+
+    Parameters
+    ----------
+    evaluation : str
+        ``plain`` (every gain in every round), ``lazy`` (only those that may be the largest, by their gains of earlier rounds),
+        ``incremental`` (all gains are kept up to date; coverage and sparse facility location), or ``auto``, the fastest of those.
+    eps : float
+        Ends where the largest gain is smaller.
+    base : sequence of int
+        Elements that are chosen already, and take room.
+    """
+    weights, limits = problem.function.as_item_weights(), Limits.if_any(problem)
+    compiled = weights is not None and limits is not None
+    how = _chosen_evaluation(problem.function, weights if compiled else None, evaluation)
+    if weights is None or limits is None:
+        return _asked(problem, how, eps, base, stop)
+    room, free = limits.without(base), np.ones(problem.num_elements, dtype=bool)
+    free[list(base)] = False
+    open_ = np.bincount(limits.groups[free], minlength=len(limits.room))
+    most = int(np.minimum(room, open_).sum())
+    picks, gains, count = _compiled(weights, how, (stop.flag, free, limits.groups, room.copy(), most, eps), base)
+    elements = picks.tolist()
+    ended = "full" if len(elements) == most else "stopped" if stop.reached() else "eps"
+    return Picked(elements, gains.tolist(), count, limits.plain_evaluations(elements, base), how, ended)
+
+
+def _chosen_evaluation(f: SetFunction, compiled: ItemWeights | None, evaluation: str) -> str:
+    if evaluation not in EVALUATIONS:
+        raise UsageError(f"evaluation must be one of {', '.join(EVALUATIONS)}, not {evaluation!r}")
+    sparse = compiled if compiled is not None and compiled.layout != IN_MATRIX else None
+    if evaluation == "incremental" and sparse is None:
+        raise UsageError("incremental evaluation is for coverage and sparse facility location; choose plain or lazy")
+    if evaluation != "auto":
+        return evaluation
+    if sparse is not None and (sparse.layout == AT_ITEM or sparse.entries <= THIN * f.num_elements * sparse.num_items):
+        return "incremental"
+    return "lazy" if f.submodular else "plain"
+
+
+def _compiled(weights: ItemWeights, how: str, state: tuple[Any, ...], base: Sequence[int]) -> tuple[NDArray[np.int64], Floats, int]:
+    from ....formulations.transpose_kernels import transpose
+    from . import loops_kernels as loops
+
+    chosen = WeightedSet(weights)
+    chosen.add(base)
+    if how != "incremental":
+        return getattr(loops, how)(*state, chosen.best, *weights.arrays)  # type: ignore[no-any-return]
+    # How often a gain can change: an item of a coverage once, one of a facility location with each pick.
+    changes = int(np.diff(weights.indptr).max(initial=0)) * (1 if weights.layout == AT_ITEM else state[4])
+    given = weights.weights[:0] if weights.layout == AT_ITEM else weights.weights
+    items = transpose(state[0], weights.num_items, weights.indptr, weights.indices, given)
+    return loops.incremental(*state, chosen.best, *items, changes, *weights.arrays)  # type: ignore[no-any-return]
+
+
+def _asked(problem: SubmodularSelection, how: str, eps: float, base: Sequence[int], stop: Stop) -> Picked:
+    """For any function and constraint: in each round the constraint is asked what is open, and the function for gains."""
+    chosen, openings = empty_set(problem.function), Openings(problem.constraint, problem.num_elements)
+    if len(openings.take_in_order(base)) < len(base):
+        raise UsageError("the elements of base break the constraint already")
+    if base:
+        chosen.add(base)
+    picks: list[int] = []
+    gains: list[float] = []
+    known, plain, ended = np.full(problem.num_elements, np.inf), 0, "full"
+    while len(left := openings.open()):
+        element, gain = _lazy_round(chosen, left, known, stop) if how == "lazy" else chosen.best_of(left, stop)
+        if element < 0 or gain < eps - rounding(chosen.value, 0.0):
+            ended = "stopped" if element < 0 else "eps"
+            break
+        plain += len(left)
+        chosen.take(element, gain)
+        openings.take(element)
+        picks.append(element)
+        gains.append(gain)
+    return Picked(picks, gains, chosen.evaluations, plain, how, ended)
+
+
+def _lazy_round(chosen: GrowingSet, left: NDArray[np.int64], known: NDArray[np.float64], stop: Stop) -> tuple[int, float]:
+    """The best of ``left``, whose gains are at most ``known``; in calls of 1, 2, 4, ... sets, so that few do where many must be asked."""
+    rest = left[np.lexsort((left, -known[left]))]
+    size = 1 if np.isfinite(known[rest[0]]) else len(rest)
+    asked = rest[:0]
+    best, gain = -1, -np.inf
+    while True:
+        # A gain of an earlier round may be below what it bounds by the rounding of either.
+        doubt = 2 * rounding(chosen.value, gain) if len(asked) else 0.0
+        rest = rest[(known[rest] > gain) | ((known[rest] >= gain - doubt) & (rest < best))]
+        if not len(rest):
+            return best, gain
+        some, rest, size = rest[:size], rest[size:], 2 * size
+        known[some] = chosen.gains(some, stop)
+        if stop.reached():
+            return -1, 0.0
+        asked = np.sort(np.concatenate([asked, some]))
+        best, gain = first_of_largest(asked, known[asked], chosen.value)

@@ -1,3 +1,0 @@
-"""Approximations for selection problems."""
-
-from ... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Worlds of robots that share tasks."""
+
+from .... import _guard as _guard

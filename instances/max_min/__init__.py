@@ -1,3 +1,0 @@
-"""Max-min linear programs as data."""
-
-from ... import _guard as _guard

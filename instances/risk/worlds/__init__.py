@@ -1,0 +1,3 @@
+"""Worlds of uncertain and risky ways."""
+
+from .... import _guard as _guard

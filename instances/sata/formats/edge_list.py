@@ -1,0 +1,105 @@
+"""Sensing graphs as edge lists in CSV: one row an edge, with robot, action, target and weight; documented in ``docs/formats.md``.
+
+A row without a target declares an action that sees nothing, one with a robot alone a robot without actions, and one with a target
+alone a target that nobody sees. Without a column ``weight`` every edge weighs 1.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError, UsageError
+from ...formats import FORMATS, Format
+from ...formats.table import Settings, Table, settings_of, table_of, titles_of, written
+from ...text import label, number, plain, shown
+from ..sensing_graph import PROBLEMS, SensingGraph
+from ..sensing_rows import COLUMNS, ORDERS, Named, exact_rows, graph_of_rows
+
+CHOICES = {"problem": PROBLEMS, "duplicates": ("error", "sum"), "order": ORDERS}
+KEYS = ("name", *CHOICES)
+
+
+def recognises(text: str) -> bool:
+    """Whether the first line that is no comment holds the titles ``robot``, ``action`` and ``target``, and none of a table of sites."""
+    titles = titles_of(text)
+    return {"robot", "action", "target"} <= titles and "id" not in titles and not {"x", "y"} <= titles
+
+
+def read(text: str, path: Path) -> SensingGraph:
+    """The instance; see ``Format.read``."""
+    settings, start = settings_of(text, KEYS, COLUMNS)
+    chosen = {key: _choice(settings, key) for key in CHOICES}
+    table = table_of(text, start, COLUMNS, "edges")
+    cells: list[list[str]] = []
+    for title in COLUMNS[:3]:
+        column = table.column(title)
+        if column is None:
+            raise InputError(f"column {title} is missing", line=start + 1, expected=", ".join(COLUMNS), found=", ".join(table.titles))
+        cells.append(column)
+    robot, action, target = (Named.of(column) for column in cells)
+    for title, named in (("robot", robot), ("action", action), ("target", target)):
+        for code, name in enumerate(named.labels):
+            if not name.isprintable():
+                line = table.at[int(np.argmax(named.codes == code))]
+                raise InputError(f"{title} cannot be printed", line=line, expected="a name", found=ascii(name)[:40])
+    return graph_of_rows(
+        robot, action, target, _weights(table, cells), lines=table.at, order=chosen["order"] or ORDERS[0],
+        duplicates=chosen["duplicates"] or "error", name=label(settings["name"][1] if "name" in settings else path.stem),
+        format="edges", problem=chosen["problem"] or PROBLEMS[0],
+    )  # fmt: skip
+
+
+def _weights(table: Table, cells: list[list[str]]) -> NDArray[np.float64] | None:
+    column = table.column("weight")
+    if column is None:
+        return None
+    for line, weight, *row in zip(table.at, column, *cells, strict=True):
+        if all(row) and not weight:
+            raise InputError("the weight of the edge is empty", line=line, expected="a number")
+    return np.array([number(cell, line, "weight") if cell else math.nan for cell, line in zip(column, table.at, strict=True)])
+
+
+def _choice(settings: Settings, key: str) -> str:
+    if key not in settings:
+        return ""
+    line, value = settings[key]
+    if value not in CHOICES[key]:
+        raise InputError(f"{key} {shown(value)} is unknown", line=line, expected=", ".join(CHOICES[key]))
+    return value
+
+
+def write(instance: Any) -> str:
+    """The text; see ``Format.write``."""
+    if not isinstance(instance, SensingGraph):
+        raise UsageError(f"{getattr(instance, 'name', 'this')} holds no sensing graph, so it cannot be written as edges; use json")
+    if instance.action_positions is not None or instance.target_positions is not None:
+        raise UsageError(f"{instance.name} cannot be written as edges, which has no place for positions; use json")
+    if instance.problems != PROBLEMS:
+        raise UsageError(f"{instance.name} cannot be written as edges, which has no place for a choice of problems; use json")
+    rows = exact_rows(instance)
+    settings = [("name", instance.name), ("problem", instance.problem)]
+    if rows.order != ORDERS[0]:
+        settings.append(("order", rows.order))
+    columns = [
+        ["" if code < 0 else name_of(code) for code in codes.tolist()]
+        for codes, name_of in (
+            (rows.robot, instance.robot_name), (rows.action, instance.action_labels.__getitem__), (rows.target, instance.target_name),
+        )
+    ]  # fmt: skip
+    if (instance.weights != 1.0).any():
+        columns.append(["" if math.isnan(w) else plain(w) for w in rows.weight.tolist()])
+    return written(settings, COLUMNS[: len(columns)], zip(*columns, strict=True))
+
+
+FORMATS.add(
+    "edges",
+    Format(
+        "edges", "edge list of a sensing graph from CSV, one row each", recognises, read, write, (".csv",), "", PROBLEMS, "exact",
+        sense="max", answer="actions", solutions=(".json",), kinds=("sensing",),
+    ),
+)  # fmt: skip

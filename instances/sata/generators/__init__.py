@@ -1,0 +1,3 @@
+"""Generators of sensing graphs and selections."""
+
+from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Worlds of robots that watch targets."""
+
+from .... import _guard as _guard

@@ -1,0 +1,321 @@
+"""Robots that watch moving targets in a rectangle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...errors import InputError, UsageError
+from ...generators import Draw
+from ...text import an
+from ...worlds import WORLDS, Setting, World, WorldKind
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Integers = NDArray[np.int64]
+
+TOLERANCE = 1e-9
+"""By how much, relative to its length, a robot's move may exceed what it can do: rounding."""
+
+SCENARIOS: dict[str, dict[str, Any]] = {
+    "matlab": {
+        "robots": 10, "targets": 20, "width": 200.0, "height": 200.0, "robot-step": 10.0, "target-step": 5.0, "moving": 1.0,
+        "turn-every": 25, "turn-chance": 0.0, "sensing": 40.0, "communication": 80.0, "noise": 0.0,
+    },
+    "gazebo-greedy": {
+        "robots": 10, "targets": 30, "width": 30.0, "height": 30.0, "robot-step": 1.25, "target-step": 0.625, "moving": 1.0,
+        "turn-every": 0, "turn-chance": 0.1, "sensing": 5.0, "communication": 10.0, "noise": 0.0,
+    },
+    "gazebo-local": {
+        "robots": 5, "targets": 30, "width": 15.0, "height": 15.0, "robot-step": 1.0, "target-step": 0.5, "moving": 0.5,
+        "turn-every": 0, "turn-chance": 0.1, "sensing": 3.0, "communication": 6.0, "noise": 0.0,
+    },
+}  # fmt: skip
+"""The experiments of Sung (2019), chapter 3. What the source leaves open is listed in docs/missions.md#tracking."""
+
+
+@dataclass(frozen=True)
+class TrackingRules:
+    """What does not change while a tracking world unfolds.
+
+    Parameters
+    ----------
+    robots, targets : int
+    width, height : float, m
+        The area is [0, width] x [0, height]; nobody leaves it.
+    robot_step, target_step : float, m
+        Length of a robot's longest move, and of a target's every move, in one step.
+    moving : float
+        Share of the targets that move, rounded to a number of targets; the others stand still.
+    turn_every : int, steps
+        Every so many steps all moving targets take new headings; 0 for never.
+    turn_chance : float
+        Probability with which a moving target takes a new heading in a step.
+    sensing : float, m
+        A robot sees the targets within this distance.
+    communication : float, m
+        Robots within this distance hear each other.
+    noise : float, m
+        Standard deviation of the error of each measured coordinate, and of each measured component of a velocity (m a step).
+    """
+
+    robots: int
+    targets: int
+    width: float
+    height: float
+    robot_step: float
+    target_step: float
+    moving: float = 1.0
+    turn_every: int = 0
+    turn_chance: float = 0.0
+    sensing: float = math.inf
+    communication: float = math.inf
+    noise: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.target_step > min(self.width, self.height) / 2:
+            raise UsageError(
+                f"a target's step of {self.target_step:g} m is too long for an area of {self.width:g} x {self.height:g} m: "
+                "at most half its shorter side"
+            )
+
+    @property
+    def area(self) -> Floats:
+        """Width and height, m."""
+        return np.array([self.width, self.height])
+
+
+@dataclass(frozen=True, eq=False)
+class TrackingObservation:
+    """What some robots know at one time.
+
+    Parameters
+    ----------
+    time : int
+    rules : TrackingRules
+    ids : array of shape (robots,)
+        The robots' numbers in the world.
+    positions : array of shape (robots, 2), m
+    headings : array of shape (robots,), rad
+        Direction of each robot's last move.
+    seen : bool array of shape (robots, targets)
+        Which targets each robot sees now. Only these can it predict.
+    measured : array of shape (robots, targets, 2), m
+        Where each robot sees each target; NaN where it does not.
+    velocities : array of shape (robots, targets, 2), m a step
+        The target's last move as the robot measures it (before the first step: the move that its heading announces); NaN as above.
+    components : array of shape (robots,)
+        Robots of one number hear each other, directly or relayed.
+    """
+
+    time: int
+    rules: TrackingRules
+    ids: Integers
+    positions: Floats
+    headings: Floats
+    seen: Flags
+    measured: Floats
+    velocities: Floats
+    components: Integers
+
+    @property
+    def seen_by_any(self) -> Flags:
+        """Which targets at least one of the robots sees now, shape (targets,)."""
+        return np.asarray(self.seen.any(axis=0))
+
+    def part(self, rows: ArrayLike) -> TrackingObservation:
+        """What the robots in these rows know."""
+        at = np.asarray(rows)
+        return replace(
+            self, ids=self.ids[at], positions=self.positions[at], headings=self.headings[at], seen=self.seen[at],
+            measured=self.measured[at], velocities=self.velocities[at], components=self.components[at],
+        )  # fmt: skip
+
+
+class TrackingWorld(World):
+    """Targets move along straight lines and turn now and then; robots move as they are told and see what is near.
+
+    Parameters
+    ----------
+    rules : TrackingRules
+    rng : numpy.random.Generator
+    robots, targets : arrays of shape (number, 2), m, optional
+        Where they start; uniform in the area by default.
+
+    Raises
+    ------
+    InputError
+        If a start is not one finite position in the area for each robot or target.
+
+    Notes
+    -----
+    Source: Sung (2019), section 3.5; what it leaves open: docs/missions.md#tracking. A target whose next move would cross a wall
+    draws headings until one leads inside. The targets' way depends on the seed, the rules and their numbers alone.
+    """
+
+    def __init__(
+        self, rules: TrackingRules, rng: np.random.Generator, *, robots: ArrayLike | None = None, targets: ArrayLike | None = None
+    ) -> None:
+        self.rules, self._draw = rules, Draw(rng)
+        self.time = 0
+        self.targets = self._start("target", rules.targets, targets)
+        self.target_headings = self._draw.uniform(-math.pi, math.pi, rules.targets)
+        self.moving = self._draw.chosen(round(rules.moving * rules.targets), rules.targets)
+        self.robots = self._start("robot", rules.robots, robots)
+        self.headings = self._draw.uniform(-math.pi, math.pi, rules.robots)
+        self._last_move = rules.target_step * _direction(self.target_headings) * self.moving[:, None]
+        self._observation = self._look()
+        self._before: Flags = np.zeros(rules.targets, dtype=bool)
+
+    def _start(self, what: str, count: int, given: ArrayLike | None) -> Floats:
+        drawn = self._draw.uniform(0.0, 1.0, (count, 2)) * self.rules.area
+        if given is None:
+            return drawn
+        points = np.array(given, dtype=np.float64)
+        if points.shape != (count, 2):
+            raise InputError(f"there must be one position {an(what)}", expected=f"({count}, 2)", found=str(points.shape))
+        wrong = ~np.isfinite(points).all(axis=1) | _outside(points, self.rules.area)
+        if wrong.any():
+            k = int(np.argmax(wrong))
+            raise InputError(f"{what} {k + 1} starts outside the area", expected=_area(self.rules), found=str(points[k].tolist()))
+        return points
+
+    # -- the three things that every world does ------------------------------------------------------------------------
+
+    def observe(self) -> TrackingObservation:
+        """What all robots know now; ``TrackingObservation.part`` gives the share of some of them."""
+        return self._observation
+
+    def step(self, actions: Mapping[int, ArrayLike]) -> None:
+        """Move each robot to the position that ``actions`` gives for its number, and all targets; robots not named stay."""
+        to = self.robots.copy()
+        for robot, position in actions.items():
+            place = self._reachable(robot, position)
+            to[robot] = place
+        moves = to - self.robots
+        moved = (moves**2).sum(axis=1) > 0
+        self.headings = np.where(moved, np.arctan2(moves[:, 1], moves[:, 0]), self.headings)
+        self.robots, self._before = to, self._observation.seen_by_any
+        self._move_targets()
+        self.time += 1
+        self._observation = self._look()
+
+    def metrics(self) -> dict[str, float]:
+        """``observed``: targets that at least one robot sees; ``kept``: those that one saw a step ago, too; ``components``: of the
+        communication graph."""
+        o = self._observation
+        now = o.seen_by_any
+        kept = now & self._before
+        return {"observed": float(now.sum()), "kept": float(kept.sum()), "components": float(len(np.unique(o.components)))}
+
+    # ------------------------------------------------------------------------------------------------------------------
+
+    def _reachable(self, robot: int, position: ArrayLike) -> Floats:
+        if not 0 <= robot < self.rules.robots:
+            raise InputError(f"there is no robot number {robot}", expected=f"0 to {self.rules.robots - 1}")
+        try:
+            point = np.array(position, dtype=np.float64)
+        except (TypeError, ValueError):
+            point = np.zeros(0)
+        if point.shape != (2,) or not np.isfinite(point).all():
+            raise InputError(f"robot number {robot} must be told a position", expected="two finite numbers", found=str(position)[:80])
+        length = float(np.linalg.norm(point - self.robots[robot]))
+        if length > self.rules.robot_step * (1 + TOLERANCE):
+            raise InputError(f"robot number {robot} cannot move {length:.9g} m in one step", expected=f"at most {self.rules.robot_step:g}")
+        if _outside(point[None], self.rules.area)[0]:
+            raise InputError(f"robot number {robot} must stay inside", expected=_area(self.rules), found=str(point.tolist()))
+        return point
+
+    def _move_targets(self) -> None:
+        r, draw = self.rules, self._draw
+        drawn, chance = draw.uniform(-math.pi, math.pi, r.targets), draw.uniform(0.0, 1.0, r.targets)
+        due = r.turn_every > 0 and self.time > 0 and self.time % r.turn_every == 0
+        headings = np.where(due | (chance < r.turn_chance), drawn, self.target_headings)
+        reach = r.target_step * self.moving[:, None]
+        crossing = _outside(self.targets + reach * _direction(headings), r.area)
+        while crossing.any():
+            headings[crossing] = draw.uniform(-math.pi, math.pi, int(crossing.sum()))
+            crossing = _outside(self.targets + reach * _direction(headings), r.area)
+        self.target_headings = headings
+        self._last_move = reach * _direction(headings)
+        self.targets = self.targets + self._last_move
+
+    def _look(self) -> TrackingObservation:
+        r = self.rules
+        # Drawn whether or not there is noise, and for all pairs: the targets' way must depend on neither.
+        errors = self._draw.normal(0.0, 1.0, 4 * r.robots * r.targets).reshape(2, r.robots, r.targets, 2) * r.noise
+        seen = distances(self.robots, self.targets) <= r.sensing
+        hidden = ~seen[:, :, None]
+        return TrackingObservation(
+            self.time, r, np.arange(r.robots), self.robots, self.headings, seen,
+            np.where(hidden, np.nan, self.targets + errors[0]), np.where(hidden, np.nan, self._last_move + errors[1]),
+            linked(distances(self.robots, self.robots) <= r.communication),
+        )  # fmt: skip
+
+
+def distances(here: Floats, there: Floats) -> Floats:
+    """Distances between two lists of positions, shape (here, there)."""
+    return np.asarray(np.sqrt(((here[:, None, :] - there[None, :, :]) ** 2).sum(axis=2)))
+
+
+def linked(adjacent: Flags) -> Integers:
+    """Number of each node's connected component, in the order of their first nodes, from a symmetric matrix with a true diagonal."""
+    least = np.arange(len(adjacent))
+    while True:
+        spread = np.where(adjacent, least[None, :], len(adjacent)).min(axis=1, initial=len(adjacent))
+        if (spread == least).all():
+            return np.unique(least, return_inverse=True)[1].reshape(-1)
+        least = spread
+
+
+def _direction(headings: Floats) -> Floats:
+    return np.column_stack([np.cos(headings), np.sin(headings)])
+
+
+def _outside(points: Floats, area: Floats) -> Flags:
+    return np.asarray(((points < 0) | (points > area)).any(axis=1))
+
+
+def _area(rules: TrackingRules) -> str:
+    return f"within [0, {rules.width:g}] x [0, {rules.height:g}]"
+
+
+def scenario_values(values: Mapping[str, Any]) -> dict[str, Any]:
+    """``values``, with the scenario's own where nothing else is said."""
+    preset = SCENARIOS[values["scenario"]]
+    return {key: preset[key] if value is None and key in preset else value for key, value in values.items()}
+
+
+def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> TrackingWorld:
+    full = scenario_values(values)
+    return TrackingWorld(TrackingRules(**{key.replace("-", "_"): value for key, value in full.items() if key != "scenario"}), rng)
+
+
+WORLDS.add(
+    "tracking",
+    WorldKind(
+        "tracking",
+        "robots with a sensing range in a rectangle with moving targets",
+        {
+            "scenario": Setting("matlab", "whose numbers hold where nothing else is said", choices=tuple(SCENARIOS)),
+            "robots": Setting(None, "number of robots", int, 1, 1000),
+            "targets": Setting(None, "number of targets", int, 1, 10_000),
+            "width": Setting(None, "of the area, m", float, 1e-3, 1e6),
+            "height": Setting(None, "of the area, m", float, 1e-3, 1e6),
+            "robot-step": Setting(None, "longest move of a robot in a step, m", float, 0, 1e6),
+            "target-step": Setting(None, "move of a target in a step, m", float, 0, 1e6),
+            "moving": Setting(None, "share of the targets that move", float, 0, 1),
+            "turn-every": Setting(None, "steps between turns of all targets, 0 for never", int, 0, 10**9),
+            "turn-chance": Setting(None, "probability of a target's turn in a step", float, 0, 1),
+            "sensing": Setting(None, "range in which a robot sees targets, m", float, 0, 1e6),
+            "communication": Setting(None, "range in which robots hear each other, m", float, 0, 1e6),
+            "noise": Setting(None, "standard deviation of measured coordinates, m", float, 0, 1e6),
+        },
+        _make,
+    ),
+)

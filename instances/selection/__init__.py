@@ -1,3 +1,0 @@
-"""Set functions and constraints as data."""
-
-from ... import _guard as _guard

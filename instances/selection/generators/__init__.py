@@ -1,3 +1,0 @@
-"""Seeded recipes for selection instances."""
-
-from .... import _guard as _guard

@@ -1,3 +1,0 @@
-"""Seeded recipes for sensing graphs."""
-
-from .... import _guard as _guard

@@ -1,0 +1,31 @@
+"""Figures of studies: made without a display, plain axes, saved whole or not at all."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+from ...instances.atomic import atomic_write
+
+
+def _figure(width: float, height: float) -> Any:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _plain(ax: Any, title: str) -> None:
+    ax.set_title(title, loc="left", fontsize=10, color="#222222")
+    ax.tick_params(labelsize=8, colors="#555555")
+    for side in ("top", "right"):
+        ax.spines[side].set_visible(False)
+
+
+def _save(figure: Any, path: Path) -> None:
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=140)
+    atomic_write(path, buffer.getvalue())

@@ -1,0 +1,169 @@
+"""Information gathering: robots empty sensors before they are full, and bring what they take to their bases."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ....formulations.auctions.balanced_partition import EDGES, OBJECTIVES, BalancedPartition
+from ....formulations.auctions.task_allocation import TaskAllocation
+from ....formulations.problem import Problem
+from ....formulations.stop import NEVER
+from ....heuristics.auctions.gathering_steps.urgency import URGENCIES
+from ....heuristics.heuristic import HEURISTICS, Context
+from ....instances.auctions.robot_tasks import RobotTasks
+from ....instances.auctions.worlds.information_gathering import EXCESS, GatheringObservation, GatheringWorld
+from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
+from ....solvers.linear_programs import LinearPrograms
+from ..mission import MISSIONS, Actions, Mission, Scene
+from . import _gathering_tours as tours
+
+PLANS = {"partition": "distributed-sampling", "auction": "fixed-order-auction"}
+"""How sensors are shared out, and the heuristic with which the policy of that name does it."""
+
+
+class InformationGathering(Mission):
+    """Lose little: a full sensor gathers nothing until a robot takes something out, and only what reaches a base counts.
+
+    ``plan=partition``: at the start the sensors are shared out once, a balanced partition; each robot tours its own by urgency, and again
+    when it is back.
+    ``plan=auction``: whenever a robot is back, all sensors are allocated anew, those first that are full the soonest; robots on their way
+    keep their stops unless they expect a smaller loss by the new ones, and what nobody is going to visit goes to those that are back.
+
+    Notes
+    -----
+    Source: Zhang (2015), chapter 4. Readings of what it leaves open: docs/missions.md#information-gathering.
+    """
+
+    name: ClassVar[str] = "information-gathering"
+    summary: ClassVar[str] = "robots empty sensors that fill up, and bring what they take to their bases"
+    headline: ClassVar[str] = "gain"
+    lasting: ClassVar[int] = 1000
+    settings: ClassVar[Mapping[str, Setting]] = {
+        **WORLDS["information-gathering"].settings,
+        "plan": Setting("partition", "how sensors are shared out: once, or anew whenever a robot is back", choices=tuple(PLANS)),
+        "look-ahead": Setting(3, "stops that the order of a robot's own sensors looks ahead", int, 1, 5),
+        "urgency": Setting("shifted", "of a sensor in that order", choices=URGENCIES),
+        "objective": Setting(OBJECTIVES[0], "of the partition", choices=OBJECTIVES),
+        "edges": Setting(EDGES[0], "distances that a part of the partition costs", choices=EDGES),
+    }
+
+    def world(self, seed: int, **settings: Any) -> GatheringWorld:
+        self.values = setting_values(self.name, self.settings, settings)
+        made = make_world("information-gathering", seed, **{key: self.values[key] for key in WORLDS["information-gathering"].settings})
+        assert isinstance(made, GatheringWorld)
+        self._parts: tuple[tuple[int, ...], ...] | None = None
+        self._tours = [tours.Tour() for _ in range(made.rules.robots)]
+        return made
+
+    def problem(self, observation: GatheringObservation) -> Problem | None:
+        """The partition at the start, or the allocation when a robot is back; None otherwise."""
+        return self._problem(observation, self.values["plan"])
+
+    def actions(self, observation: GatheringObservation, problem: Problem | None, answer: Any) -> Actions:
+        """The next move of every robot's tour."""
+        return self._moves(observation, self.values["plan"], problem, answer)
+
+    def policies(self) -> Mapping[str, Callable[[Any], Actions]]:
+        """``partition`` by distributed sampling, ``auction`` in a fixed order, both whatever ``plan`` says."""
+        return {plan: partial(self._by_rule, plan) for plan in PLANS}
+
+    def scene(self, world: World) -> Scene:
+        """The grid, its first row on top; how full each sensor is, what each robot carries and where it goes, and what it has brought home
+        beside the most that sensors could have gathered with room in their stores."""
+        assert isinstance(world, GatheringWorld)
+        rules = world.rules
+        top = rules.rows - 1
+
+        def places(cells: Any) -> Any:
+            return np.column_stack([cells[:, 1], top - cells[:, 0]]).astype(np.float64)
+
+        full = world.stores >= rules.store * (1 - EXCESS)
+        area = (-1.0, -1.0, float(rules.columns), float(rules.rows))
+        stops = [[(robot, sensor) for sensor in own.stops] for robot, own in enumerate(self._tours)]
+        return Scene(
+            area, places(world.robots), 0.5, places(world.places), ~full, ("robots, with what they carry", "sensors", "full sensors"),
+            links=[link for tour in stops for link in tour], levels=world.stores / rules.store,
+            notes=[f"{load:.0f}" for load in world.loads], shares=world.brought.copy(), limit=world.due,
+        )  # fmt: skip
+
+    # ------------------------------------------------------------------------------------------------------------------
+
+    def _back(self, o: GatheringObservation) -> list[int]:
+        """Robots at their bases without a stop before them."""
+        at_base = (o.robots == o.rules.bases).all(axis=1)
+        return [robot for robot in range(o.rules.robots) if at_base[robot] and not self._tours[robot].stops]
+
+    def _order(self, o: GatheringObservation) -> list[int]:
+        """Sensors worth a visit, the soonest full first."""
+        time = tours.times_to_full(o)
+        return sorted(tours.worth_visiting(o), key=lambda sensor: (time[sensor], sensor))
+
+    def _problem(self, o: GatheringObservation, plan: str) -> Problem | None:
+        if plan == "partition":
+            if self._parts is not None:
+                return None
+            time = tours.times_to_full(o)
+            weights = tours.rates(o) - time + time.max(initial=0.0)
+            data = RobotTasks.of_positions(o.rules.bases, o.sensors, "chebyshev", weights=weights, name="information gathering")
+            return BalancedPartition(data, self.values["objective"], self.values["edges"])
+        order = self._order(o)
+        if not self._back(o) or not order:
+            return None
+        names = tuple(str(sensor + 1) for sensor in order)
+        data = RobotTasks.of_positions(
+            o.robots, o.sensors[order], "chebyshev", task_names=names, name=f"information gathering at step {o.time}"
+        )
+        return TaskAllocation(data)
+
+    def _moves(self, o: GatheringObservation, plan: str, problem: Problem | None, answer: Any) -> Actions:
+        if plan == "partition":
+            if problem is not None:
+                self._parts = ((),) * o.rules.robots if answer is None else answer
+            worth = set(tours.worth_visiting(o))
+            for robot in self._back(o):
+                own = [sensor for sensor in (self._parts or ())[robot] if sensor in worth]
+                order = tours.by_urgency(o, robot, own, self.values["look-ahead"], self.values["urgency"])
+                self._tours[robot] = tours.tour(o, robot, order)
+        elif problem is not None and answer is not None:
+            order = self._order(o)
+            self._allot(o, [[order[task] for task in path] for path in answer])
+        return {robot: tours.drive(o, robot, own) for robot, own in enumerate(self._tours)}
+
+    def _allot(self, o: GatheringObservation, paths: list[list[int]]) -> None:
+        """Give robots that are back their new paths, those on their way theirs where they lose less, and what nobody visits to robots
+        left without."""
+        back = self._back(o)
+        stops = {robot: paths[robot] for robot in back}
+        for robot, own in enumerate(self._tours):
+            if robot in back:
+                continue
+            if not own.stops or not tours.switched(o, robot, own.stops, paths[robot]):
+                stops[robot] = own.stops
+                continue
+            stops[robot] = paths[robot]
+            self._tours[robot] = tours.tour(o, robot, paths[robot])
+        taken = {sensor for robot, path in stops.items() if robot not in back for sensor in path}
+        for robot in back:
+            stops[robot] = [sensor for sensor in stops[robot] if sensor not in taken]
+        idle = [robot for robot in back if not stops[robot]]
+        visited = {sensor for path in stops.values() for sensor in path}
+        stops |= tours.appended(o, idle, [sensor for sensor in self._order(o) if sensor not in visited])
+        for robot in back:
+            self._tours[robot] = tours.tour(o, robot, stops[robot])
+
+    def _by_rule(self, plan: str, o: GatheringObservation) -> Actions:
+        problem = self._problem(o, plan)
+        answer = None if problem is None else HEURISTICS[PLANS[plan]].run(problem, _context()).answer
+        return self._moves(o, plan, problem, answer)
+
+
+def _context() -> Context:
+    return Context(np.random.default_rng(0), math.inf, None, lambda answer: None, NEVER, LinearPrograms())
+
+
+MISSIONS.add("information-gathering", InformationGathering)

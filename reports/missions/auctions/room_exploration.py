@@ -1,0 +1,151 @@
+"""Room exploration: a team goes through a building in rounds, and learns of which types its rooms are and where targets are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ....formulations.auctions.room_exploration import RoomExploration
+from ....formulations.problem import Problem
+from ....heuristics.auctions.exploration_steps.beliefs import TARGET, Rewards, Sensors, after_target, after_type, prior
+from ....heuristics.auctions.exploration_steps.explorers_and_relays import explorers_and_relays
+from ....instances.auctions.exploration_map import ExplorationMap
+from ....instances.auctions.generators.exploration_map import TIMES, expected_gains
+from ....instances.auctions.worlds.room_exploration import GO, MAP, TARGETS, ExplorationObservation, ExplorationWorld
+from ....instances.errors import UsageError
+from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
+from ..mission import MISSIONS, Actions, Decision, Mission, Scene
+
+WEIGHTS = ("explore", "map", "search")
+
+BESIDE = 0.22
+"""How far from the middle of a room a picture shows each robot, of a room's width."""
+
+
+class RoomsExplored(Mission):
+    """Gain much in rounds: at the start of each all robots have contact, share what they read, and plan its steps.
+
+    The problem of a round is the static one, with the gains that the beliefs of that time make: what is read within a round changes no
+    plan before the next. A round without an answer is spent where the robots are, in contact.
+
+    Notes
+    -----
+    Source: Zhang (2015), chapter 5. What of it is played, and what is not: docs/missions.md#room-exploration.
+    """
+
+    name: ClassVar[str] = "room-exploration"
+    summary: ClassVar[str] = "robots explore, map and search rooms in rounds, and must be heard again and again"
+    headline: ClassVar[str] = "entered"
+    settings: ClassVar[Mapping[str, Setting]] = {
+        **WORLDS["room-exploration"].settings,
+        "round": Setting(6, "steps that are planned at once, from contact to contact", int, 1, 100),
+        "explore": Setting(0.3, "weight of entering rooms", float, 0.0, 1.0),
+        "map": Setting(0.3, "weight of observing their types", float, 0.0, 1.0),
+        "search": Setting(0.4, "weight of looking for targets", float, 0.0, 1.0),
+        "decay": Setting(0.5, "what a room keeps of its gain at each visit", float, 0.0, 1.0),
+    }
+
+    def world(self, seed: int, **settings: Any) -> ExplorationWorld:
+        self.values = setting_values(self.name, self.settings, settings)
+        weights = [self.values[key] for key in WEIGHTS]
+        if abs(sum(weights) - 1.0) > 1e-9:
+            raise UsageError(f"explore, map and search must sum to 1, not to {sum(weights):g}")
+        made = make_world(self.name, seed, **{key: self.values[key] for key in WORLDS[self.name].settings})
+        assert isinstance(made, ExplorationWorld)
+        self._sensors = Sensors(made.sensors[0], self.values["detection"], self.values["false-alarm"])
+        types = len(TARGETS)
+        self._beliefs = [prior(np.full(types, 1.0 / types), TARGETS) for _ in range(made.building.num_rooms)]
+        self._heard = 0
+        self._plan: Sequence[Sequence[tuple[int, int]]] | None = None
+        self._teams: dict[int, tuple[int, ...]] = {}
+        return made
+
+    def problem(self, observation: ExplorationObservation) -> Problem | None:
+        """The plan of a round at its start; None within it."""
+        o, steps = observation, self.values["round"]
+        if o.time % steps:
+            return None
+        self._learn(o.readings)
+        gains = zip(*(self._gains(belief, int(visits)) for belief, visits in zip(self._beliefs, o.visits, strict=True)), strict=True)
+        exploring, mapping, searching = (np.array(rows) for rows in gains)
+        given = o.building
+        return RoomExploration(
+            ExplorationMap(
+                given.doors, exploring, mapping, searching, o.robots, given.base, given.heard, given.silence, steps,
+                positions=given.positions, name=f"rooms at step {o.time}",
+            )
+        )  # fmt: skip
+
+    def actions(self, observation: ExplorationObservation, problem: Problem | None, answer: Any) -> Actions:
+        """The next step of each robot's plan."""
+        if problem is not None:
+            self._plan = answer
+        if self._plan is None:
+            return {robot: (room, GO) for robot, room in enumerate(observation.robots.tolist())}
+        return {robot: deeds[observation.time % self.values["round"]] for robot, deeds in enumerate(self._plan)}
+
+    def policies(self) -> Mapping[str, Callable[[Any], Actions]]:
+        """``alone`` and ``relays`` decide anew in each step, by what all read so far: see ``explorers_and_relays``."""
+        return {"alone": partial(self._by_rule, False), "relays": partial(self._by_rule, True)}
+
+    def _by_rule(self, relays: bool, o: ExplorationObservation) -> Actions:
+        self._learn(o.readings)
+        rewards = Rewards(tuple(self.values[key] for key in WEIGHTS), decay=self.values["decay"])
+
+        def worth(room: int, action: int, others: int) -> float:
+            if action == GO:
+                return rewards.explore(int(o.visits[room]) + others)
+            read = rewards.map if action == MAP else rewards.search
+            return 0.0 if others else read(self._beliefs[room], self._sensors)
+
+        given = o.building
+        deeds, self._teams = explorers_and_relays(
+            given.adjacent, given.linked, given.base, o.robots.tolist(), o.silent.tolist(), given.silence, worth, self._teams,
+            relays=relays,
+        )  # fmt: skip
+        return deeds
+
+    def measures(self, decisions: Sequence[Decision], world: World) -> dict[str, float]:
+        """``types_known`` and ``targets_known``: the mean probability that all readings so far give to what is true of a room."""
+        assert isinstance(world, ExplorationWorld)
+        self._learn(world.readings)
+        beliefs = np.array(self._beliefs)
+        rooms = np.arange(len(beliefs))
+        return {
+            "types_known": float(beliefs.sum(axis=2)[rooms, world.types].mean()),
+            "targets_known": float(beliefs.sum(axis=1)[rooms, np.where(world.targets, TARGET, 1 - TARGET)].mean()),
+        }
+
+    def scene(self, world: World) -> Scene:
+        """Rooms and doors; each robot on its own side of its room; whom they hear is not drawn."""
+        assert isinstance(world, ExplorationWorld) and world.building.positions is not None
+        places = np.asarray(world.building.positions, dtype=np.float64) * [1.0, -1.0]
+        side = 2.0 * np.pi * (np.arange(len(world.robots)) / len(world.robots) + 0.125)
+        robots = places[world.robots] + BESIDE * np.column_stack([np.cos(side), np.sin(side)])
+        low, high = places.min(axis=0) - 0.6, places.max(axis=0) + 0.6
+        area = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+        doors = tuple((int(a), int(b)) for a, b in world.building.doors)
+        return Scene(area, robots, 0.08, places, world.visits > 0, ("robots", "rooms entered", "rooms not entered"), ways=doors)
+
+    # ------------------------------------------------------------------------------------------------------------------
+
+    def _learn(self, readings: Sequence[Any]) -> None:
+        """Update the beliefs with what they do not hold yet."""
+        for _, room, action, value in readings[self._heard :]:
+            old = self._beliefs[room]
+            self._beliefs[room] = after_type(old, self._sensors, value) if action == MAP else after_target(old, self._sensors, value == 0)
+        self._heard = len(readings)
+
+    def _gains(self, belief: Any, visits: int) -> tuple[Any, Any, Any]:
+        """What the next visits and readings of a room gain."""
+        explore, map_, search = (self.values[key] for key in WEIGHTS)
+        return (
+            explore * self.values["decay"] ** (visits + np.arange(TIMES)), map_ * expected_gains(belief.sum(axis=1), self._sensors.types),
+            search * expected_gains(belief.sum(axis=0), self._sensors.targets),
+        )  # fmt: skip
+
+
+MISSIONS.add("room-exploration", RoomsExplored)

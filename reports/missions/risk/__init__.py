@@ -1,0 +1,3 @@
+"""Missions on uncertain graphs."""
+
+from .... import _guard as _guard

@@ -1,0 +1,152 @@
+"""The comparison of Skeele (2016), chapter 5, played again: how much more than in hindsight each policy pays.
+
+Run as ``python -m waybound.reports.missions.uncertain_graph_study --out FOLDER [--short]``.
+
+- Random roadmaps (Fig. 5.5, Table 5.3): 20 graphs, 100 draws of their costs, three levels of variance.
+- Synthetic rasters in place of the source's aerial images (Fig. 5.9): four scenes.
+
+All policies meet the same graphs and costs. Excess is in percent of the cheapest path in hindsight. Draws on one graph are alike, so
+standard errors are those of the graphs' means.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from waybound.instances.atomic import atomic_write
+
+from .._study_command import study_command
+from .._study_tables import markdown, records
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+METHODS: dict[str, dict[str, Any]] = {
+    "rags": {"policy": "rags"},
+    "rags-unobserved": {"policy": "rags", "observe": False},
+    "a-star": {"policy": "a-star"},
+    "greedy": {"policy": "greedy"},
+    "d-star-lite": {"policy": "d-star-lite"},
+}
+
+STEPS = 60
+"""Of a run: more than any policy needs on these graphs."""
+
+LEVEL = "level"
+"""Column of the variance or the scene."""
+
+
+@dataclass(frozen=True)
+class Size:
+    """How much is played."""
+
+    variances: tuple[float, ...] = (5.0, 10.0, 20.0)
+    graphs: int = 20
+    draws: int = 100
+    scenes: tuple[str, ...] = ("empty", "small-cluster", "cluster", "trees")
+    raster_graphs: int = 16
+    raster_draws: int = 25
+
+
+SHORT = Size(variances=(20.0,), graphs=2, draws=3, scenes=("trees",), raster_graphs=1, raster_draws=2)
+
+
+def plays(levels: Sequence[Any], key: str, graphs: int, draws: int, **settings: Any) -> pd.DataFrame:
+    """One row a walk: level, graph, draw, method, cost, hindsight, excess, edges."""
+    import pandas as pd
+
+    from waybound import run
+
+    rows = []
+    for level in levels:
+        for graph in range(1, graphs + 1):
+            for draw in range(1, draws + 1):
+                for method, how in METHODS.items():
+                    log = run("uncertain-graph", steps=STEPS, seed=draw, graph=graph, **{key: level}, **settings, **how)
+                    if log.attrs["limit"] == "interrupt":
+                        raise KeyboardInterrupt
+                    last = log.iloc[-1]
+                    if not last["arrived"]:
+                        raise AssertionError(f"{method} does not arrive on graph {graph}, draw {draw}")
+                    told = {name: float(last[name]) for name in ("cost", "hindsight", "excess")}
+                    rows.append({LEVEL: level, "graph": graph, "draw": draw, "method": method, **told})
+    return pd.DataFrame(rows)
+
+
+def excess_table(walks: pd.DataFrame) -> pd.DataFrame:
+    """Distribution of each method's excess at each level, and how far rags lies above it on the same draws."""
+    import pandas as pd
+
+    rows = []
+    for level, alike in walks.groupby(LEVEL, sort=False):
+        means = alike.pivot_table(index="graph", columns="method", values="excess")
+        for method in METHODS:
+            own = alike[alike["method"] == method]["excess"]
+            apart = means["rags"] - means[method]
+            error = float(apart.std(ddof=1)) / math.sqrt(len(apart)) if len(apart) > 1 else math.nan
+            quantiles = {f"q{share}": float(own.quantile(share / 100)) for share in (50, 75, 95)}
+            rows.append(
+                {
+                    LEVEL: level, "method": method, "mean": float(own.mean()), **quantiles, "largest": float(own.max()),
+                    "optimal": float((own <= 1e-9).mean()), "rags_above": float(apart.mean()), "error": error,
+                }
+            )  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+def trends(table: pd.DataFrame) -> list[tuple[str, str]]:
+    """The source's trends, and what was found of each."""
+    rows = {(row[LEVEL], row["method"]): row for row in records(table)}
+    levels = list(dict.fromkeys(level for level, _ in rows))
+    found = []
+    for other, claim in (("a-star", "rags below A* in the mean"), ("greedy", "rags below greedy"), ("d-star-lite", "rags below D* Lite"),
+                         ("rags-unobserved", "observing helps rags")):  # fmt: skip
+        said = []
+        for level in levels:
+            above, error = rows[level, other]["rags_above"], rows[level, other]["error"]
+            verdict = "yes" if above < -2 * error else "no" if above > 2 * error else "undecided"
+            said.append(f"{level} {verdict} ({above:+.2f} +- {error:.2f} points)")
+        found.append((claim, "; ".join(said)))
+    tails = [f"{level} {rows[level, 'rags']['q95']:.2f} against {rows[level, 'a-star']['q95']:.2f}" for level in levels]
+    found.append(("rags' upper tail, the 95 % quantile, beside A*'s", "; ".join(tails)))
+    return found
+
+
+def study(folder: Path, size: Size) -> str:
+    """Play everything, write it into ``folder``, and return the summary."""
+    from . import _uncertain_graph_figures as figures
+
+    roadmaps = plays(size.variances, "variance", size.graphs, size.draws)
+    rasters = plays(size.scenes, "scene", size.raster_graphs, size.raster_draws, roadmap="raster-graph", vertices=150)
+    text = "# Uncertain graphs: excess over the cheapest path in hindsight, percent\n"
+    for name, head, walks in (
+        ("roadmaps", f"Random roadmaps: {size.graphs} graphs x {size.draws} draws, by largest variance", roadmaps),
+        ("rasters", f"Synthetic rasters: {size.raster_graphs} graphs x {size.raster_draws} draws, by scene", rasters),
+    ):
+        table = excess_table(walks)
+        text += f"\n## {head}\n\n{markdown(table)}\n" + "".join(f"- {what}: {said}\n" for what, said in trends(table))
+        atomic_write(folder / f"{name}.csv", table.to_csv(index=False))
+        atomic_write(folder / f"walks_{name}.csv", walks.to_csv(index=False))
+        figures.boxes(walks, folder / f"{name}.png")
+        figures.histograms(walks, folder / f"histograms_{name}.png")
+    last = roadmaps[(roadmaps[LEVEL] == size.variances[-1]) & (roadmaps["method"] == "a-star")]
+    worst = last.nlargest(1, "excess").iloc[0]
+    figures.walks(folder / "walks.png", int(worst["graph"]), int(worst["draw"]), variance=size.variances[-1])
+    atomic_write(folder / "summary.md", text)
+    return text
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Play the study and print its summary."""
+    return study_command(
+        "uncertain_graph_study", __doc__, lambda folder, short: study(folder, SHORT if short else Size()), arguments, "walks"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

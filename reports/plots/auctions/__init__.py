@@ -1,0 +1,3 @@
+"""Pictures of assignments, tasks and jobs."""
+
+from .... import _guard as _guard

@@ -1,0 +1,70 @@
+"""Pictures of generalised assignments: what the jobs of each agent take of its capacity."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....formulations.auctions.generalised_assignment import AgentOfJob, GeneralisedAssignment
+from .. import PLOTS
+from ..drawing import ALARM, COLOURS, INK, chart_axes, entitled, new_axes
+
+if TYPE_CHECKING:
+    from ....formulations.solution import Solution
+
+NAMED = 25
+"""Up to this many agents are named, and so are their jobs where there is room."""
+
+LEAST = 0.04
+"""Of the largest capacity or load: parts that are lower have no room for a name."""
+
+
+def plot_generalised_assignment(
+    problem: GeneralisedAssignment, answer: AgentOfJob, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
+) -> Any:
+    """A column for each agent, a part of it for each of its jobs, below a line at its capacity.
+
+    Parameters
+    ----------
+    problem : GeneralisedAssignment
+    answer : tuple of int
+    ax : matplotlib axes, optional
+        New ones by default.
+    solution : Solution, optional
+        For objective, bound and gap in the title.
+    title : str, optional
+        Instead of the one made.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    ax = new_axes() if ax is None else ax
+    data, agents = problem.instance, np.arange(problem.num_agents)
+    loads = np.array(problem.loads(answer))
+    top = max(float(loads.max(initial=0.0)), float(data.capacity.max(initial=0.0)))
+    ax.bar(agents, loads, width=0.8, color=COLOURS[4], zorder=2)
+    filled = np.zeros(problem.num_agents)
+    for job, agent in enumerate(answer):
+        if agent < 0:
+            continue
+        part = float(data.consumption[agent, job])
+        ax.plot([agent - 0.4, agent + 0.4], [filled[agent]] * 2, color="white", linewidth=0.8, zorder=3)
+        if problem.num_agents <= NAMED and part >= LEAST * top:
+            ax.text(agent, filled[agent] + part / 2.0, data.job_name(job), fontsize=7.5, color=INK, ha="center", va="center", zorder=4)
+        filled[agent] += part
+    ax.hlines(data.capacity, agents - 0.45, agents + 0.45, color=ALARM, linewidth=1.4, zorder=4)
+    if problem.num_agents <= NAMED:
+        ax.set_xticks(agents, [data.agent_name(k) for k in agents.tolist()], fontsize=8)
+    else:
+        ax.set_xticks([])
+    ax.set_xlabel("agent", fontsize=9, color="#555555")
+    ax.set_ylabel("consumption", fontsize=9, color="#555555")
+    ax.set_ylim(0.0, 1.05 * top if top > 0 else 1.0)
+    chart_axes(ax)
+    done = sum(agent >= 0 for agent in answer)
+    return entitled(ax, problem, answer, solution, title, f"{done} of {problem.num_jobs} jobs by agent, capacities in red")
+
+
+PLOTS.add("generalised-assignment", plot_generalised_assignment)

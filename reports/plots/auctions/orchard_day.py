@@ -1,0 +1,70 @@
+"""Pictures of days in the orchard."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ....formulations.auctions.orchard_day import OrchardDay
+from .. import PLOTS
+from ..drawing import COLOURS, INK, entitled, legend_below, new_axes
+
+if TYPE_CHECKING:
+    from ....formulations.solution import Solution
+
+PARTS = {"home with a bin": (0, 1.0), "out with a new bin": (1, 0.35), "out without one": (2, 0.35)}
+"""Colour and opacity of what robots do; waiting for a bin is part of the way out."""
+
+NAMED = 60
+"""Up to so many bins are named."""
+
+
+def plot_orchard_day(
+    problem: OrchardDay, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
+) -> Any:
+    """One row a robot, from left to right the way home of each bin that it fetches, dark, and before it the trip to there, pale.
+
+    Parameters
+    ----------
+    problem : OrchardDay
+    answer : tuple of trips, one a robot
+    ax : matplotlib axes, optional
+        New ones by default.
+    solution : Solution, optional
+        For objective, bound and gap in the title.
+    title : str, optional
+        Instead of the one made.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    ax = new_axes() if ax is None else ax
+    jobs, home = problem.jobs, problem.timetable(answer)
+
+    def bar(robot: int, begin: int, end: int, part: str) -> None:
+        colour, alpha = PARTS[part]
+        drawn[part] = ax.barh(robot + 1, end - begin, left=begin, height=0.6, color=COLOURS[colour], alpha=alpha)
+
+    drawn: dict[str, Any] = {}
+    for robot, trips in enumerate(answer):
+        before = int(jobs.robot_free[robot])
+        for bring, fetch in trips:
+            if fetch < 0:
+                continue
+            loaded = int(home[fetch] - jobs.home[fetch])
+            bar(robot, before, loaded, "out with a new bin" if bring >= 0 else "out without one")
+            bar(robot, loaded, int(home[fetch]), "home with a bin")
+            if jobs.num_bins <= NAMED:
+                ax.text(loaded + jobs.home[fetch] / 2, robot + 1, str(fetch + 1), ha="center", va="center", fontsize=8, color="white")
+            before = int(home[fetch])
+    ax.set_yticks(range(1, jobs.num_robots + 1))
+    ax.invert_yaxis()
+    ax.set_xlabel("step", fontsize=9, color=INK)
+    ax.set_ylabel("robot", fontsize=9, color=INK)
+    if drawn:
+        told = [part for part in PARTS if part in drawn]
+        legend_below(ax, [drawn[part] for part in told], told, len(told))
+    return entitled(ax, problem, answer, solution, title, "bins on their way home, and the trips to them")
+
+
+PLOTS.add("orchard-day", plot_orchard_day)

@@ -1,0 +1,194 @@
+"""Pictures of explorations of rooms: a map of doors and links, and the way of each robot."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....formulations.auctions.room_exploration import RoomExploration
+from .. import PLOTS
+from ..drawing import COLOURS, INK, QUIET, bare, entitled, legend_below, new_axes
+from ..positions import scaled_positions
+
+if TYPE_CHECKING:
+    from ....formulations.solution import Solution
+
+Floats = NDArray[np.float64]
+
+NAMED = 60
+"""Up to so many rooms are named."""
+
+MAP, SEARCH = 1, 2
+"""Actions of a step beside going; see ``RoomExploration``."""
+
+HEARD = "#777777"
+
+RADIUS = 11.0
+"""Points from the middle of a room, and the lanes beside it, to its name."""
+
+LINE = 11.0
+"""Points of a line of a label."""
+
+NEAR = 1.25
+"""Mean lengths of a door within which a room is beside another."""
+
+RUNS = 6
+"""Stays of a robot in a room that are told."""
+
+APART = 0.09
+"""By how much ways of different robots run beside each other, in parts of the mean length of a door."""
+
+
+def places(problem: RoomExploration) -> Floats:
+    """Where rooms are drawn: their positions, or such that rooms are as far apart as steps lead from one to the other."""
+    given = problem.instance
+    if given.positions is not None:
+        return given.positions
+    from scipy.sparse.csgraph import shortest_path
+
+    steps = np.asarray(shortest_path(given.adjacent.astype(float), unweighted=True))
+    return scaled_positions(np.where(np.isfinite(steps), steps, given.num_rooms))
+
+
+def plot_room_exploration(
+    problem: RoomExploration, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
+) -> Any:
+    """Rooms and doors, dotted where rooms hear each other; a line a robot along its way from room to room, with squares where it maps and
+    crosses where it searches. Beside each room stand its name and, in the colour of each robot that enters it, after which steps it is
+    there.
+
+    Parameters
+    ----------
+    problem : RoomExploration
+    answer : tuple of tuples of (int, int)
+        Room and action of each step of each robot.
+    ax : matplotlib axes, optional
+        New ones by default.
+    solution : Solution, optional
+        For objective, bound and gap in the title.
+    title : str, optional
+        Instead of the one made.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    from matplotlib.collections import LineCollection
+    from matplotlib.lines import Line2D
+
+    ax = new_axes() if ax is None else ax
+    given, at = problem.instance, places(problem)
+    length = float(np.hypot(*(at[given.doors[:, 0]] - at[given.doors[:, 1]]).T).mean()) if len(given.doors) else 1.0
+    ax.add_collection(LineCollection(at[given.doors], colors=QUIET, linewidths=5.0, alpha=0.6, zorder=1))  # type: ignore[arg-type]
+    ax.add_collection(LineCollection(at[given.heard], colors=HEARD, linewidths=1.2, linestyles=":", zorder=1))  # type: ignore[arg-type]
+    entered = np.zeros(given.num_rooms, dtype=bool)
+    entered[given.starts] = True
+    handles: list[Any] = []
+    lines = 0
+    for robot, deeds in enumerate(answer):
+        colour = COLOURS[robot % len(COLOURS)]
+        turn = 2.0 * np.pi * (robot / given.num_robots + 0.125)
+        shift = APART * length * np.array([np.cos(turn), np.sin(turn)]) * (given.num_robots > 1)
+        rooms = [int(given.starts[robot]), *(room for room, _ in deeds)]
+        entered[rooms] = True
+        ax.plot(*(at[rooms] + shift).T, color=colour, linewidth=1.6, zorder=3, solid_joinstyle="round")
+        ax.scatter(*(at[rooms[:1]] + shift).T, s=42, marker="o", color=colour, edgecolors="white", linewidths=0.8, zorder=5)
+        ax.scatter(*(at[rooms[-1:]] + shift).T, s=120, marker="o", color="white", edgecolors=colour, linewidths=1.6, zorder=4)
+        for action, marker in ((MAP, "s"), (SEARCH, "X")):
+            done = [room for room, what in deeds if what == action]
+            ax.scatter(
+                *(at[done] + shift).reshape(-1, 2).T, s=34, marker=marker, color=colour, edgecolors="white", linewidths=0.6, zorder=6
+            )
+        handles.append(Line2D([], [], color=colour, linewidth=1.6, label=f"robot {robot + 1}"))
+    for some, face in ((entered, "#DCE6F2"), (~entered, "white")):
+        ax.scatter(*at[some].T, s=420, marker="o", color=face, edgecolors="#999999", linewidths=0.8, zorder=2)
+    ax.scatter(*at[given.base], s=620, marker="o", facecolors="none", edgecolors=INK, linewidths=1.6, zorder=2)
+    if given.num_rooms <= NAMED:
+        lines = _name_rooms(ax, problem, answer, at, length)
+    bare(ax)
+    ax.margins(_margin(ax, lines))
+    marks = [("starts here", "o"), ("maps", "s"), ("searches", "X")]
+    handles += [Line2D([], [], color="#555555", linestyle="", marker=marker, label=name) for name, marker in marks]
+    if given.num_rooms <= NAMED:
+        handles.append(Line2D([], [], color="#555555", linestyle="", marker="$1,3$", markersize=14, label="there after these steps"))
+    handles += [
+        Line2D([], [], color="#555555", linestyle="", marker="o", markerfacecolor="white", markeredgewidth=1.6, label="ends here"),
+        Line2D([], [], color=INK, linestyle="", marker="o", markerfacecolor="none", markersize=11, label="base"),
+        Line2D([], [], color=QUIET, linewidth=5, alpha=0.6, label="door"),
+        Line2D([], [], color=HEARD, linestyle=":", label="hear each other"),
+    ]
+    legend_below(ax, handles, [handle.get_label() for handle in handles], min(5, len(handles)), lines=1.0)
+    seen = int(entered.sum())
+    detail = f"{seen} of {given.num_rooms} rooms entered by {given.num_robots} robots in {given.steps} steps"
+    return entitled(ax, problem, answer, solution, title, detail)
+
+
+def _name_rooms(ax: Any, problem: RoomExploration, answer: Any, at: Floats, length: float) -> int:
+    """The name of each room and the steps after which robots are there, on the side that is farthest from its doors and their lanes; tells
+    how many lines the longest has."""
+    from matplotlib.offsetbox import AnnotationBbox, TextArea, VPacker
+
+    given, apart = problem.instance, APART * length * (problem.instance.num_robots > 1)
+    visits: list[list[tuple[str, str]]] = [[] for _ in range(given.num_rooms)]
+    for robot, deeds in enumerate(answer):
+        steps: dict[int, list[int]] = {}
+        for step, room in enumerate([int(given.starts[robot]), *(room for room, _ in deeds)]):
+            steps.setdefault(room, []).append(step)
+        for room, own in steps.items():
+            visits[room].append((_runs(own), COLOURS[robot % len(COLOURS)]))
+    links = np.concatenate([given.doors, given.heard]) if len(given.heard) else given.doors
+    for room in range(given.num_rooms):
+        near = np.hypot(*(at - at[room]).T) <= NEAR * length  # whose labels may come from the other side
+        near[links[(links == room).any(axis=1)].ravel()] = True
+        near[room] = False
+        middle, half = _free_side(at[near] - at[room])
+        towards = np.array([np.cos(middle), np.sin(middle)])
+        x, y = (0.5 if abs(part) < 0.3 else float(part < 0) for part in towards)  # where the text is tied
+        reach = RADIUS + 3.0 * (room == given.base)
+        texts = [
+            TextArea(text, textprops={"fontsize": size, "color": colour})
+            for text, colour, size in [(given.room_name(room), INK, 8.0), *((*visit, 7.5) for visit in visits[room])]
+        ]
+        ax.add_artist(AnnotationBbox(
+            VPacker(children=list(texts), align=("left", "center", "right")[round(2 * x)], pad=0, sep=1),
+            at[room] + towards * apart / max(np.sin(half), 0.4), xybox=(reach * towards[0], reach * towards[1]), boxcoords="offset points",
+            box_alignment=(x, y), frameon=False, pad=0, zorder=7, annotation_clip=False,
+        ))  # fmt: skip
+    return 1 + max(map(len, visits))
+
+
+def _margin(ax: Any, lines: int) -> float:
+    """Of the map, in parts of it: labels of so many lines beside its outermost rooms are not part of the data."""
+    height = 0.65 * ax.get_window_extent().height * 72.0 / ax.figure.dpi  # titles and legends take the rest
+    part = min((3.0 * RADIUS + LINE * lines) / height, 0.3)
+    return max(0.1, float(part / (1.0 - 2.0 * part)))
+
+
+def _free_side(others: Floats) -> tuple[float, float]:
+    """Middle and half width, at most a right angle, of the widest angle without ways and rooms; to the upper right if it may choose."""
+    angles = np.unique(np.arctan2(others[:, 1], others[:, 0])) if len(others) else np.zeros(0)
+    if not len(angles):
+        return np.pi / 4, np.pi / 2
+    width = np.diff(angles, append=angles[0] + 2 * np.pi)
+    if len(angles) == 1:
+        return float(angles[0] + np.pi + (-np.pi / 4 if np.cos(angles[0] + np.pi) < -0.5 else np.pi / 4)), np.pi / 2
+    middle = angles + width / 2
+    best = max(range(len(angles)), key=lambda k: (round(float(width[k]), 6), float(np.cos(middle[k] - np.pi / 4))))
+    return float(middle[best]), float(min(width[best], np.pi) / 2)
+
+
+def _runs(steps: list[int]) -> str:
+    """Numbers as text, those in a row as ``2-4``."""
+    runs: list[list[int]] = []
+    for step in steps:
+        if runs and step == runs[-1][1] + 1:
+            runs[-1][1] = step
+        else:
+            runs.append([step, step])
+    told = [str(first) if first == last else f"{first}-{last}" for first, last in runs[:RUNS]]
+    return ", ".join([*told, *["..."] * (len(runs) > RUNS)])
+
+
+PLOTS.add("room-exploration", plot_room_exploration)

@@ -1,0 +1,3 @@
+"""Pictures of risk allocations and paths."""
+
+from .... import _guard as _guard

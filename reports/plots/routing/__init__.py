@@ -1,0 +1,3 @@
+"""Pictures of routes."""
+
+from .... import _guard as _guard

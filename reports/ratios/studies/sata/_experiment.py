@@ -1,0 +1,236 @@
+"""Experiments on random sensing graphs: several methods on the same graphs, along one parameter after the other."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .....formulations.problem import Problem
+from .....instances.errors import CheckFailedError, UsageError
+from .....instances.generating import generate
+from .....instances.sata.sensing_graph import SensingGraph
+from ....tables.table import Column, Table
+from ...figures import sweep_figure
+from ...judging import TOLERANCE
+from ...optimum import Optimum
+from ...study import STUDIES, Fault, Report, Study, StudySetting, thinned
+from ...work import spread
+
+CHUNK = 5
+"""Trials of one task."""
+
+ATTEMPTS = 1000
+"""Seeds that are tried for one graph: the generator refuses those whose edges do not suffice to connect it."""
+
+WITH_RANGES, WITH_DEVIATIONS = 4, 7
+"""Up to so many methods fit side by side with their ranges, and with their deviations."""
+
+Measured = tuple[dict[str, float], list[tuple[str, str]]]
+Measure = Callable[[SensingGraph, int], Measured]
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """One parameter that is varied while the others stay.
+
+    Parameters
+    ----------
+    key : str
+        ``robots``, ``targets`` or ``phi``.
+    values : sequence of numbers
+    fixed : mapping
+        The others.
+    """
+
+    key: str
+    values: tuple[float, ...]
+    fixed: Mapping[str, float]
+
+    @property
+    def axis(self) -> str:
+        """Label of the horizontal axis."""
+        return {"robots": "robots", "targets": "targets", "phi": "density phi of the sensing graph (%)"}[self.key]
+
+    @property
+    def title(self) -> str:
+        """What stays."""
+        return ", ".join(f"phi = {value:g} %" if key == "phi" else f"{value:g} {key}" for key, value in self.fixed.items())
+
+    def point(self, k: int) -> dict[str, float]:
+        """All parameters at the k-th value."""
+        return {"actions": 2, **self.fixed, self.key: self.values[k]}
+
+
+@dataclass(frozen=True)
+class ExperimentPlan:
+    """What an experiment works through.
+
+    Parameters
+    ----------
+    sweeps : sequence of Sweep
+    methods : sequence of str
+        The keys of what ``measure`` returns, in the order of the table.
+    measure : callable
+        ``measure(graph, seed)`` returns a value for each method, and what must not be as (kind, message).
+    orders : sequence of pairs of methods
+        The value of the first is never above that of the second.
+    quantity : str
+        What the values are.
+    shares : sequence of pairs of methods
+        Mean and least of first over second are shown.
+    groups : sequence of (title, methods)
+        Panels of their own in the figure; by default all methods in one.
+    notes : sequence of str
+    """
+
+    sweeps: tuple[Sweep, ...]
+    methods: tuple[str, ...]
+    measure: Measure
+    orders: tuple[tuple[str, str], ...]
+    quantity: str
+    shares: tuple[tuple[str, str], ...] = ()
+    groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    notes: tuple[str, ...] = field(default=())
+
+
+def experiment(name: str, summary: str, trials: int, plan: ExperimentPlan) -> Study:
+    """Make a study of an experiment and register it."""
+    made = Study(name, summary, trials, lambda setting: run_experiment(name, summary, plan, setting), guarantees=False, plan=plan)
+    return STUDIES.add(name, made)
+
+
+def run_experiment(name: str, summary: str, plan: ExperimentPlan, setting: StudySetting) -> Report:
+    """See ``Study.run``."""
+    tasks = [
+        (name, sweep, point, first, min(CHUNK, setting.instances - first), setting.seed)
+        for sweep, one in enumerate(plan.sweeps)
+        for point in range(len(one.values))
+        for first in range(0, setting.instances, CHUNK)
+    ]
+    tasks.sort(key=lambda task: task[3])  # all points alike, so that an interrupt leaves something of each
+
+    def what(task: Any) -> str:
+        return f"{plan.sweeps[task[1]].key} = {plan.sweeps[task[1]].values[task[2]]:g}"
+
+    done = spread(trials_of, tasks, setting.jobs, setting.told, what)
+    results = [found for found in done.results if found is not None]
+    return _report(name, summary, plan, [row for rows, _ in results for row in rows], [f for _, fs in results for f in fs],
+                   len(results), len(tasks), done.interrupted)  # fmt: skip
+
+
+def trials_of(study: str, sweep: int, point: int, first: int, count: int, seed: int) -> tuple[list[dict[str, Any]], list[Fault]]:
+    """Some trials of one point of a registered experiment: the values of every method, and the faults."""
+    plan: ExperimentPlan = STUDIES[study].plan
+    rows, faults = [], []
+    for trial in range(first, first + count):
+        # The sweep is no part of the seed: where two sweeps meet, they have the same graphs.
+        parameters = plan.sweeps[sweep].point(point)
+        graph, own = sensing_graph(parameters, seed, trial)
+        values, found = plan.measure(graph, own)
+        found = [*found, *_order_faults(plan, values)]
+        faults += [Fault(kind, f"{study} on {graph.name}: {message}", graph.with_notes(message)) for kind, message in found]
+        rows.append({"sweep": sweep, "point": point, "trial": trial, "graph_seed": own, **values})
+    return rows, faults
+
+
+def sensing_graph(parameters: Mapping[str, float], seed: int, trial: int) -> tuple[SensingGraph, int]:
+    """The graph of one trial, and the seed that the generator took for it: the first that it does not refuse.
+
+    Raises
+    ------
+    UsageError
+        If it refuses them all.
+    """
+    shape = {key: value if key == "phi" else int(value) for key, value in sorted(parameters.items())}
+    rng = np.random.default_rng([seed, zlib.crc32(repr(sorted(shape.items())).encode()), trial])
+    for _ in range(ATTEMPTS):
+        own = int(rng.integers(0, 2**31))
+        try:
+            made = generate("sata", own, **shape)
+        except UsageError as error:
+            refusal = error
+            continue
+        assert isinstance(made, SensingGraph)
+        return made, own
+    raise refusal
+
+
+def solved(problem: Problem) -> Optimum:
+    """The optimum by HiGHS through ``solve``, which checks answer and bound.
+
+    Raises
+    ------
+    CheckFailedError
+        If it is not proved within the default time limit.
+    """
+    from .....solving.solve import solve
+
+    found = solve(problem, "highs", bound_time=0.0)
+    if found.faults:
+        raise CheckFailedError(f"highs on {problem.name}: {'; '.join(found.faults)}")
+    if found.status != "optimal" or not isinstance(found.objective, float):
+        raise CheckFailedError(f"highs did not find the optimum of {problem.name}: status {found.status}, limit {found.limit}")
+    return Optimum(found.objective, found.answer, "highs")
+
+
+def _order_faults(plan: ExperimentPlan, values: Mapping[str, float]) -> list[tuple[str, str]]:
+    return [
+        ("order", f"{low} has {values[low]!r}, more than {high} with {values[high]!r}")
+        for low, high in plan.orders
+        if values[low] > values[high] + TOLERANCE * max(1.0, abs(values[high]))
+    ]
+
+
+# -- from trials to a report ------------------------------------------------------------------------------------------
+
+
+def _report(
+    name: str, summary: str, plan: ExperimentPlan, trials: Sequence[dict[str, Any]], faults: Sequence[Fault], done: int, asked: int,
+    interrupted: bool,
+) -> Report:  # fmt: skip
+    rows, table, panels = [], [], []
+    shown = "range" if len(plan.methods) <= WITH_RANGES else "deviation" if len(plan.methods) <= WITH_DEVIATIONS else "mean"
+    for place, sweep in enumerate(plan.sweeps):
+        drawn = []
+        for point, x in enumerate(sweep.values):
+            own = [row for row in trials if row["sweep"] == place and row["point"] == point]
+            if not own:
+                continue
+            cells = [f"{sweep.key} = {x:g}", str(len(own))]
+            for method in plan.methods:
+                values = np.array([row[method] for row in own])
+                spread_of = float(values.std(ddof=1)) if len(values) > 1 else 0.0
+                row = {"sweep": sweep.key, "x": x, "method": method, "trials": len(own), "min": float(values.min()),
+                       "mean": float(values.mean()), "std": spread_of, "max": float(values.max())}  # fmt: skip
+                rows.append({**row, **sweep.point(point)})
+                drawn.append(row)
+                cells.append(_cell(row, shown))
+            for low, high in plan.shares:
+                share = np.array([row[low] / row[high] for row in own if row[high] > 0])
+                cells.append(f"{share.mean():.3f} ({share.min():.3f})" if len(share) else "-")
+            table.append(tuple(cells))
+        groups = plan.groups or (("", plan.methods),)
+        panels += [(sweep.axis, ", ".join(t for t in (sweep.title, title) if t), methods, drawn) for title, methods in groups if drawn]
+    heads = [Column("point", right=True), Column("trials", right=True), *(Column(method, right=True) for method in plan.methods)]
+    heads += [Column(f"{low}/{high}", right=True) for low, high in plan.shares]
+    words = {"range": "mean (least..most)", "deviation": "mean (deviation)", "mean": "mean"}[shown]
+    title = f"{name}: {plan.quantity}, {words}" + ("; quotients, mean (least)" if plan.shares else "")
+    observations = [
+        {"sweep": plan.sweeps[row["sweep"]].key, **plan.sweeps[row["sweep"]].point(row["point"]), "trial": row["trial"],
+         "graph_seed": row["graph_seed"], **{method: row[method] for method in plan.methods}}
+        for row in trials
+    ]  # fmt: skip
+    figure = sweep_figure(name, f"{name}: {summary}", panels, plan.quantity) if rows else None
+    return Report(
+        name, summary, Table(title, tuple(heads), tuple(table)), tuple(rows), tuple(observations),
+        thinned(faults), len(faults), () if figure is None else (figure,), plan.notes, done, asked, interrupted,
+    )  # fmt: skip
+
+
+def _cell(row: Mapping[str, Any], shown: str) -> str:
+    further = {"range": f" ({row['min']:.3g}..{row['max']:.3g})", "deviation": f" ({row['std']:.2f})", "mean": ""}[shown]
+    return f"{row['mean']:.3f}{further}"

@@ -1,0 +1,3 @@
+"""Tables of assignments, tasks and jobs."""
+
+from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Tables of risk allocations and paths."""
+
+from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Tables of routes."""
+
+from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Tables of selections and sensing graphs."""
+
+from .... import _guard as _guard

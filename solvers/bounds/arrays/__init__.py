@@ -1,0 +1,3 @@
+"""Bounds on bare programs."""
+
+from .... import _guard as _guard

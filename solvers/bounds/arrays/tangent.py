@@ -1,0 +1,67 @@
+"""Bound ``tangent``: a convex quadratic program, linearised at its optimum."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from ....formulations.arrays.problem import ArrayProblem
+from ....formulations.certificate import verified_bound
+from ....formulations.evidence import Evidence
+from ....formulations.problem import Problem
+from ....formulations.programs.duals import dual_value
+from ....formulations.programs.program import QUADRATIC
+from ....formulations.stop import NEVER, Stop
+from ...backend import Control, Options
+from ...backends.highs import Highs
+from ...linear_programs import LinearPrograms
+from .. import BOUNDS, BoundMethod
+from ..linear_relaxation import ENTRIES_PER_SECOND, vertex
+
+
+def tangent_bound(problem: ArrayProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
+    """Evidence of kind ``quadratic-duals`` at the optimum of the continuous relaxation, or that no point is within rows and bounds.
+
+    Parameters
+    ----------
+    problem : ArrayProblem
+    stop : Stop
+    linear : LinearPrograms, optional
+
+    Returns
+    -------
+    Evidence or None
+        None where the relaxation is not convex, or was not solved in time.
+    """
+    linear, program = linear or LinearPrograms(), problem.program
+    if stop.reached() or len(program.data) > ENTRIES_PER_SECOND * stop.seconds_left:
+        return None
+    relaxed = replace(program, variables=tuple(replace(block, integer=False) for block in program.variables))
+    control = Control()
+    with stop.telling(control.stop):
+        found = Highs().run(relaxed, Options(time_limit=max(stop.seconds_left, 0.01), seed=linear.seed), control)
+    if found.status == "infeasible":
+        return vertex(problem.compile("arrays"), stop, linear.seed)
+    if found.answer is None or program.quadratic is None:
+        return None
+    point = np.asarray(found.answer, dtype=np.float64)
+    flat = replace(relaxed, quadratic=None, offset=0.0).with_costs(program.cost + program.quadratic @ point)
+    duals = linear.duals(flat, stop)
+    if duals is None:
+        return None
+    value = dual_value(flat, duals) + float(program.offset) - float(point @ (program.quadratic @ point)) / 2.0
+    data = {"duals": duals.tolist(), "point": point.tolist()}
+    evidence = Evidence("quadratic-duals", "tangent at the relaxation's optimum", value, data)
+    return evidence if math.isfinite(verified_bound(problem, evidence)) else None
+
+
+def _missing(problem: Problem) -> frozenset[str]:
+    if not isinstance(problem, ArrayProblem):
+        return frozenset({f"{problem.family} problems"})
+    features = problem.program.features()
+    return frozenset() if features >= QUADRATIC and not problem.program.cones else frozenset({"a linear objective, or cones"})
+
+
+BOUNDS.add("tangent", BoundMethod("tangent", _missing, tangent_bound, order=2))

@@ -1,0 +1,3 @@
+"""Bounds on selections and max-min programs."""
+
+from .... import _guard as _guard

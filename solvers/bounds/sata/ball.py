@@ -1,0 +1,201 @@
+"""Bound ``ball``: the linear program over a part of a sensing graph, which bounds the whole from above.
+
+Take any set S of targets, the robots that see some of them, and of those robots' actions what they see of S. Any division of all
+robots covers the worst target of S no better than these robots can, so the optimum of the small program is an upper bound on the
+whole one's, whatever S is. It is sharp where S holds what keeps the whole optimum down, which is usually a small cluster of
+targets: S is a ball, the targets within some hops of the worst-covered ones.
+
+Source: linear programming duality for (3.5) of Sung (2019): the dual weights of the small program, and zeros elsewhere, are feasible for
+the dual of the whole.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....formulations.evidence import Evidence
+from ....formulations.sata.balls import Floats, Indices, ball_graph, even_shares, grown, near_one, num_edges
+from ....formulations.sata.balls import coverage as covered_by
+from ....formulations.stop import NEVER, Stop
+from ....instances.errors import InputError
+from ....instances.sata.sensing_graph import SensingGraph
+from ...linear_programs import LinearPrograms
+from .. import BOUNDS, BoundMethod
+
+if TYPE_CHECKING:
+    from ....formulations.problem import Problem
+    from ....formulations.sata.bottleneck_sata import BottleneckSATA
+
+SEEDS = 3
+"""Worst-covered targets that the first ball is grown around."""
+
+MORE_SEEDS = 4
+"""Factor from one number of seeds to the next."""
+
+MOST_EDGES = 20_000
+"""Largest ball: HiGHS takes a third of a second for it on graphs of a local kind, some ten seconds on expanders."""
+
+STILL = 1e-7
+"""Relative improvement below which a bound stands still."""
+
+TIME_SHARE = 0.5
+"""Of a budget for all bounds; the rest is for the linear program over the whole graph."""
+
+SIMPLEX = {"highs": {"solver": "simplex"}}
+SIMPLEX_EDGES = 8_000
+"""Up to here simplex is the faster of HiGHS' two methods (4 ms against 7 ms at 300 edges, 10 ms against 15 ms at 6,000)."""
+
+
+def ball_weights(graph: SensingGraph, targets: Indices, stop: Stop, linear: LinearPrograms) -> tuple[float, Indices, Floats] | None:
+    """Solve the linear program over the ball of ``targets``.
+
+    Parameters
+    ----------
+    graph : SensingGraph
+    targets : integer array
+        Ascending, none twice.
+    stop : Stop
+    linear : LinearPrograms
+
+    Returns
+    -------
+    (bound, targets, weights) or None
+        The bound, and the targets of positive dual weight; None if the program was not solved.
+    """
+    from ....formulations.sata.bottleneck_sata import BottleneckSATA
+
+    part = ball_graph(graph, targets)
+    part, unit = near_one(part)
+    problem = BottleneckSATA(part, fractional=True)
+    made = problem.compile("max-min")
+    try:
+        duals = linear.duals(made.program, stop, SIMPLEX if part.num_edges <= SIMPLEX_EDGES else None)
+    except InputError:  # weights of sizes that the solver does not take
+        return None
+    if duals is None or made.dual_evidence is None:
+        return None
+    found = made.dual_evidence(duals)
+    if not math.isfinite(found.value):
+        return None
+    priced = targets[np.asarray(found.data["targets"], dtype=np.int64)].astype(np.int64)
+    return found.value / unit, priced, np.asarray(found.data["weights"], dtype=np.float64)
+
+
+def weights_evidence(targets: Indices, weights: Floats, bound: float, source: str) -> Evidence:
+    """Weights of targets as evidence for the bottleneck problem."""
+    return Evidence("target-weights", source, bound, {"targets": targets.tolist(), "weights": weights.tolist()})
+
+
+def ball_evidence(
+    problem: BottleneckSATA,
+    coverage: Floats | None,
+    stop: Stop = NEVER,
+    linear: LinearPrograms | None = None,
+    *,
+    seeds: int = SEEDS,
+    most_edges: int = MOST_EDGES,
+) -> Evidence | None:
+    """Evidence from linear programs over balls around the worst-covered targets.
+
+    A ball grows, to at least twice its edges at a time, until its bound stands still; then others are grown around four times as many
+    seeds, as long as some target is covered worse than the bound found so far.
+
+    Parameters
+    ----------
+    problem : BottleneckSATA
+        For whole actions, this is a bound of its relaxation.
+    coverage : array of shape (targets,), optional
+        Coverage by the best answer known; by default that of robots that divide themselves evenly among their actions.
+    stop : Stop
+    linear : LinearPrograms, optional
+    seeds : int
+        Targets that the first ball is grown around.
+    most_edges : int
+        Largest ball.
+
+    Returns
+    -------
+    Evidence or None
+        Of kind ``target-weights``; None where no program was solved in time.
+
+    Notes
+    -----
+    Source: linear programming duality; docs/formulations/bottleneck.md#balls.
+    """
+    graph, linear = problem.graph, linear or LinearPrograms()
+    if len(graph.unseen_targets):
+        name = graph.target_name(int(graph.unseen_targets[0]))
+        return weights_evidence(graph.unseen_targets[:1], np.ones(1), 0.0, f"target {name}, which no action sees")
+    if coverage is None:
+        coverage = covered_by(graph, even_shares(graph))
+    best: tuple[float, Indices, Floats] | None = None
+    count = min(seeds, graph.num_targets)
+    while True:
+        worst = np.sort(np.argpartition(coverage, count - 1)[:count])
+        found = None if num_edges(graph, worst) > most_edges else _grown_weights(graph, worst, stop, linear, most_edges)
+        if found is None:
+            break
+        if best is None or found[0] < best[0]:
+            best = found
+        if count == graph.num_targets or np.partition(coverage, count)[count] >= best[0] * (1.0 - STILL):
+            break
+        count = min(MORE_SEEDS * count, graph.num_targets)
+    if best is None:
+        return None
+    bound, targets, weights = best
+    return weights_evidence(targets, weights, bound, f"linear program over a ball of targets, {len(targets)} of them weighted")
+
+
+def _grown_weights(
+    graph: SensingGraph, seeds: Indices, stop: Stop, linear: LinearPrograms, most_edges: int
+) -> tuple[float, Indices, Floats] | None:
+    """The best of the bounds of a ball that grows until its bound stands still."""
+    best: tuple[float, Indices, Floats] | None = None
+    ball: Indices | None = seeds
+    while ball is not None:
+        found = None if stop.reached() else ball_weights(graph, ball, stop, linear)
+        if found is None:
+            break
+        standing = best is not None and found[0] >= best[0] * (1.0 - STILL)
+        if best is None or found[0] < best[0]:
+            best = found
+        ball = None if standing else grown(graph, ball, most_edges)
+    return best
+
+
+def ball_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
+    """Evidence from balls around the targets that robots who divide themselves evenly cover worst, in half of the time.
+
+    Parameters
+    ----------
+    problem : BottleneckSATA, or MaxMinLP with one packing row a variable
+    stop : Stop
+    linear : LinearPrograms, optional
+
+    Returns
+    -------
+    Evidence or None
+        Of kind ``target-weights``, for a ``MaxMinLP`` of kind ``packing-covering-duals``.
+    """
+    from ....formulations.sata.bottleneck_sata import BottleneckSATA
+
+    half = stop.within(TIME_SHARE * stop.seconds_left)
+    if isinstance(problem, BottleneckSATA):
+        return ball_evidence(problem, None, half, linear)
+    from ....formulations.sata.single_packing import as_row_prices, as_sensing
+
+    graph, _ = as_sensing(problem)  # type: ignore[arg-type]
+    found = ball_evidence(BottleneckSATA(graph, fractional=True), None, half, linear)
+    return None if found is None else as_row_prices(graph, found)
+
+
+def _missing(problem: Problem) -> frozenset[str]:
+    if problem.family != "max-min":
+        return frozenset({f"{problem.family} problems"})
+    return problem.features() & {"min-max", "several-packing-rows"}
+
+
+BOUNDS.add("ball", BoundMethod("ball", _missing, ball_bound, order=1))

@@ -1,0 +1,3 @@
+"""Engines that assign bins, tasks and jobs."""
+
+from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Parts of the searches for assignments: auctions, matchings, prices."""
+
+from ..... import _guard as _guard

@@ -1,0 +1,178 @@
+"""Bertsekas' auction in whole numbers, compiled. Imports numba: import it inside functions only."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .....formulations.kernels import inner, kernel
+from .....formulations.stop_kernel import asked
+
+NONE = 1 << 61
+"""Cost of a forbidden pair; prices stay below half of it."""
+
+LINE = 4
+"""Pairs that a row remembers together: with their limit they are one line of a processor's memory."""
+
+LINES, LINES_SPARSE = 6, 3
+"""Lines of a row, the cheapest pairs first when it last looked at all of its own: where there are all pairs, and of a sparse matrix."""
+
+MANY_PAIRS = 12
+"""Pairs of a row, in the mean, from which on remembering is worth it."""
+
+_COLUMN = (1 << 32) - 1
+
+
+@kernel("(i8[::1], i8[::1], read(i4[::1]), i8[::1], i8[::1], i8[::1], i8, i8, i8, i8[:, :, ::1], i8[::1])")
+def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, most, memory, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Rows without a column bid in turn until none is left; who is outbid takes the turn of who outbids.
+
+    A row looks at the pairs that it remembers, line by line. Prices only rise, so its two best are known as soon as they are no dearer
+    than the limit of a line: the least that any pair behind it cost when the row last looked at all of them. Taking turns, rather than
+    having who is outbid bid at once, lets a processor read one row while it decides another.
+
+    Parameters
+    ----------
+    flag : array
+        Of a ``Stop``.
+    indptr, columns, cost : arrays
+        Pairs as a CSR matrix, whole costs.
+    price, owner : arrays of shape (columns,)
+        -1 for no owner.
+    epsilon : int
+        By which a bid goes beyond the second best.
+    span : int
+        By how much a row that has one column alone bids.
+    most : int
+        Bids, all phases together.
+    memory : array of shape (rows, lines, 8)
+        Of ``auction.remembered``. A line: its limit, -1 where the row never looked; costs; columns, two a word.
+    counts : array of shape (2,)
+        Bids, and looks at a whole row.
+
+    Returns
+    -------
+    int
+        0; 1 where it was stopped, 2 where prices grow beyond all bounds, 3 where ``most`` bids were not enough.
+    """
+    lines = memory.shape[1]
+    waiting, left = _bidders(owner, len(indptr) - 1)
+    values, pairs = np.empty(LINE * lines + 1, np.int64), np.empty(LINE * lines + 1, np.int64)
+    turn = 0
+    while left > 0:
+        if asked(flag):
+            return 1
+        i = waiting[turn]
+        best, first, second = np.int64(-1), NONE, NONE
+        known = False
+        if memory[i, 0, 0] >= 0:
+            for line in range(lines):
+                for k in range(LINE):
+                    column = memory[i, line, 1 + LINE + k // 2] >> 32 * (k % 2) & _COLUMN
+                    value = memory[i, line, 1 + k] + price[column]
+                    if value < second:
+                        if value < first:
+                            best, first, second = column, value, first
+                        else:
+                            second = value
+                if second <= memory[i, line, 0]:
+                    known = True
+                    break
+        if not known:
+            counts[1] += 1
+            _look(columns, cost, price, indptr[i], indptr[i + 1], values, pairs)
+            best, first, second = np.int64(columns[pairs[0]]), values[0], values[1]
+            for line in range(lines):
+                memory[i, line, 0] = values[LINE * (line + 1)]
+                for k in range(LINE):
+                    at = LINE * line + k
+                    column, paid = np.int64(0), NONE
+                    if values[at] < NONE:
+                        column, paid = np.int64(columns[pairs[at]]), cost[pairs[at]]
+                    memory[i, line, 1 + k] = paid
+                    if k % 2 == 0:
+                        memory[i, line, 1 + LINE + k // 2] = column
+                    else:
+                        memory[i, line, 1 + LINE + k // 2] |= column << 32
+        counts[0] += 1
+        price[best] += (second - first if second < NONE else span) + epsilon
+        if price[best] > NONE // 2:
+            return 2
+        if counts[0] > most:
+            return 3
+        before = owner[best]
+        owner[best] = i
+        if before >= 0:
+            waiting[turn] = before
+            turn += 1
+        else:
+            left -= 1
+            waiting[turn] = waiting[left]
+        if turn >= left:
+            turn = 0
+    return 0
+
+
+@inner
+def _look(columns, cost, price, begin, end, values, pairs):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """The cheapest pairs from ``begin`` to ``end`` at present prices, in ascending order; ``NONE`` where there are no more."""
+    size, many = 0, len(values)
+    worst = NONE
+    for k in range(begin, end):
+        value = cost[k] + price[columns[k]]
+        if value < worst:
+            at = min(size, many - 1)
+            size = min(size + 1, many)
+            while at > 0 and values[at - 1] > value:
+                values[at], pairs[at] = values[at - 1], pairs[at - 1]
+                at -= 1
+            values[at], pairs[at] = value, k
+            if size == many:
+                worst = values[many - 1]
+    values[size:] = NONE
+
+
+@kernel("(i8[::1], i8[::1], read(i4[::1]), i8[::1], i8[::1], i8[::1], i8, i8, i8, i8[::1])")
+def sparse_phase(flag, indptr, columns, cost, price, owner, epsilon, span, most, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """``remembering_phase`` with each row looking at all of its own pairs, the one that was outbid last first."""
+    stack, top = _bidders(owner, len(indptr) - 1)
+    while top > 0:
+        if asked(flag):
+            return 1
+        i = stack[top - 1]
+        best, first, second = -1, NONE, NONE
+        for k in range(indptr[i], indptr[i + 1]):
+            value = cost[k] + price[columns[k]]
+            if value < second:
+                if value < first:
+                    best, first, second = columns[k], value, first
+                else:
+                    second = value
+        counts[0] += 1
+        price[best] += (second - first if second < NONE else span) + epsilon
+        if price[best] > NONE // 2:
+            return 2
+        if counts[0] > most:
+            return 3
+        before = owner[best]
+        owner[best] = i
+        if before >= 0:
+            stack[top - 1] = before
+        else:
+            top -= 1
+    return 0
+
+
+@inner
+def _bidders(owner, rows):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Rows that own no column, the first one on top, and how many they are."""
+    owning = np.zeros(rows, np.bool_)
+    for j in range(len(owner)):
+        if owner[j] >= 0:
+            owning[owner[j]] = True
+    stack = np.empty(rows, np.int64)
+    top = 0
+    for i in range(rows - 1, -1, -1):
+        if not owning[i]:
+            stack[top] = i
+            top += 1
+    return stack, top

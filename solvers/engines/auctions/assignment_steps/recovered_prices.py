@@ -1,0 +1,86 @@
+"""Prices that prove an assignment optimal, where who found it has none."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .....formulations.evidence import Evidence
+from .....formulations.stop import Stop
+from .auction import whole_costs
+from .sides import Floats, Side, Wholes, proof, sides, split
+
+if TYPE_CHECKING:
+    from .....formulations.auctions.bin_assignment import BinAssignment
+
+BITS = 56
+"""Of the range of the costs in whole numbers."""
+
+UNREACHED = 1 << 60
+
+FEW_PAIRS = 20_000
+"""Pairs up to which no compiled loop is loaded."""
+
+SWEEPS = 1000
+"""After which costs that are rounded are taken for a circle that no sweep ends."""
+
+
+def recovered_prices(problem: BinAssignment, answer: tuple[int, ...], source: str, stop: Stop) -> Evidence:
+    """Evidence ``assignment-prices``: shortest paths from the columns that are left over, over pairs in turn out of and in the assignment.
+
+    Parameters
+    ----------
+    problem : BinAssignment
+    answer : tuple of int
+        As many pairs as there can be; where it is not optimal, the evidence proves less than its costs.
+    source : str
+    stop : Stop
+        Cut short, the prices prove less.
+
+    Notes
+    -----
+    Source: Ahuja, Magnanti and Orlin (1993), Network Flows, section 9.5. Of columns that no such path reaches, all prices rise together
+    until the others are no dearer for them.
+    """
+    parts = sides(problem)
+    prices = [_prices(part, column, stop) for part, column in zip(parts, split(problem, parts, answer), strict=True)]
+    return proof(problem, parts, prices, answer, source, stop)
+
+
+def _lower(part: Side, cost: Wholes, column: Wholes, price: Wholes, stop: Stop) -> None:
+    """``lower_labels``, compiled where it is worth loading, of few pairs all rows at once."""
+    if len(cost) > FEW_PAIRS:
+        from .price_kernels import lower_labels
+
+        lower_labels(stop.flag, part.indptr, part.columns, cost, column.astype(np.int64), price, SWEEPS)
+        return
+    paid = cost[part.columns == np.repeat(column, np.diff(part.indptr))]
+    for _ in range(SWEEPS):
+        lowered = np.minimum(price[column], np.minimum.reduceat(cost + price[part.columns], part.indptr[:-1]) - paid)
+        if stop.reached() or (lowered == price[column]).all():
+            return
+        price[column] = lowered
+
+
+def _prices(part: Side, column: Wholes, stop: Stop) -> Floats:
+    cost, unit, _ = whole_costs(part, BITS)
+    steps = part.num_columns + 1
+    cost, unit = cost // steps, unit / steps
+    held = np.zeros(part.num_columns, dtype=bool)
+    held[column] = True
+    price = np.where(held, UNREACHED if not held.all() else 0, 0).astype(np.int64)
+    _lower(part, cost, column, price, stop)
+    far = held & (price > UNREACHED // 2) if not held.all() else held
+    if far.any():
+        price[far] -= price[far].min()
+        rows = np.repeat(np.arange(part.num_rows), np.diff(part.indptr))
+        own = column[rows]
+        crossing = far[part.columns] & ~far[own]
+        if crossing.any():
+            paid = np.zeros(part.num_rows, dtype=np.int64)
+            at = part.columns == own
+            paid[rows[at]] = cost[at]
+            short = price[own] + paid[rows] - cost - price[part.columns]
+            price[far] += max(0, int(short[crossing].max()))
+    return np.maximum(price, 0) / unit

@@ -1,0 +1,188 @@
+"""A bin assignment as one or two in which every row can have a column, and its prices put together again."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .....formulations.auctions.matching import surplus_rows
+from .....formulations.evidence import Evidence
+from .....formulations.stop import Stop
+from .....formulations.tolerance import same
+
+if TYPE_CHECKING:
+    from .....formulations.auctions.bin_assignment import BinAssignment
+
+Floats = NDArray[np.float64]
+Wholes = NDArray[np.int64]
+
+BLOCK = 1 << 15
+"""Costs that are looked at together: few enough to stay in a processor's memory."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """Rows that each get a column, of which there may be more.
+
+    Parameters
+    ----------
+    indptr, columns, cost : arrays
+        Allowed pairs as a CSR matrix.
+    num_columns : int
+    rows_are_robots : bool
+        Else rows are bins, and columns robots.
+    row_numbers, column_numbers : arrays
+        What they are in the problem.
+    """
+
+    indptr: Wholes
+    columns: NDArray[np.int32]
+    cost: Floats
+    num_columns: int
+    rows_are_robots: bool
+    row_numbers: Wholes
+    column_numbers: Wholes
+
+    @property
+    def num_rows(self) -> int:
+        return len(self.indptr) - 1
+
+    @property
+    def complete(self) -> bool:
+        return len(self.columns) == self.num_rows * self.num_columns
+
+    @cached_property
+    def whole(self) -> bool:
+        """Whether all costs are whole numbers."""
+        return all(bool((np.floor(some) == some).all()) for some in np.array_split(self.cost, 1 + len(self.cost) // BLOCK))
+
+
+def sides(problem: BinAssignment) -> list[Side]:
+    """The whole, robots or bins bidding, whichever are fewer; or, where neither can all be matched, both halves apart.
+
+    Every assignment of the most pairs matches all robots of the first half with bins of it, and all bins of the second with robots of it
+    (Dulmage and Mendelsohn 1958): no pair between the halves is of any use.
+    """
+    n, m = problem.num_robots, problem.num_bins
+    whole = problem.indptr.astype(np.int64), problem.bins, problem.cost
+    most = n if problem.complete and n <= m else m if problem.complete else int((problem.largest >= 0).sum())
+    if most == n:
+        return [Side(*whole, m, True, np.arange(n), np.arange(m))]
+    if most == m:
+        return [_turned(*whole, m)]
+    rows, columns = surplus_rows(problem.indptr, problem.bins, m, problem.largest)
+    made = []
+    for own_rows, own_columns, robots in ((~rows, ~columns, True), (rows, columns, False)):
+        if not own_rows.any() or not own_columns.any():
+            continue
+        kept = own_rows[problem.robots] & own_columns[problem.bins]
+        at_row, at_column = (np.cumsum(marks) - 1 for marks in (own_rows, own_columns))
+        robot, column = at_row[problem.robots[kept]], at_column[problem.bins[kept]].astype(np.int32)
+        indptr = np.concatenate([[0], np.cumsum(np.bincount(robot, minlength=int(own_rows.sum())))])
+        numbers = np.nonzero(own_rows)[0], np.nonzero(own_columns)[0]
+        half = Side(indptr, column, problem.cost[kept], len(numbers[1]), True, *numbers)
+        made.append(half if robots else _turned(indptr, column, half.cost, half.num_columns, numbers))
+    return made
+
+
+def _turned(indptr: Wholes, columns: Any, cost: Floats, m: int, numbers: tuple[Wholes, Wholes] | None = None) -> Side:
+    n = len(indptr) - 1
+    rows = np.repeat(np.arange(n, dtype=np.int32), np.diff(indptr))
+    order = np.argsort(columns, kind="stable")
+    turned = np.concatenate([[0], np.cumsum(np.bincount(columns, minlength=m))])
+    robots, bins = (np.arange(n), np.arange(m)) if numbers is None else numbers
+    return Side(turned, rows[order], cost[order], n, False, bins, robots)
+
+
+def joined(problem: BinAssignment, parts: list[Side], found: list[Wholes]) -> tuple[int, ...]:
+    """The answer of the whole from the column of each row, -1 for none, of each part."""
+    bins = np.full(problem.num_robots, -1, dtype=np.int64)
+    for part, column in zip(parts, found, strict=True):
+        has = np.nonzero(column >= 0)[0]
+        rows, columns = part.row_numbers[has], part.column_numbers[column[has]]
+        if part.rows_are_robots:
+            bins[rows] = columns
+        else:
+            bins[columns] = rows
+    return tuple(bins.tolist())
+
+
+def split(problem: BinAssignment, parts: list[Side], answer: tuple[int, ...]) -> list[Wholes]:
+    """Inverse of ``joined``."""
+    bins = np.array(answer, dtype=np.int64)
+    holder = np.full(problem.num_bins, -1, dtype=np.int64)
+    holder[bins[bins >= 0]] = np.nonzero(bins >= 0)[0]
+    made = []
+    for part in parts:
+        number = np.full(problem.num_bins if part.rows_are_robots else problem.num_robots, -1, dtype=np.int64)
+        number[part.column_numbers] = np.arange(part.num_columns)
+        partner = (bins if part.rows_are_robots else holder)[part.row_numbers]
+        made.append(np.where(partner >= 0, number[partner], -1))
+    return made
+
+
+def least_paid(part: Side, prices: Floats) -> Floats:
+    """min over its columns of cost and price, one a row; every row has a column."""
+    paid = part.cost + prices[part.columns]
+    return np.asarray(np.minimum.reduceat(paid, part.indptr[:-1]))
+
+
+POLISHING = 200
+"""Sweeps that take the rounding of costs to whole numbers out of prices, where nothing else is between them and a proof."""
+
+
+def proof(problem: BinAssignment, parts: list[Side], prices: list[Floats], answer: tuple[int, ...], source: str, stop: Stop) -> Evidence:
+    """``price_evidence``; of prices that all but prove ``answer`` optimal, such as by an optimum of 0, the digits are set right."""
+    made = price_evidence(problem, parts, prices, source)
+    costs = problem.costs_of(answer)
+    value, size = math.fsum(costs), math.fsum(np.abs(costs))
+    if same(value, made.value, size) or not same(value, made.value, float(np.abs(problem.cost).max(initial=0.0)) * len(costs)):
+        return made
+    from .price_kernels import lower_labels, raise_labels
+
+    found = [made]
+    for labels, scale in ((lower_labels, 1.0), (raise_labels, 0.0)):  # the least prices lose fewest digits beside tiny costs
+        polished = []
+        for part, column, own in zip(parts, split(problem, parts, answer), prices, strict=True):
+            price = own * scale
+            labels(stop.flag, part.indptr, part.columns, part.cost, column.astype(np.int64), price, POLISHING)
+            polished.append(np.maximum(price, 0.0))
+        found.append(price_evidence(problem, parts, polished, source))
+    return max(found, key=lambda evidence: evidence.value)
+
+
+def price_evidence(problem: BinAssignment, parts: list[Side], prices: list[Floats], source: str) -> Evidence:
+    """Evidence ``assignment-prices`` of prices >= 0 of the columns of each part, 0 for those that are left over."""
+    from .....formulations.certificate import verified_bound
+
+    made, level = np.zeros(problem.num_bins), 0.0
+    if len(parts) == 1 and (parts[0].num_rows == problem.num_robots) and parts[0].rows_are_robots:
+        made[:] = prices[0]
+    elif len(parts) == 1 and parts[0].num_rows == problem.num_bins and not parts[0].rows_are_robots:
+        made[:] = -least_paid(parts[0], prices[0])
+    else:
+        level = _level(problem, parts, prices, made)
+    data = {"prices": made.tolist(), "level": level}
+    evidence = Evidence("assignment-prices", source, 0.0, data)
+    return Evidence("assignment-prices", source, verified_bound(problem, evidence), data)
+
+
+def _level(problem: BinAssignment, parts: list[Side], prices: list[Floats], made: Floats) -> float:
+    """Fill in the prices of bins, and return a level so high that no pair between the halves pays."""
+    robots, bins = np.full(problem.num_robots, np.nan), np.full(problem.num_bins, np.nan)
+    for part, own in zip(parts, prices, strict=True):
+        least = least_paid(part, own)
+        if part.rows_are_robots:
+            made[part.column_numbers], robots[part.row_numbers] = own, least
+        else:
+            bins[part.row_numbers] = least
+    across = robots[problem.robots] + bins[problem.bins] - problem.cost
+    level = float(np.nanmax(np.concatenate([robots, bins, across, [0.0]])))
+    held = ~np.isnan(bins)
+    made[held] = level - bins[held]
+    return level

@@ -1,0 +1,3 @@
+"""Dynamic programs over sets of tasks."""
+
+from ..... import _guard as _guard

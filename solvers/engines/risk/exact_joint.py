@@ -1,0 +1,235 @@
+"""Exact joint risk: plans whose true probability that anything fails is the budget, by supporting planes of that probability."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....formulations.problem import Problem
+from ....formulations.programs.rows import rows
+from ....formulations.risk.allocations import Allocation
+from ....formulations.risk.forms._fixed_risks import fixed_margins_program, margins
+from ....formulations.risk.joint_gradient import gradient
+from ....formulations.risk.joint_normal import Probability
+from ....formulations.risk.risk_allocation import RiskAllocation
+from ....formulations.stop import Stop, Stopped
+from ....instances.errors import UnsupportedError
+from ...backend import BACKENDS, Control, Engine, Options, RawResult
+from .convex_allocation_steps.beyond_boole import beyond_boole, quantile, room
+from .convex_allocation_steps.session import open_session
+from .convex_allocation_steps.successive_tangents import SuccessiveTangents
+from .convex_allocation_steps.units import Units
+
+Floats = NDArray[np.float64]
+
+MOST_ROWS = 60
+"""Chance constraints whose joint probability is integrated for each plane, one integral a row."""
+
+CLOSED = 1e-6
+MOST_PLANES = 200
+NEAR, FINE, MOST_LOOKS = 1e-8, 0.3, 30
+"""Deviations from the boundary at which a point is taken to be there, or this part of what the limits leave open; looks at most."""
+
+HIGHER = (1e-2, 1e-3, 1e-5, 0.0)
+"""Deviations above its budget's quantile, to which a plan is looked for that is allowed."""
+
+
+@BACKENDS.register("exact-joint")
+class ExactJoint(Engine):
+    """Outer search over the multivariate normal probability that nothing fails, whose quantile is concave in the decision (Ehrhard 1983).
+
+    A program with planes that support the quantile bounds the cost; from its decision the way to a plan that is known to be allowed crosses
+    the boundary, where the next plane is laid (Veinott 1967). Where no allocation is allowed the planes alone lead to a plan (Kelley 1960).
+    The integrals' errors count against the plan, and against the bound, which is claimed: its planes' slopes are as good as they are.
+    """
+
+    name = "exact-joint"
+    package = "highspy"
+    modules = ("highspy",)
+    summary = "joint risk by its true probability, for up to 60 chance constraints"
+    interrupts = "keeps the best plan"
+    one_thread = True
+    honours = frozenset({"gap", "iterations"})
+    family = "risk-allocation"
+    features = frozenset({"joint-risk", "quadratic-cost", "cones"})
+    order: ClassVar[int] = 1
+
+    def missing(self, problem: Problem) -> frozenset[str]:
+        """See ``Engine.missing``."""
+        lacking = super().missing(problem)
+        if not lacking and len(problem.limits) > MOST_ROWS:  # type: ignore[attr-defined]
+            return frozenset({f"more than {MOST_ROWS} chance constraints"})
+        return lacking
+
+    def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
+        """See ``Engine.run``."""
+        lacking = self.missing(problem)
+        if lacking:
+            raise UnsupportedError(self.name, lacking)
+        assert isinstance(problem, RiskAllocation)
+        self.converted(options)
+        stop = Stop(options.time_limit)
+        control.on_stop(stop.ask)
+        return _Planes(problem, options, control, stop).run()
+
+
+class _Planes:
+    """The search."""
+
+    def __init__(self, problem: RiskAllocation, options: Options, control: Control, stop: Stop) -> None:
+        self.problem, self.options, self.control, self.stop, self.units = problem, options, control, stop, Units.of(problem)
+        inner = self.units.problem
+        program = fixed_margins_program(inner, "planes", margins(inner, quantile(problem.caps)))
+        self.session = open_session(program, options.seed)
+        self.bound, self.value, self.planes, self.higher, self.none = -math.inf, math.inf, 0, 0.0, False
+        self.first = sum(block.size for block in program.rows)
+        self.sides: list[tuple[float, float]] = []
+        self.answer: Allocation | None = None
+
+    def run(self) -> RawResult:
+        """Planes until plan and bound meet."""
+        p, stop = self.problem, self.stop
+        try:
+            inside = self._start()
+        except Stopped:
+            inside = None
+        if inside is None:
+            return self._without_plan()
+        aim, most, limit = max(self.options.gap, CLOSED), min(self.options.iterations or MOST_PLANES, MOST_PLANES), "none"
+        self._take(inside)
+        while True:
+            made = self.session.solve(stop)
+            if made.status != "optimal":
+                limit = stop.reached() or "none"
+                break
+            outside = made.x[: p.size] * self.units.columns
+            self.bound = max(self.bound, min(p.sign * made.value, p.sign * made.bound) / self.units.cost)
+            if self.value - self.bound <= aim * max(abs(self.value), 1e-300):
+                break
+            if self.planes >= most:
+                limit = "iterations"
+                break
+            try:
+                edge = self._edge(inside, outside)
+                self._take(edge)
+                if not any([self._support(edge, outside), self._support(outside, outside)]):
+                    break
+            except Stopped:
+                limit = stop.reached()
+                break
+            self.planes += 1
+        closed = self.value - self.bound <= aim * max(abs(self.value), 1e-300)
+        limit = "gap" if closed and self.options.gap > 0.0 else limit
+        bound = p.sign * self.bound if math.isfinite(self.bound) else None
+        status = "optimal" if closed and limit != "gap" else "feasible"
+        return RawResult(
+            status, limit, self.answer, p.sign * self.value, bound, statistics=self._statistics(), message=self._said(closed, limit)
+        )
+
+    def _statistics(self) -> dict[str, Any]:
+        told: dict[str, Any] = {"planes": self.planes}
+        if self.answer is not None:
+            told["joint_risk"] = next(iter(self.problem.joint_risk(self.answer.decision, self.options.seed).values())).value
+        return told if self.options.start is None else {**told, "start": "ignored"}
+
+    def _said(self, closed: bool, limit: str) -> str:
+        return "" if closed or limit != "none" else "its samples of the joint risk tell no finer what is left between answer and bound"
+
+    def _without_plan(self) -> RawResult:
+        if self.none:
+            message = "the planes of the joint risk leave no plan"
+            return RawResult("infeasible", statistics=self._statistics(), message=message)
+        message = "no plan was found that keeps the joint risk, and none is ruled out"
+        return RawResult("unknown", self.stop.reached() or "none", statistics=self._statistics(), message=message)
+
+    def _start(self) -> Floats | None:
+        """The best plan of allocated risk, which keeps the joint risk by Boole's inequality; or one of more risk; or where planes lead."""
+        found = SuccessiveTangents(self.problem.by_allocation(), self.options.seed).run(self.stop, CLOSED).answer
+        if found is not None:
+            return found.decision
+        beyond = beyond_boole(self.problem, self.options.seed, self.stop)
+        return self._led() if beyond is None else beyond
+
+    def _led(self) -> Floats | None:
+        """The cheapest point beyond planes at a level a little higher than asked for, again and again, until it is allowed."""
+        for higher in HIGHER:
+            self._raise(higher)
+            while self.planes < MOST_PLANES:
+                made = self.session.solve(self.stop)
+                if made.status != "optimal":
+                    self.none = made.status == "infeasible" and higher == 0.0
+                    break
+                x = np.clip(made.x[: self.problem.size] * self.units.columns, self.problem.lower, self.problem.upper)
+                if self._look(x)[0] >= 0.0:
+                    self._raise(0.0)
+                    return x
+                if not self._support(x, x):
+                    break
+                self.planes += 1
+        return None
+
+    def _raise(self, higher: float) -> None:
+        """Move all planes to that many deviations above the level asked for."""
+        self.higher = higher
+        for k, (side, unit) in enumerate(self.sides):
+            self.session.change_upper(self.first + k, np.array([(side - higher) * unit]))
+
+    def _risks(self, x: Floats) -> dict[str, Probability]:
+        self.stop.check()  # one takes up to some tenths of a second
+        return self.problem.joint_risk(x, self.options.seed)
+
+    def _look(self, x: Floats) -> tuple[float, float]:
+        """Deviations below the budgets, and those that the limits of the probabilities leave open."""
+        found = self._risks(x)
+        limits = np.array([(f.low, f.high) for f in (found[b.name] for b in self.problem.budgets)])
+        return room(self.problem, x, self.options.seed), float(np.ptp(quantile(limits), axis=1).max(initial=0.0))
+
+    def _take(self, x: Floats) -> None:
+        p, decision = self.problem, np.clip(x, self.problem.lower, self.problem.upper)
+        value = p.sign * p.value(decision)[0]
+        if value < self.value:
+            self.value, self.answer = value, Allocation(decision)
+            self.control.publish(self.answer, p.sign * value)
+
+    def _edge(self, inside: Floats, outside: Floats) -> Floats:
+        """About the last allowed point on the way from ``inside`` to ``outside``: chords of a concave function stay inside."""
+        way, part, (beyond, _), (left, blur) = outside - inside, 0.0, self._look(outside), self._look(inside)
+        if beyond >= 0.0:
+            return outside
+        for _ in range(MOST_LOOKS):
+            near = max(NEAR, FINE * blur)
+            if left <= near:
+                break
+            tried = part + (1.0 - part) * (left - 0.5 * near) / (left - beyond)
+            found, blur = self._look(inside + tried * way)
+            if found < 0.0:  # by its samples' noise
+                break
+            part, left = tried, found
+        return np.asarray(inside + part * way)
+
+    def _support(self, edge: Floats, outside: Floats) -> bool:
+        """Lay planes at the edge; whether one of them is in the way of ``outside``."""
+        p, laid = self.problem, False
+        slack, risks = p.limits - p.chance @ edge, self._risks(edge)
+        for budget in p.budgets:
+            self.stop.check()
+            at = np.nonzero(np.isin(p.constraint, budget.constraints) & (p.deviation > 0.0))[0]
+            found = risks[budget.name]
+            level, least, most = quantile(np.array([found.value, found.high, found.low])).tolist()
+            density = math.exp(-0.5 * level * level) / math.sqrt(2.0 * math.pi)
+            normal = -gradient(slack[at], p.covariance[np.ix_(at, at)]) / density @ p.chance[at]  # of the quantile, by the decision
+            # most - normal (x - edge) >= quantile of the budget
+            side = most + float(normal @ edge) - float(quantile(np.array(budget.risk)))
+            if float(normal @ outside) > side - self.higher + max(1e-10 * max(1.0, abs(side)), FINE * (most - least)):
+                entries = np.nonzero(normal)[0]
+                inner = normal[entries] * self.units.columns[entries]
+                largest = float(np.abs(inner).max(initial=0.0))
+                unit = 2.0 ** -math.floor(math.log2(largest)) if largest > 1e-300 else 1.0
+                row = [(np.zeros(len(entries), dtype=np.int64), entries, inner * unit)]
+                self.session.add(rows("plane", 1, row, -math.inf, (side - self.higher) * unit))
+                self.sides.append((side, unit))
+                laid = True
+        return laid

@@ -1,0 +1,3 @@
+"""Searches for paths in graphs of uncertain edge costs."""
+
+from ..... import _guard as _guard

@@ -1,0 +1,6 @@
+"""Steps of searches for risky paths.
+
+A package, so that the registry of engines leaves them alone.
+"""
+
+from ..... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Engines that find routes."""
+
+from .... import _guard as _guard

@@ -1,0 +1,316 @@
+"""Objectives with the largest of all routes, for engines that limit routes one by one: bisection over the limit.
+
+An answer of value at most v is one of the same problem whose routes are limited by v: the makespan by ``max_duration``, the longest route
+by ``max_distance``, the latest return by the end of the shift. So limits are tried between the least that is not known to be in vain and
+the best value found. A found answer is one of the problem, and its value moves the upper end. That an engine found none proves nothing:
+the lower end says where to look next, and is no bound.
+
+What the objective asks before the largest route, as in ``Reward().then(Makespan())``, is what is searched for under each limit; an
+answer counts where it is no worse at that. What comes after it is searched for last, under the best limit.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from abc import abstractmethod
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from ....formulations.evidence import Evidence
+from ....formulations.programs.exactness import Exactness, Link
+from ....formulations.routing.objective import Composable, Objective, TotalCost, TotalDuration, Weighted
+from ....formulations.routing.reachability import unreachable
+from ....formulations.tolerance import same
+from ....instances.errors import UnsupportedError
+from ...backend import Control, Engine, Options, RawResult
+from .routing_objective import MAXIMA, longest_stay, stops_between
+
+if TYPE_CHECKING:
+    from ....formulations.evaluation import Evaluation
+    from ....formulations.problem import Problem
+    from ....formulations.routing.problem import RoutingProblem
+    from ....formulations.routing.routes import Routes
+
+NEAR = 1e-3
+"""Part of the best value to which the ends are brought together; then whatever is better at all is asked for."""
+
+LESS = 1e-6
+"""By which part of the best value another one has to be better."""
+
+
+class Bisecting(Engine):
+    """An engine that takes objectives with one of ``MAXIMA`` by limiting routes.
+
+    Class attributes
+    ----------------
+    own_maxima : bool
+        Whether it takes them by itself where it can; otherwise ``beyond`` and ``search`` are for problems without any.
+    iterations_end : bool
+        Whether ``iterations`` end a search that finds nothing, too; one that counts answers ends by the clock.
+    bytes_a_move, seconds_a_move : float
+        What the library's own model of all moves between sites takes, measured at 2,000 sites.
+    """
+
+    own_maxima: ClassVar[bool] = False
+    iterations_end: ClassVar[bool] = True
+    bytes_a_move: ClassVar[float] = 0.0
+    seconds_a_move: ClassVar[float] = 0.0
+
+    @abstractmethod
+    def beyond(self, problem: RoutingProblem) -> frozenset[str]:
+        """Features that the engine has, put together as it does not."""
+
+    @abstractmethod
+    def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
+        """``Engine.run`` for a problem under which ``beyond`` names nothing."""
+
+    def memory(self, problem: Problem) -> float:
+        """See ``Engine.memory``."""
+        return self.bytes_a_move * float(problem.size) ** 2
+
+    def set_up_seconds(self, problem: Problem) -> float:
+        """See ``Engine.set_up_seconds``."""
+        return self.seconds_a_move * float(problem.size) ** 2
+
+    def missing(self, problem: Problem) -> frozenset[str]:
+        """See ``Engine.missing``."""
+        lacking = super().missing(problem)
+        return lacking or self._lacking(problem, self._bisection(problem))  # type: ignore[arg-type]
+
+    def bisects(self, problem: RoutingProblem) -> bool:
+        """Whether a problem is taken by bisection, as a sequence of others: the library itself has not the objective."""
+        return isinstance(self._bisection(problem), Bisection)
+
+    def _lacking(self, problem: RoutingProblem, found: Bisection | frozenset[str] | None) -> frozenset[str]:
+        if isinstance(found, Bisection):
+            return frozenset()
+        return (self.beyond(problem) if self.own_maxima else found) if found is not None else self.beyond(problem)
+
+    def _bisection(self, problem: RoutingProblem) -> Bisection | frozenset[str] | None:
+        if self.own_maxima and not self.beyond(problem):
+            return None
+        return Bisection.of(self, problem)
+
+    def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
+        """See ``Engine.run``."""
+        lacking = self.missing(problem)
+        if lacking:
+            raise UnsupportedError(self.name, lacking)
+        found = self._bisection(problem)  # type: ignore[arg-type]
+        if not isinstance(found, Bisection):
+            return self.search(problem, options, control)  # type: ignore[arg-type]
+        return _Search(self, found, options, control).run()
+
+
+@dataclass(frozen=True)
+class Bisection:
+    """A problem whose objective has one of ``MAXIMA``, and the problems with limits in its place.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+    term : str
+    level : int
+        Of the objective, which is that term alone.
+    weight : float
+    objective : Objective
+        What is searched for under a limit: the other levels, and where none follow what makes routes short.
+    """
+
+    problem: RoutingProblem
+    term: str
+    level: int
+    weight: float
+    objective: Objective
+
+    @classmethod
+    def of(cls, engine: Bisecting, problem: RoutingProblem) -> Bisection | frozenset[str] | None:
+        """None where the objective has none of ``MAXIMA``; the features in the way where one cannot be limited away."""
+        levels = problem.objective.levels()
+        held = {term.name for level in levels for _, term in level.terms} & set(MAXIMA)
+        if not held:
+            return None
+        at = next(k for k, level in enumerate(levels) if any(term.name in MAXIMA for _, term in level.terms))
+        weight, term = levels[at].terms[0]
+        others = (*levels[:at], *levels[at + 1 :])
+        left = {t.name for level in others for _, t in level.terms} & set(MAXIMA)
+        if left or len(levels[at].terms) > 1 or weight < 0:
+            return frozenset(f"objective:{name}" for name in left or held)
+        short: tuple[Composable, ...] = (TotalDuration(), TotalCost()) if term.name != "longest-route" else (TotalCost(),)
+        tried: list[tuple[Weighted, ...]] = [others] if at + 1 < len(levels) else [(*others, *s.levels()) for s in short]
+        if others:
+            tried.append(others)
+        made = [cls(problem, term.name, at, weight, Objective(each)) for each in tried]
+        lacking = []
+        for one in made:
+            probe = one.limited(one.most)
+            lacking.append((probe.features() - engine.features) | engine.beyond(probe))
+            if not lacking[-1]:
+                return one
+        return min(lacking, key=len)
+
+    @property
+    def most(self) -> float:
+        """A limit that no answer exceeds by need."""
+        travels = [self.problem.travel_of(k) for k in range(len(self.problem.fleet))]
+        moves = 4 * len(self.problem.sites) * (1 + stops_between(self.problem))
+        if self.term == "longest-route":
+            return 1.0 + moves * float(max(t.distances.max(initial=0.0) for t in travels))
+        return 1.0 + abs(self.least) + longest_stay(self.problem) + moves * float(max(t.durations.max(initial=0.0) for t in travels))
+
+    @property
+    def least(self) -> float:
+        """A value that none is below."""
+        if self.term != "latest-return":
+            return 0.0
+        return min(max(float(self.problem.sites.ready[v.start]), v.shift[0]) for v in self.problem.fleet)
+
+    def limited(self, most: float) -> RoutingProblem:
+        """The problem whose routes are limited by ``most``, without the term; infinity is no limit."""
+        if self.term == "makespan":
+            fleet = [replace(v, max_duration=min(v.max_duration, most)) for v in self.problem.fleet]
+        elif self.term == "longest-route":
+            fleet = [replace(v, max_distance=min(v.max_distance, most)) for v in self.problem.fleet]
+        else:
+            fleet = [replace(v, shift=(v.shift[0], max(v.shift[0], min(v.shift[1], most)))) for v in self.problem.fleet]
+        return replace(self.problem, fleet=tuple(fleet), objective=self.objective)
+
+
+class _Search:
+    """Tries limits, keeps the best answer, and shares out time and iterations."""
+
+    def __init__(self, engine: Bisecting, asked: Bisection, options: Options, control: Control) -> None:
+        self.engine, self.asked, self.options, self.control = engine, asked, options, control
+        self.problem = asked.problem
+        self.ends = time.perf_counter() + options.time_limit
+        self.left = options.iterations
+        self.best: tuple[Routes, Evaluation] | None = None
+        self.tried = 0
+        self.last = RawResult("unknown")
+
+    def run(self) -> RawResult:
+        asked, at = self.asked, self.asked.level
+        began = self.options.start is not None and self.take(self.options.start)
+        follows = at + 1 < len(self.problem.senses)
+        for share in (0.3 if at else 0.1 if self.repeats else 1.0, 1.0):
+            if self.best is None or (at and not self.tried):
+                self.probe(math.inf, share, enough=not at)
+        if self.best is None:
+            return self.last
+        low = asked.least
+        while not self.spent:
+            high, above = self.value, self.before
+            near = high - low <= NEAR * abs(high)
+            limit = high - LESS * abs(high) if near else (low + high) / 2.0
+            if limit <= asked.least:
+                break
+            steps = 1.0 if near else math.log2((high - low) / (NEAR * abs(high))) + 2.0
+            if self.probe(limit, (0.5 if follows else 1.0) / steps, enough=True):
+                low = low if self.before == above else asked.least
+            elif near:
+                break
+            else:
+                low = limit
+        if follows and not self.spent:
+            self.probe(self.value, 1.0, enough=False)
+        found = self.told()
+        return replace(found, statistics={**found.statistics, "start": "used"}) if began else found
+
+    @property
+    def value(self) -> float:
+        """Of the largest route in the best answer."""
+        assert self.best is not None
+        return self.best[1].values[self.asked.level] / self.asked.weight
+
+    @property
+    def before(self) -> tuple[float, ...]:
+        """What the best answer has at the levels before."""
+        assert self.best is not None
+        return self.best[1].values[: self.asked.level]
+
+    @property
+    def spent(self) -> bool:
+        return self.control.stopped or time.perf_counter() >= self.ends or (self.left is not None and self.left <= 0)
+
+    @property
+    def repeats(self) -> bool:
+        """Whether the run shall repeat, so that no clock may end a probe."""
+        return self.engine.iterations_end and (self.options.iterations is not None or self.options.no_improvement is not None)
+
+    def probe(self, limit: float, share: float, *, enough: bool) -> bool:
+        """Search under a limit with a share of what is left; whether the answer is a better one, of which the first may be ``enough``."""
+        problem = self.asked.limited(limit)
+        self.tried += 1
+        if math.isfinite(limit) and any(problem.sites.required[site] for site in unreachable(problem)):
+            return False
+        seconds = max(0.0, self.ends - time.perf_counter()) * (1.0 if self.repeats else share)
+        most = None if self.left is None else max(1, int(self.left * share))
+        start = self.options.start if self.best is None else self.best[0]
+        heard = _Hearing(self, enough and not self.repeats)
+        known = self.best
+        self.last = self.engine.search(problem, replace(self.options, time_limit=seconds, iterations=most, start=start), heard)
+        if self.left is not None:
+            statistics = self.last.statistics
+            self.left -= max(1, int(statistics.get("iterations", statistics.get("solutions", most or 1))))
+        if self.last.answer is not None:
+            self.take(self.last.answer)
+        return self.best is not known
+
+    def take(self, answer: Routes) -> bool:
+        """Keep an answer if it is the best one so far."""
+        verdict = self.problem.evaluate(answer)
+        if not verdict.feasible or (self.best is not None and not self.better(verdict, self.best[1])):
+            return False
+        self.best = (answer, verdict)
+        self.control.publish(answer, verdict.values[0] if len(verdict.values) == 1 else None)
+        return True
+
+    def better(self, one: Evaluation, other: Evaluation) -> bool:
+        for sense, a, b in zip(self.problem.senses, one.values, other.values, strict=True):
+            if not same(a, b):
+                return (a < b) == (sense == "min")
+        return False
+
+    def told(self) -> RawResult:
+        assert self.best is not None
+        answer, verdict = self.best
+        limit = self.last.limit if self.last.limit != "interrupt" else "none"  # which is how the first better answer ends a probe
+        if self.control.stopped:
+            limit = "interrupt"
+        elif self.left is not None and self.left <= 0:
+            limit = "iterations"
+        elif time.perf_counter() >= self.ends:
+            limit = "time"
+        value = verdict.values[0] if len(verdict.values) == 1 else None
+        statistics = {**self.last.statistics, "limits_tried": self.tried}
+        if self.options.iterations is not None and self.left is not None:
+            statistics["iterations"] = self.options.iterations - self.left
+        told = f"routes limited in place of {self.asked.term}, {self.tried} limit{'s' if self.tried != 1 else ''} tried"
+        links = (*self.last.links, Link("bisection", Exactness.RESTRICTION, told))
+        return RawResult("feasible", limit, answer, value, statistics=statistics, holds=Exactness.RESTRICTION, links=links)
+
+
+class _Hearing(Control):
+    """Hears what a probe publishes; the first better answer ends it where that is enough."""
+
+    def __init__(self, search: _Search, enough: bool) -> None:
+        super().__init__()
+        self._search, self._enough = search, enough
+        search.control.on_stop(self.stop)
+
+    def begin_set_up(self) -> None:
+        if self._search.tried == 1:  # the others differ in a limit, and nobody waits for a first answer any more
+            super().begin_set_up()
+            self._search.control.begin_set_up()
+
+    def end_set_up(self, seconds: float) -> None:
+        super().end_set_up(seconds)
+        self._search.control.end_set_up(seconds)
+
+    def publish(
+        self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
+    ) -> None:
+        super().publish(answer, objective, bound, evidence)
+        if answer is not None and self._search.take(answer) and self._enough:
+            self.stop()

@@ -1,0 +1,273 @@
+"""The OR-Tools routing library: insertion heuristics, local search and guided local search."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....formulations.routing.routes import Routes
+from ....instances.errors import UsageError
+from ...backend import BACKENDS, Control, Options, RawResult
+from ...own_options import own_options
+from .bisection import Bisecting
+from .more_routes import with_more_routes
+from .ortools_model import Model, short_ways
+from .routing_integers import IntegerRouting, integer_routing
+from .routing_objective import awaited, claimed_objective, stops_between, unscalable
+from .routing_shipments import entangled
+
+if TYPE_CHECKING:
+    from ....formulations.routing.problem import RoutingProblem
+
+PUBLISH_EVERY = 0.05
+"""Seconds between two published incumbents, so that a flood of early ones costs nothing."""
+
+STATUS_MAP = {
+    "ROUTING_NOT_SOLVED": ("unknown", "none"),
+    "ROUTING_SUCCESS": ("feasible", "none"),
+    "ROUTING_PARTIAL_SUCCESS_LOCAL_OPTIMUM_NOT_REACHED": ("feasible", "time"),
+    "ROUTING_FAIL": ("unknown", "none"),
+    "ROUTING_FAIL_TIMEOUT": ("unknown", "time"),
+    "ROUTING_INVALID": ("error", "none"),
+    "ROUTING_INFEASIBLE": ("unknown", "none"),
+    "ROUTING_OPTIMAL": ("feasible", "none"),
+}
+"""The library's account of its search. It proves nothing about the problem: its fleet is cut to size, its data rounded."""
+
+
+FIRST = 0.3
+"""Part of the time in which routes are found, however few, where a least number of them is asked for."""
+
+DURATIONS = frozenset({"max-duration", "energy:elapsed", "duration-cost", "overtime", "objective:total-duration"})
+"""Features that ask for the least duration of a route."""
+
+
+@BACKENDS.register("ortools")
+class ORTools(Bisecting):
+    """OR-Tools routing library (Perron & Furnon): cheapest insertion, then guided local search, or tabu search
+    where moves cost nothing. Where rewards are all that counts, cheapest arcs and tabu search, the shorter way being the better of two.
+
+    ``iterations`` counts solutions. Extra options are the scalar fields of its search parameters:
+    ``first_solution_strategy``, ``local_search_metaheuristic`` (or ``metaheuristic``), ...
+
+    The library holds Python's global lock for the whole search, so nothing else runs in its process: it gets one of
+    its own, and publishes its incumbents from there.
+    """
+
+    name = "ortools"
+    package = "ortools"
+    modules = ("ortools.constraint_solver.pywrapcp", "ortools.constraint_solver.routing_enums_pb2")
+    summary = "OR-Tools routing library: insertion and guided local search"
+    options = None
+    order = 20
+    interrupts = "ends at its next local optimum, or is ended; the best published answer counts"
+    needs_process = True
+    own_maxima = True
+    iterations_end = False
+    one_thread = True
+    bytes_a_move, seconds_a_move = 120.0, 4e-7
+    family = "routing"
+    features = frozenset(
+        {
+            "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites",
+            "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations",
+            "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "energy:windows", "initial-energy", "shifts",
+            "duration-cost", "overtime", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups",
+            "several-windows", "skills", "reloads", "recharging", "closing-moves", "forbidden-moves", "committed-vehicles", "min-vehicles",
+            "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward",
+            "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights",
+            "objective:priorities",
+        }
+    )  # fmt: skip
+
+    def beyond(self, problem: RoutingProblem) -> frozenset[str]:
+        """See ``Bisecting.beyond``."""
+        held = problem.features()
+        lacking = unscalable(problem) | (entangled(problem) - {"shipments of sites with demands or pickups"})
+        if "objective:makespan" in held and awaited(problem):
+            # Spans of the library's dimensions are costs one by one; the largest of several is one only where all begin together.
+            lacking |= {"objective:makespan with waiting"}
+        if "closing-moves" in held:
+            ways = [problem.travel_of(k).closing for k in range(len(problem.fleet))]
+            closed = [w for w in ways if w is not None]
+            if len(closed) < len(ways) or any(not np.array_equal(w, closed[0]) for w in closed):
+                lacking |= {"closing-moves of some vehicles"}
+            if awaited(problem):  # least durations depart late, and moves close
+                lacking |= {f"{name} with closing-moves" for name in held & DURATIONS}
+        if "energy:windows" in held and held & {"reloads", "recharging"}:
+            lacking |= {"energy:windows with stops at depots"}
+        if {"committed-vehicles", "objective:vehicles"} <= held:
+            lacking |= {"objective:vehicles with committed-vehicles"}
+        return lacking
+
+    def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
+        """See ``Bisecting.search``."""
+        control.begin_set_up()
+        began = time.perf_counter()
+        data = integer_routing(problem)
+        if not problem.min_vehicles or options.start is not None:
+            return replace(_Search(problem, data, options, control, began).run(), holds=data.holds, links=(data.link,))
+        # Insertion ends with as few routes as it needs, and no move of the library makes more of them: it begins with enough.
+        half = None if options.iterations is None else -(-options.iterations // 2)
+        first = replace(options, iterations=half, time_limit=options.time_limit * (1.0 if half else FIRST))
+        free, unheard = replace(problem, min_vehicles=0), Control()
+        unheard.begin_set_up()
+        unheard.on_set_up = control.end_set_up
+        control.on_stop(unheard.stop)
+        fewer = _Search(free, data, first, unheard, began).run().answer
+        start = None if fewer is None else with_more_routes(problem, fewer)
+        if start is None:
+            return RawResult("unknown", "interrupt" if control.stopped else "none", message="OR-Tools found too few routes")
+        left = replace(options, start=start, iterations=half, time_limit=options.time_limit - (time.perf_counter() - began))
+        found = _Search(problem, data, left, control, time.perf_counter()).run()
+        statistics = {name: value for name, value in found.statistics.items() if name != "start"}
+        return replace(found, statistics=statistics, holds=data.holds, links=(data.link,))
+
+
+class _Search:
+    """One run: publishes its incumbents and asks for its end from within the library's callback."""
+
+    def __init__(self, problem: RoutingProblem, data: IntegerRouting, options: Options, control: Control, began: float) -> None:
+        self.problem, self.data, self.options, self.control = problem, short_ways(problem, data), options, control
+        self.shorter = self.data is not data
+        self.rewarded = self.shorter and not stops_between(problem)
+        self.began, self.ends = began, began + options.time_limit
+        self.solutions = 0
+        self.publish_at = 0.0
+        self.cost: int | None = None
+        self.answer: Routes | None = None
+        self.claim: float | None = None
+
+    def run(self) -> RawResult:
+        if not len(self.problem.customers) and not any(v.committed for v in self.problem.fleet):
+            return RawResult("optimal", answer=Routes(()), objective=0.0, bound=0.0, message="there are no customers")
+        for most, droppable in self._attempts():
+            model = Model(self.problem, self.data, most, droppable)
+            if not model.types:
+                message = "no vehicle can leave its depot and return in time"
+                return RawResult("infeasible" if self.problem.sites.required.any() else "unknown", message=message)
+            result = self._solve(model)
+            if result.answer is not None or result.limit != "none":
+                break
+        return result
+
+    def _attempts(self) -> list[tuple[int, bool]]:
+        """Vehicles of an unlimited type, half of what a depot is stopped at, and whether customers may be left out, in the order of trial.
+
+        The library's search slows down with every vehicle that it could use: first come a few times what the load asks
+        for, then as many as there are customers.
+        """
+        customers = len(self.problem.customers)
+        first = min(customers, max(25, 3 * self.data.fewest()))
+        wider = first < customers and any(v.count is None or v.reloads or v.stations for v in self.problem.fleet)
+        return [(first, False), *([(customers, False)] if wider else []), (customers, True)]
+
+    def _solve(self, model: Model) -> RawResult:
+        from ortools.constraint_solver import routing_enums_pb2
+
+        routing = model.routing
+        parameters = _parameters(
+            self.options, max(0.0, self.ends - time.perf_counter()), guided=bool(self.data.unit.any()), rewarded=self.rewarded
+        )
+        routing.solver().ReSeed(self.options.seed % 2**31)
+        routing.CloseModelWithParameters(parameters)
+        self.control.end_set_up(time.perf_counter() - self.began)
+
+        def at_solution() -> None:
+            self.solutions += 1
+            cost, now = routing.CostVar().Max(), time.perf_counter()
+            if now >= self.publish_at and (self.cost is None or cost < self.cost):
+                self._take(cost, model, lambda i: routing.NextVar(i).Value())
+                self.publish_at = now + PUBLISH_EVERY
+            if self.control.stopped:
+                routing.solver().FinishCurrentSearch()
+
+        routing.AddAtSolutionCallback(at_solution)
+        start = None if self.options.start is None else model.assignment(self.options.start)
+        if start is not None:
+            found = routing.SolveFromAssignmentWithParameters(start, parameters)
+        else:
+            found = routing.SolveWithParameters(parameters)
+        if found is not None:
+            # The clock decides which incumbents were published, so among equals the library's last word counts.
+            self._take(found.ObjectiveValue(), model, lambda i: found.Value(routing.NextVar(i)), ties=True)
+        said = routing_enums_pb2.RoutingSearchStatus.Value.Name(routing.status())
+        status, limit = STATUS_MAP.get(said, ("unknown", "none"))
+        if self.answer is not None:
+            status = "feasible"
+        elif status == "feasible":
+            status = "unknown"
+        if self.control.stopped:
+            limit = "interrupt"
+        elif self.options.iterations is not None and self.solutions >= self.options.iterations:
+            limit = "iterations"
+        elif time.perf_counter() >= self.ends - 0.01:
+            limit = "time"
+        statistics = {"solutions": self.solutions, "vehicles": len(model.types), "search": said, "scale": self.data.scales}
+        if self.options.start is not None:
+            statistics["start"] = "used" if start is not None else "refused"
+        message = "" if self.answer is not None else f"OR-Tools found no answer that visits every {self._required()} (it ended with {said})"
+        return RawResult(status, limit, self.answer, self.claim, statistics=statistics, message=message)
+
+    def _take(self, cost: int, model: Model, successor: Callable[[int], int], ties: bool = False) -> None:
+        """Publish an answer if it is the best one so far (or, with ``ties``, no worse) and leaves no required customer or group out."""
+        if self.cost is not None and (cost > self.cost or (cost == self.cost and not ties)):
+            return
+        answer = model.routes(successor)
+        sites = self.problem.sites
+        visited = np.zeros(len(sites), dtype=bool)
+        visited[[site for route in answer for site in route.visits]] = True
+        if (visited | ~sites.required).all() and all(visited[list(g.sites)].any() for g in sites.groups if g.required):
+            self.cost, self.answer, self.claim = cost, answer, self._claim(cost, model, answer)
+            self.control.publish(answer, self.claim)
+
+    def _required(self) -> str:
+        sites = self.problem.sites
+        groups = any(g.required for g in sites.groups)
+        return ("required site and group" if sites.required.any() else "required group") if groups else "required site"
+
+    def _claim(self, cost: int, model: Model, answer: Routes) -> float | None:
+        data = self.data
+        if self.shorter or data.maxima.any() or ((data.time.any() or data.overtime.any()) and not data.scales["exact"]):
+            # Durations are rounded up, move by move, and the largest value is counted from the earliest departure.
+            return self.problem.evaluate(answer).values[0] if len(self.problem.senses) == 1 else None
+        return claimed_objective(self.problem, (cost - model.offset) / data.cost_factor)
+
+
+def _parameters(options: Options, seconds: float, guided: bool = True, rewarded: bool = False) -> Any:
+    """The library's search parameters, the user's own changes checked against its fields.
+
+    Guided local search puts penalties on costs of moves, and finds nothing where these have none: tabu search does. Insertion fills routes
+    in any order where only rewards count, which no later move mends: there routes go to the nearest site at first.
+    """
+    from ortools.constraint_solver import pywrapcp, routing_enums_pb2
+
+    made = pywrapcp.DefaultRoutingSearchParameters()
+    first = routing_enums_pb2.FirstSolutionStrategy
+    made.first_solution_strategy = first.PATH_CHEAPEST_ARC if rewarded else first.PARALLEL_CHEAPEST_INSERTION
+    searches = routing_enums_pb2.LocalSearchMetaheuristic
+    made.local_search_metaheuristic = searches.GUIDED_LOCAL_SEARCH if guided and not rewarded else searches.TABU_SEARCH
+    made.time_limit.FromMilliseconds(max(1, round(1000 * min(seconds, 1e9))))
+    if options.iterations is not None:
+        made.solution_limit = options.iterations
+    fields = {f.name: f for f in made.DESCRIPTOR.fields if not f.is_repeated and f.message_type is None}
+    for name in ("solution_limit", "log_search"):
+        fields.pop(name)
+    given = {{"metaheuristic": "local_search_metaheuristic"}.get(name, name): value for name, value in options.extra.items()}
+    known = {name: None if field.enum_type is not None else getattr(made, name) for name, field in fields.items()}
+    for name, value in own_options("ortools", given, known).items():
+        if fields[name].enum_type is not None:
+            numbers = {v.name: v.number for v in fields[name].enum_type.values}
+            word = str(value).upper().replace("-", "_")
+            if word not in numbers:
+                raise UsageError(f"ortools: {name} is one of {', '.join(numbers)}, not {value!r}")
+            value = numbers[word]
+        try:
+            setattr(made, name, value)
+        except (TypeError, ValueError):
+            raise UsageError(f"ortools: {value!r} is no value for option {name}") from None
+    return made

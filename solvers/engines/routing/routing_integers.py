@@ -1,0 +1,403 @@
+"""Routing data as integers, for engines that count in integers: one place, one rule of rounding.
+
+Data of extraordinary size are first brought to an ordinary one by a power of two. What can then be written exactly with at most three
+decimals is scaled exactly. All else is scaled by 1e6, consumption up and limits down, so that whatever is feasible for the integers is
+feasible for the data.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ....formulations.programs.exactness import Exactness, Link
+from ....instances.errors import InputError
+from .integer_scales import FINE, UNLIMITED, Floats, Integers, Scale, Strips, plain, scale_of, whole
+from .routing_objective import scalarised
+
+if TYPE_CHECKING:
+    from ....formulations.routing.problem import RoutingProblem
+    from ....instances.routing.travel import Travel
+
+STRIP = 1 << 20
+"""Distances that are looked at together."""
+
+_PRECISE = 10_000
+"""Least price of a unit of time that no power of ten makes whole."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moves:
+    """Moves of vehicles of one kind, int arrays of shape (sites, sites), made when they are first asked for: a matrix of 5,000 sites is one
+    of 200 MB, and few engines look at all of them.
+
+    Attributes
+    ----------
+    lengths, times : Strips
+        Distances and durations.
+    length, clock : Scale
+        Of distances and of durations.
+    distance : for costs: rounded to the nearest.
+    distance_up, duration : for limits: rounded up.
+    charge : time charged for a move by ``energy:windows``; rounded up. None where nobody is charged so.
+    closing : latest time at which a move may begin. None where none closes.
+    """
+
+    lengths: Strips
+    times: Strips
+    length: Scale
+    clock: Scale
+    charge: Integers | None
+    closing: Integers | None
+
+    @cached_property
+    def distance(self) -> Integers:
+        return _matrix(self.lengths, self.length.nearest)
+
+    @cached_property
+    def distance_up(self) -> Integers:
+        return self.distance if self.length.exact else _matrix(self.lengths, self.length.up)
+
+    @cached_property
+    def duration(self) -> Integers:
+        if self.times is self.lengths and self.length.exact and self.clock == self.length:
+            return self.distance
+        return _matrix(self.times, self.clock.up)
+
+    def forget(self) -> None:
+        """Free the memory of the matrices: who asks for one again has it made again."""
+        for name in ("distance", "distance_up", "duration"):
+            self.__dict__.pop(name, None)
+
+    @property
+    def longest(self) -> int:
+        """The largest of ``distance_up``, which is not made for it."""
+        return int(self.length.up([self.lengths.largest])[0])
+
+    @property
+    def slowest(self) -> int:
+        """The largest of ``duration``, which is not made for it."""
+        return int(self.clock.up([self.times.largest])[0])
+
+
+@dataclass(frozen=True, eq=False)
+class IntegerRouting:
+    """A routing problem in integers; ``UNLIMITED`` where there is no limit.
+
+    Attributes
+    ----------
+    moves : tuple of Moves
+        One entry for each travel, speed and, where it is charged for, opening of a vehicle.
+    profile : int array
+        Entry of ``moves`` of each vehicle type.
+    service, ready, due : int arrays, one entry a site
+        Times count from ``origin``, the earliest ready time if that is negative.
+    windows : tuple
+        One entry a site: one or several windows (ready, due).
+    demand, pickup : int arrays of shape (sites, load dimensions)
+    shipped : int array of shape (shipments, load dimensions)
+    prize : int array, one entry a site
+        What a visit is worth in the cost's units.
+    capacity : int array of shape (vehicle types, load dimensions)
+    max_duration, max_distance, regular_duration, unit, fixed, time, overtime : int arrays, one entry a vehicle type
+        ``time`` and ``overtime``: costs of a unit of duration, and of one beyond the regular duration.
+    opens, leaves, closes : int arrays, one entry a vehicle type
+        Earliest and latest departure, latest return. Where ``closes`` is before ``opens`` no vehicle can be used.
+    travel_limit, charge_limit, latest_return : int arrays, one entry a vehicle type
+        Energy as a limit on time: on the move, charged by windows, and as the latest return of a route that starts when
+        its depot opens.
+    store, given : int arrays, one entry a vehicle type
+        Time on the move that a store lasts which is filled up on the way, and what it lacks of that at departure.
+    travel_reach : int array, one entry a vehicle type
+        ``travel_limit`` as a limit on distance, where moves take as long as they are.
+    maxima : int array
+        Costs of a unit of the largest duration, distance and return, in the order of ``routing_objective.MAXIMA``.
+    cost_factor : float
+        Integers in one unit of the objective.
+    scales : dict
+        For the report: scale of cost, distance, time and load.
+    """
+
+    moves: tuple[Moves, ...]
+    profile: Integers
+    service: Integers
+    ready: Integers
+    due: Integers
+    windows: tuple[tuple[tuple[int, int], ...], ...]
+    demand: Integers
+    pickup: Integers
+    shipped: Integers
+    prize: Integers
+    capacity: Integers
+    max_duration: Integers
+    max_distance: Integers
+    regular_duration: Integers
+    unit: Integers
+    fixed: Integers
+    time: Integers
+    overtime: Integers
+    opens: Integers
+    leaves: Integers
+    closes: Integers
+    travel_limit: Integers
+    travel_reach: Integers
+    charge_limit: Integers
+    latest_return: Integers
+    store: Integers
+    given: Integers
+    maxima: Integers
+    cost_factor: float
+    scales: dict[str, Any]
+
+    @property
+    def limited(self) -> list[int]:
+        """Load dimensions in which some capacity may be exceeded."""
+        carried = self.demand.any(axis=0) | self.pickup.any(axis=0) | self.shipped.any(axis=0)
+        return [int(k) for k in np.nonzero(carried & (self.capacity != UNLIMITED).any(axis=0))[0]]
+
+    def fewest(self) -> int:
+        """Vehicles that the loads ask for at least, were all of the roomiest type; 0 where loads limit nothing."""
+        needs = [0]
+        for k in self.limited:
+            roomiest = int(self.capacity[:, k].max())
+            if roomiest not in (0, UNLIMITED):
+                needs.append(-(-int(max(self.demand[:, k].sum(), self.pickup[:, k].sum())) // roomiest))
+        return max(needs)
+
+    def moves_of(self, kind: int) -> Moves:
+        """Moves of a vehicle type."""
+        return self.moves[int(self.profile[kind])]
+
+    @property
+    def holds(self) -> Exactness:
+        """For what a search of these integers can claim: limits are rounded to the safe side where they are rounded at all."""
+        return Exactness.EXACT if self.scales["exact"] else Exactness.RESTRICTION
+
+    @property
+    def link(self) -> Link:
+        """What was done to the data, for the chain that a solution shows."""
+        units = ", ".join(f"{name} times {factor:g}" for name, factor in self.scales.items() if name != "exact")
+        return Link("whole-numbers", self.holds, units)
+
+
+def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int = 2**60, fine: int = FINE) -> IntegerRouting:
+    """The data of ``problem`` in integers.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+        Its objective is one sum (``scalarised``).
+    largest : int
+        Largest integer that the engine takes as a single value.
+    total : int
+        Largest sum along a whole answer that it can hold.
+    fine : int
+        Scale of data that three decimals cannot hold, for engines with little room.
+
+    Raises
+    ------
+    InputError
+        If a value or a sum of them is beyond ``largest`` or ``total``; names the largest value.
+    """
+    sites, fleet = problem.sites, problem.fleet
+    scaled = partial(scale_of, fine=fine, room=_room(largest, total, len(sites)))
+    goal = scalarised(problem)
+    travels, profile = _profiles(problem)
+    strips = [_strips(travel) for travel, _ in travels]
+
+    served = np.where(sites.depot, 0.0, sites.service)
+    if any(v.reloads or v.stations for v in fleet):
+        served = sites.service
+    opening = np.array([max(float(sites.ready[v.start]), v.shift[0]) for v in fleet])
+    closing = np.array([min(float(sites.due[v.end]), v.shift[1]) for v in fleet])
+    regular = np.where(goal.overtime > 0, [v.regular_duration for v in fleet], math.inf)
+    several = [list(w) or [(r, d)] for w, r, d in zip(sites.windows or [()] * len(sites), sites.ready, sites.due, strict=True)]
+    times = [t for w in sites.windows for pair in w for t in pair]
+    closings = [t.closing for t, _ in travels if t.closing is not None]
+    clock = scaled(*(times for _, times in strips), *closings, served, sites.ready, sites.due, opening, regular, times)
+    rates = np.concatenate([goal.unit, goal.maxima[1:2]])
+    per_unit = scaled(rates)
+    others = (goal.fixed * per_unit.factor, goal.prize * per_unit.factor)
+    length = scaled(*(lengths for lengths, _ in strips), *others)
+    priced = np.concatenate([goal.time, goal.overtime, goal.maxima[[0, 2]]])
+    finer = _finer(priced * (per_unit.factor * length.factor / clock.factor))
+    per_unit = Scale(plain(per_unit.factor * finer), per_unit.exact)
+    cost = Scale(plain(length.factor * per_unit.factor), length.exact and per_unit.exact)
+    per_time = Scale(cost.factor / clock.factor, bool(whole(priced * (cost.factor / clock.factor)).all()))
+
+    origin = min(0.0, float(sites.ready.min()))
+    windows = [[(int(clock.up(r - origin)), int(clock.down(d - origin))) for r, d in listed] for listed in several]
+    service = clock.up(served)
+    for site in problem.customers.tolist():
+        # A window without an integer in it: begin at the integer below, and count the difference as service.
+        service[site] += any(r > d for r, d in windows[site])
+        windows[site] = [(min(r, d), d) for r, d in windows[site]]
+    due = np.array([listed[-1][1] for listed in windows], dtype=np.int64)
+
+    budgets = {kind: np.full(len(fleet), math.inf) for kind in ("travel", "elapsed", "elapsed-fixed-start", "windows")}
+    store, left = np.full((2, len(fleet)), math.inf)
+    for k, vehicle in enumerate(fleet):
+        if vehicle.stations and vehicle.energy is not None:
+            store[k], left[k] = (amount / vehicle.energy.rate for amount in (vehicle.energy.capacity, vehicle.energy.at_departure))
+        elif vehicle.energy is not None:
+            budgets[vehicle.energy.charge][k] = vehicle.energy.at_departure / vehicle.energy.rate
+    opens = clock.up(opening - origin)
+    latest_return = clock.down(opening - origin + budgets["elapsed-fixed-start"])
+    closes = np.minimum(clock.down(closing - origin), latest_return)
+    loads, capacity, load = _loads(problem, scaled)
+    made = IntegerRouting(
+        moves=tuple(
+            _moves(problem, t, each, at, length, clock, served, origin) for (t, at), each in zip(travels, strips, strict=True)
+        ),
+        profile=np.array(profile, dtype=np.int64),
+        service=service,
+        ready=np.array([listed[0][0] for listed in windows], dtype=np.int64),
+        due=due,
+        windows=tuple(tuple(listed) for listed in windows),
+        demand=loads[0], pickup=loads[1], shipped=loads[2],
+        prize=cost.nearest(goal.prize),
+        capacity=capacity,
+        max_duration=np.minimum(clock.down([v.max_duration for v in fleet]), clock.down(budgets["elapsed"])),
+        max_distance=length.down([v.max_distance for v in fleet]),
+        regular_duration=clock.down(regular),
+        unit=per_unit.nearest(goal.unit),
+        fixed=cost.nearest(goal.fixed),
+        time=per_time.nearest(goal.time),
+        overtime=per_time.nearest(goal.overtime),
+        opens=opens, leaves=np.minimum(np.maximum(opens, due[[v.start for v in fleet]]), closes), closes=closes,
+        travel_limit=clock.down(budgets["travel"]),
+        travel_reach=length.down(budgets["travel"]),
+        charge_limit=clock.down(budgets["windows"]),
+        latest_return=latest_return,
+        store=clock.down(store), given=clock.down(store) - clock.down(left),
+        maxima=np.concatenate([p.nearest([m]) for p, m in zip((per_time, per_unit, per_time), goal.maxima, strict=True)]),
+        cost_factor=cost.factor,
+        scales={
+            "cost": cost.factor, "distance": length.factor, "time": clock.factor, "load": load.factor,
+            "exact": cost.exact and clock.exact and load.exact and per_time.exact,
+        },
+    )  # fmt: skip
+    _check_headroom(made, len(sites), largest, total)
+    return made
+
+
+def _profiles(problem: RoutingProblem) -> tuple[list[tuple[Travel, tuple[int, float] | None]], list[int]]:
+    """Different travels, each with the depot and the opening of those that are charged from it, and the number of each type's."""
+    found: list[tuple[Travel, tuple[int, float] | None]] = []
+    keys: dict[Any, int] = {}
+    profile = []
+    for k, vehicle in enumerate(problem.fleet):
+        charged = vehicle.energy is not None and vehicle.energy.charge == "windows"
+        at = (vehicle.start, max(float(problem.sites.ready[vehicle.start]), vehicle.shift[0])) if charged else None
+        key = (id(vehicle.travel), vehicle.speed, at)
+        if key not in keys:
+            keys[key] = len(found)
+            found.append((problem.travel_of(k), at))
+        profile.append(keys[key])
+    return found, profile
+
+
+def _moves(
+    problem: RoutingProblem, travel: Travel, strips: tuple[Strips, Strips], at: tuple[int, float] | None, length: Scale, clock: Scale,
+    served: Floats, origin: float,
+) -> Moves:  # fmt: skip
+    charge = None
+    if at is not None:
+        sites = problem.sites
+        ready = sites.ready.copy()
+        ready[at[0]] = at[1]
+        waited = np.where(sites.depot[None, :], -math.inf, sites.ready[None, :] - ready[:, None])
+        charge = clock.up(np.maximum(served[:, None] + travel.durations, waited))
+        np.fill_diagonal(charge, 0)
+    closing = None if travel.closing is None else clock.down(travel.closing - origin)
+    return Moves(*strips, length, clock, charge, closing)
+
+
+def _strips(travel: Travel) -> tuple[Strips, Strips]:
+    """All distances and durations, the same ones where these are equal: nothing of n x n floats is made of coordinates."""
+    every = np.arange(len(travel))
+    step = max(1, STRIP // max(1, len(every)))
+
+    def made(between: Callable[[ArrayLike, ArrayLike], Floats]) -> Iterator[Floats]:
+        for first in range(0, len(every), step):
+            yield between(every[first : first + step, None], every[None, :])
+
+    lengths = Strips(partial(made, travel.distance))
+    return lengths, Strips(partial(made, travel.duration)) if travel.own_durations else lengths
+
+
+def _matrix(values: Strips, rounded: Callable[[Floats], Integers]) -> Integers:
+    strips = iter(values.made())
+    head = rounded(next(strips))
+    made, first = np.empty((head.shape[1],) * 2, dtype=np.int64), len(head)
+    made[:first] = head
+    for strip in strips:
+        made[first : first + len(strip)] = rounded(strip)
+        first += len(strip)
+    return made
+
+
+def _loads(problem: RoutingProblem, scaled: Callable[..., Scale]) -> tuple[list[Integers], Integers, Scale]:
+    """Demands, pickups and shipments, capacities, and the scale of them all."""
+    sites, dimensions = problem.sites, problem.sites.dimensions
+    carried = [np.column_stack([sites.demand, sites.further_demand]), np.column_stack([sites.pickup, sites.further_pickup])]
+    for values in carried:
+        values[sites.depot] = 0.0
+    shipped = np.zeros((len(sites.shipments), dimensions))
+    for k, shipment in enumerate(sites.shipments):
+        shipped[k, : len(shipment.load)] = shipment.load
+    room = np.full((len(problem.fleet), dimensions), math.inf)
+    for k, vehicle in enumerate(problem.fleet):
+        held = vehicle.capacities[:dimensions]
+        room[k, : len(held)] = held
+    load = scaled(*carried, shipped)
+    whole, capacity = [load.up(values) for values in (*carried, shipped)], load.down(room)
+    common = max(1, int(np.gcd.reduce(np.concatenate([values.ravel() for values in whole]))))
+    capacity = np.where(capacity == UNLIMITED, UNLIMITED, capacity // common)
+    return [values // common for values in whole], capacity, Scale(plain(load.factor / common), load.exact)
+
+
+def _finer(prices: Floats) -> int:
+    """Power of ten that makes prices of time whole, or precise where none does."""
+    found = [10**k for k in range(13) if whole(prices * 10**k).all()]
+    if found or not prices.any():
+        return found[0] if found else 1
+    return int(10 ** max(0, math.ceil(math.log10(_PRECISE / float(prices[prices > 0].min())))))
+
+
+def _room(largest: int, total: int, sites: int) -> int:
+    """What a single value may be, so that a sum along an answer, of two moves a site at most, fits too."""
+    return min(largest, total // max(1, 2 * sites))
+
+
+def _check_headroom(made: IntegerRouting, sites: int, largest: int, total: int) -> None:
+    """Refuse data whose sums could overflow."""
+    singles = {
+        "distance": (np.array([m.longest for m in made.moves]), made.scales["distance"]),
+        "duration": (np.array([m.slowest for m in made.moves]), made.scales["time"]),
+        "service time": (made.service, made.scales["time"]),
+        "ready time": (made.ready, made.scales["time"]),
+        "demand": (made.demand, made.scales["load"]),
+        "pickup": (made.pickup, made.scales["load"]),
+        "shipment": (made.shipped, made.scales["load"]),
+        "fixed cost": (made.fixed, made.scales["cost"]),
+        "reward": (made.prize, made.scales["cost"]),
+    }
+    priced = {
+        "distance": int(max(made.unit.max(), made.maxima[1])),
+        **dict.fromkeys(("duration", "service time", "ready time"), int(max(made.time.max() + made.overtime.max(), *made.maxima[[0, 2]]))),
+    }
+    for what, (values, factor) in singles.items():
+        top = int(values.max(initial=0))
+        limit = _room(largest, total, sites) // max(1, priced.get(what, 1))
+        if top > limit:
+            raise InputError(
+                f"the largest {what} is too large for an engine that counts in integers (scaled by {factor})",
+                expected=f"at most {limit / factor:g}", found=f"{top / factor:g}",
+            )  # fmt: skip

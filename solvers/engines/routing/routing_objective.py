@@ -1,0 +1,173 @@
+"""Objectives as one sum, for engines that minimise a single number."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....formulations.checking.granularity import grain
+from ....instances.errors import UnsupportedError
+
+if TYPE_CHECKING:
+    from ....formulations.routing.objective import Weighted
+    from ....formulations.routing.problem import RoutingProblem
+
+Floats = NDArray[np.float64]
+
+MAXIMA = ("makespan", "longest-route", "latest-return")
+"""Terms that are the largest value of a route."""
+
+STEPPED = frozenset({"vehicles", "reward", "penalties"})
+"""Terms that are counted in whole steps."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scalar:
+    """Minimise, over routes, ``unit[type] * distance + fixed[type] + time[type] * duration``, and ``overtime[type]`` times what the
+    duration exceeds the regular one by, minus ``prize`` of the visited sites, plus ``maxima`` times the largest of ``MAXIMA``.
+
+    ``unit``, ``fixed``, ``time`` and ``overtime`` have one entry a vehicle type, ``prize`` one a site; all are at least 0.
+    """
+
+    unit: Floats
+    fixed: Floats
+    time: Floats
+    overtime: Floats
+    prize: Floats
+    maxima: Floats
+
+    def __add__(self, other: Scalar) -> Scalar:
+        return Scalar(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
+
+    def __mul__(self, weight: float) -> Scalar:
+        return Scalar(*(getattr(self, f.name) * weight for f in fields(self)))
+
+    @property
+    def timed(self) -> bool:
+        """Whether durations of routes count."""
+        return bool(self.time.any() or self.overtime.any() or self.maxima[0])
+
+
+def unscalable(problem: RoutingProblem) -> frozenset[str]:
+    """Features of the objective that one sum cannot express; empty if ``scalarised`` takes it."""
+    lacking = set()
+    levels = problem.objective.levels()
+    for level in levels:
+        for weight, term in level.terms:
+            if weight * _sign(level) * (-1.0 if term.sense == "max" else 1.0) < 0:
+                lacking.add(f"objective:{weight:g}*{term.name}")
+    for level in levels[:-1]:
+        # Only what is counted in whole steps can be put before something else by a large weight.
+        if len(level.terms) > 1 or level.terms[0][1].name not in STEPPED:
+            lacking.add(f"objective:{level} before others")
+    return frozenset(lacking)
+
+
+def scalarised(problem: RoutingProblem) -> Scalar:
+    """One sum whose optima are those of the objective.
+
+    A level is weighed so that its smallest step outweighs all later levels together, which is exact: a vehicle counts 1,
+    and rewards and penalties count in steps of what they are all multiples of, or of a millionth of the largest where there is no
+    such number.
+
+    Raises
+    ------
+    UnsupportedError
+        If the objective cannot be expressed.
+    """
+    lacking = unscalable(problem)
+    if lacking:
+        raise UnsupportedError("one sum of all terms", lacking)
+    levels = problem.objective.levels()
+    total = _level(problem, levels[-1])
+    for level in reversed(levels[:-1]):
+        first = _level(problem, level)
+        step = abs(level.terms[0][0]) if level.terms[0][1].name == "vehicles" else _step(first.prize)
+        spread = _range(problem, total)
+        if not math.isfinite(spread / step):
+            raise UnsupportedError("one sum of all levels", {f"objective:{level} so much smaller than what follows"})
+        total = first * (2.0 ** (math.frexp(spread / step)[1] + 1) if spread > 0 else 1.0) + total
+    return total
+
+
+def _level(problem: RoutingProblem, level: Weighted) -> Scalar:
+    fleet, sites = problem.fleet, problem.sites
+    unit, fixed, time, overtime = np.zeros((4, len(fleet)))
+    prize, maxima = np.zeros(len(sites)), np.zeros(len(MAXIMA))
+    for weight, term in level.terms:
+        amount = abs(weight)
+        if term.name == "total-cost":
+            unit += amount * np.array([v.unit_cost for v in fleet])
+            fixed += amount * np.array([v.fixed_cost for v in fleet])
+            time += amount * np.array([v.unit_duration_cost for v in fleet])
+            overtime += amount * np.array([v.unit_overtime_cost if v.regular_duration < math.inf else 0.0 for v in fleet])
+        elif term.name == "vehicles":
+            fixed += amount
+        elif term.name == "total-duration":
+            time += amount
+        elif term.name in MAXIMA:
+            maxima[MAXIMA.index(term.name)] += amount
+        else:
+            prize += amount * np.where(sites.depot, 0.0, sites.reward if term.name == "reward" else sites.penalty)
+    return Scalar(unit, fixed, time, overtime, prize, maxima)
+
+
+def _sign(level: Weighted) -> float:
+    return 1.0 if level.sense == "min" else -1.0
+
+
+def _range(problem: RoutingProblem, goal: Scalar) -> float:
+    """No two answers differ by more in ``goal``: every customer on a route of its own costs at most this."""
+    n = len(problem.customers)
+    travels = [problem.travel_of(k) for k in range(len(problem.fleet))]
+    moves = 2 * n * (1 + stops_between(problem))
+    distance = moves * float(max(t.distances.max(initial=0.0) for t in travels))
+    routes = distance * goal.unit.max() + n * goal.fixed.max()
+    duration = 0.0
+    if goal.timed or goal.maxima.any():
+        duration = longest_stay(problem) + moves * float(max(t.durations.max(initial=0.0) for t in travels))
+        routes += n * duration * (goal.time.max() + goal.overtime.max())
+    return float(routes + goal.prize.sum() + goal.maxima @ [duration, distance, duration])
+
+
+def stops_between(problem: RoutingProblem) -> int:
+    """Largest number of depots at which a vehicle can have reason to stop between two sites."""
+    return max(len({*v.reloads, *v.stations}) for v in problem.fleet)
+
+
+def longest_stay(problem: RoutingProblem) -> float:
+    """No route waits and serves for longer, all in all."""
+    sites = problem.sites
+    opens = [w[-1][0] for w in sites.windows if w]
+    first = min(float(sites.ready.min()), *(max(float(sites.ready[v.start]), v.shift[0]) for v in problem.fleet))
+    pauses = sorted({site for v in problem.fleet for site in (*v.reloads, *v.stations)})
+    gaps = len(problem.customers) + 1
+    served = float(sites.service[problem.customers].sum()) + gaps * float(sites.service[pauses].sum())
+    return max(float(sites.ready.max()), *opens, first) - first + served
+
+
+def _step(prize: Floats) -> float:
+    found = grain(prize)
+    return found.size if found is not None else 1e-6 * float(prize.max(initial=0.0)) or 1.0
+
+
+def awaited(problem: RoutingProblem) -> bool:
+    """Whether a vehicle that departs as late as it may could have to wait for a site to open."""
+    sites = problem.sites
+    if sites.windows:
+        return True
+    opens = min(max(float(sites.ready[v.start]), v.shift[0]) for v in problem.fleet)
+    return bool((sites.ready[problem.customers] > opens).any())
+
+
+def claimed_objective(problem: RoutingProblem, value: float) -> float | None:
+    """What an engine's minimised sum says about the objective; None for objectives in order of priority."""
+    levels = problem.objective.levels()
+    if len(levels) > 1:
+        return None
+    left = math.fsum(w for w, term in levels[0].terms if term.name == "penalties") * float(problem.sites.penalty[problem.customers].sum())
+    return _sign(levels[0]) * value + problem.constant + left

@@ -1,0 +1,3 @@
+"""Engines that solve max-min programs."""
+
+from .... import _guard as _guard

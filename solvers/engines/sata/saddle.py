@@ -1,0 +1,214 @@
+"""Saddle: first-order methods for the max-min linear programs of robots that are too large for simplex or interior points."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ....formulations.evidence import Evidence
+from ....formulations.problem import Problem
+from ....formulations.sata.balls import Floats, coverage, even_shares, near_one
+from ....formulations.sata.bottleneck_sata import BottleneckSATA
+from ....formulations.stop import Stop, Stopped
+from ....instances.errors import UnsupportedError, UsageError
+from ....instances.sata.sensing_graph import SensingGraph
+from ...backend import BACKENDS, Control, Engine, Options, RawResult
+from ...bounds.sata.ball import weights_evidence
+from ...linear_programs import LinearPrograms
+from .saddle_steps.game import Game, Limits, Record
+from .saddle_steps.programs import Programs
+from .saddle_steps.refinement import refine
+from .saddle_steps.regret import RegretMatching
+
+LEAST_GAP = 5e-7
+"""Where a smaller gap is asked for, this is what ends a search: half of what is told apart from an optimum."""
+
+FIRST_PASSES, FIRST_WORK = 16.0, 1e6
+"""Passes over the graph, and edges, that the work on single clusters may read before the whole game is played."""
+
+REFINE_SHARE = 0.25
+"""What refining the mean answer may read, as a share of what regret matching has read so far."""
+
+FEW, LEAST_FEW = 0.02, 100
+"""The mean answer is refined when at most this share, or this number, of the targets falls short of the value wanted."""
+
+FIRST_STEPS = 32
+MORE_STEPS = 0.5
+"""Steps of regret matching between two looks at the means: so many, later this share of all steps so far."""
+
+MOST_LAYERS = 1000
+
+
+@BACKENDS.register("saddle")
+class Saddle(Engine):
+    """Work on the targets that fall short of a proved bound, regret matching where all of them matter; bounds from balls and prices.
+
+    ``iterations`` counts passes over the graph, of which a step of regret matching is one. Option ``h``: start from the local algorithm
+    with so many layers instead of robots that divide themselves evenly (0, the default, as the local algorithm takes longer than it saves).
+    """
+
+    name = "saddle"
+    package = "numba"
+    modules = ("numba", "highspy", "scipy")
+    summary = "first-order methods for large max-min LPs, with proved bounds"
+    interrupts = "keeps the best answer and the best bound"
+    one_thread = bounds_itself = True
+    options: ClassVar[Mapping[str, Any]] = {"h": 0}
+    family = "max-min"
+    features = frozenset({"sensing", "packing-covering"})
+
+    def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
+        """See ``Engine.run``."""
+        lacking = self.missing(problem)
+        if lacking:
+            raise UnsupportedError(self.name, lacking)
+        h: int = self.converted(options).extra.get("h", 0)
+        if not 0 <= h <= MOST_LAYERS:
+            raise UsageError(f"saddle: h must be a whole number from 0 to {MOST_LAYERS}, not {h!r}")
+        task = _Task(problem)
+        if len(task.graph.unseen_targets):
+            return task.unseen(options)
+        _compile()
+        return _search(task, h, options, control)
+
+
+class _Task:
+    """The problem as one of robots, with weights near 1.
+
+    Parameters
+    ----------
+    problem : BottleneckSATA or MaxMinLP
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.scale: Floats | None = None
+        if isinstance(problem, BottleneckSATA):
+            self.graph: SensingGraph = problem.graph
+        else:
+            from ....formulations.sata.single_packing import as_sensing
+
+            self.graph, self.scale = as_sensing(problem)  # type: ignore[arg-type]
+        self.scaled, self.unit = near_one(self.graph)
+
+    def answer(self, shares: Floats) -> Floats:
+        """The problem's answer, from shares."""
+        load = np.bincount(self.graph.robot_of_action, shares, minlength=self.graph.num_robots)
+        shares = shares / np.maximum(load, 1.0)[self.graph.robot_of_action]
+        return shares if self.scale is None else shares / self.scale
+
+    def shares(self, answer: Any) -> Floats | None:
+        """Shares from an answer to start with, all robots used up; None where it is none."""
+        given = np.asarray(answer, dtype=np.float64)
+        if given.shape != (self.graph.num_actions,) or not np.isfinite(given).all():
+            return None
+        shares = np.maximum(given, 0.0)
+        if self.scale is not None:
+            shares = np.where(np.isfinite(self.scale), shares * np.where(np.isfinite(self.scale), self.scale, 0.0), 0.0)
+        return self.used_up(shares)
+
+    def used_up(self, shares: Floats) -> Floats:
+        """Shares in proportion that sum to 1 a robot; even ones where a robot has none."""
+        load = np.bincount(self.graph.robot_of_action, shares, minlength=self.graph.num_robots)[self.graph.robot_of_action]
+        return np.where(load > 0.0, shares / np.where(load > 0.0, load, 1.0), even_shares(self.graph))
+
+    def value(self, record: Record) -> float:
+        return record.value / self.unit
+
+    def bound(self, record: Record) -> float:
+        return record.bound / self.unit
+
+    def evidence(self, record: Record) -> tuple[Evidence, ...]:
+        """What proves the record's bound, in the problem's own terms."""
+        if not np.isfinite(record.bound):
+            return ()
+        count = len(record.targets)
+        source = f"prices of {count} target{'' if count == 1 else 's'}"
+        return (self._translated(weights_evidence(record.targets, record.weights, self.bound(record), source)),)
+
+    def _translated(self, evidence: Evidence) -> Evidence:
+        if self.scale is None:
+            return evidence
+        from ....formulations.sata.single_packing import as_row_prices
+
+        return as_row_prices(self.graph, evidence)
+
+    def unseen(self, options: Options) -> RawResult:
+        """The result where nobody sees some target: the value is 0 whatever is done."""
+        given = None if options.start is None else self.shares(options.start)
+        name = self.graph.target_name(int(self.graph.unseen_targets[0]))
+        proof = weights_evidence(self.graph.unseen_targets[:1], np.ones(1), 0.0, f"target {name}, which no action sees")
+        answer = self.answer(even_shares(self.graph) if given is None else given)
+        message = f"no action sees {len(self.graph.unseen_targets)} of the targets, so the value is 0 whatever is done"
+        return RawResult("optimal", "none", answer, 0.0, 0.0, message=message, evidence=(self._translated(proof),))
+
+
+def _search(task: _Task, h: int, options: Options, control: Control) -> RawResult:
+    graph = task.scaled
+    stop = Stop(options.time_limit)
+    control.on_stop(stop.ask)
+    limits = Limits(stop)
+
+    def news(record: Record, what: str) -> None:
+        if what == "answer":
+            control.publish(task.answer(record.shares), task.value(record))
+        else:
+            control.publish(bound=task.bound(record), evidence=task.evidence(record))
+
+    record = Record(graph, max(options.gap, LEAST_GAP), news)
+    game = Game(graph, record, limits, Programs(stop, LinearPrograms(options.lp_solver, options.seed, options.threads)))
+    if options.iterations is not None:
+        limits.most_work = options.iterations * game.pass_work
+    shares = None if options.start is None else task.shares(options.start)
+    if shares is None:
+        shares = even_shares(graph)
+        if h and not limits.reached():
+            from .local_max_min.arrays import local_shares
+
+            record.offer(shares)  # before it takes its time
+            with contextlib.suppress(Stopped):
+                shares = task.used_up(local_shares(graph, h, stop=stop).shares)
+    refine(game, shares, FIRST_PASSES * game.pass_work + FIRST_WORK)
+    matching = None
+    if not (record.closed() or limits.reached()):
+        matching = RegretMatching(game)
+    while matching is not None and not (record.closed() or limits.reached()):
+        matching.run(max(FIRST_STEPS, int(MORE_STEPS * matching.steps)))
+        if not matching.steps:
+            break
+        shares, cover = matching.conclude()
+        if np.count_nonzero(cover < record.wanted) <= max(FEW * len(cover), LEAST_FEW):
+            refine(game, shares, REFINE_SHARE * matching.steps * game.pass_work)
+    return _result(task, game, 0 if matching is None else matching.steps, options)
+
+
+def _result(task: _Task, game: Game, steps: int, options: Options) -> RawResult:
+    record, limits = game.record, game.limits
+    optimal = record.bound - record.value <= LEAST_GAP * abs(record.value)
+    statistics: dict[str, Any] = {
+        "steps": steps, "passes": round(limits.work / game.pass_work, 3), "linear_programs": game.programs.solved,
+        "priced_targets": len(record.targets),
+    }  # fmt: skip
+    if options.start is not None:
+        statistics["start"] = "ignored" if task.shares(options.start) is None else "used"
+    limit = "none" if optimal else "gap" if record.closed() else limits.reached()
+    return RawResult(
+        "optimal" if optimal else "feasible", limit, task.answer(record.shares), task.value(record),
+        task.bound(record) if np.isfinite(record.bound) else None, statistics=statistics, evidence=task.evidence(record),
+    )  # fmt: skip
+
+
+@functools.cache
+def _compile() -> None:
+    """Compile or load all kernels, for the time limit is for the search alone."""
+    graph = SensingGraph(
+        np.zeros(2, dtype=np.int32), np.array([0, 1, 2], dtype=np.int32), np.array([0, 1], dtype=np.int32), np.ones(2), 1, 2
+    )
+    limits = Limits(Stop())
+    game = Game(graph, Record(graph, 1.0), limits, Programs(limits.stop))
+    shares = np.array([1.0, 0.0])
+    game.descend(shares, coverage(graph, shares), 0.4, 0.0, 100.0)
+    RegretMatching(game).run(1)

@@ -1,0 +1,216 @@
+"""The game between robots, who divide themselves among actions, and targets, which set prices; and what is known of its value."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .....formulations.sata.balls import Floats, Indices, Positions, coverage, even_shares, robots_seeing, weights_bound
+from .....formulations.stop import Stop
+from .....instances.sata.sensing_graph import SensingGraph
+from .programs import Programs
+
+BLOCK = 1e7
+"""Edges that a compiled loop reads between two looks at the limits: some 0.05 s."""
+
+_EPS = float(np.finfo(np.float64).eps)
+
+
+class Layout(NamedTuple):
+    """The arrays of a graph, as kernels take them.
+
+    Parameters
+    ----------
+    first, order : arrays
+        The actions of robot i are ``order[first[i]]`` to ``order[first[i + 1] - 1]``.
+    starts, targets, weights : arrays
+        CSR form of actions x targets.
+    viewer_starts, viewers : arrays
+        CSR form of targets x robots; a robot stands once for each of its actions that sees the target.
+    """
+
+    first: NDArray[np.int32]
+    order: NDArray[np.int32]
+    starts: NDArray[np.int32]
+    targets: NDArray[np.int32]
+    weights: Floats
+    viewer_starts: NDArray[np.int32]
+    viewers: NDArray[np.int32]
+
+    @classmethod
+    def of(cls, graph: SensingGraph) -> Layout:
+        """The layout of a graph."""
+        first, order = graph.by_robot
+        sight = graph.by_target
+        made = cls(first, order, graph.indptr, graph.indices, graph.weights, sight.indptr, graph.robot_of_action[sight.indices])
+        return cls(*(_read_only(array) for array in made))
+
+
+LAYOUT = "named(Layout, read(i4[::1]), read(i4[::1]), read(i4[::1]), read(i4[::1]), read(f8[::1]), read(i4[::1]), read(i4[::1]))"
+"""In the words of ``kernel``."""
+
+
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """A view: kernels are compiled for one kind of arrays."""
+    view = array.view()
+    view.setflags(write=False)
+    return view
+
+
+class Limits:
+    """When to end: time, work, the wish to stop.
+
+    Parameters
+    ----------
+    stop : Stop
+    most_work : float
+        Edges that the compiled loops may read.
+    """
+
+    def __init__(self, stop: Stop, most_work: float = math.inf) -> None:
+        self.stop = stop
+        self.most_work = most_work
+        self.work = 0.0
+
+    @property
+    def seconds_left(self) -> float:
+        return self.stop.seconds_left
+
+    def reached(self) -> str:
+        """Which limit is reached: ``interrupt``, ``time``, ``iterations``, or none (empty)."""
+        return self.stop.reached() or ("iterations" if self.work >= self.most_work else "")
+
+
+class Record:
+    """The best answer and the best bound so far.
+
+    Parameters
+    ----------
+    graph : SensingGraph
+        Every target is seen.
+    gap : float
+        Relative gap between them that is asked for.
+    news : callable
+        ``news(record, what)`` is called with ``answer`` or ``bound`` when there is a better one.
+
+    Attributes
+    ----------
+    shares : array of shape (actions,)
+    value : float
+    bound : float
+        What the checker makes of ``weights``, its rounding upwards included.
+    targets, weights : arrays
+        The weighted targets, ascending, and their weights.
+    """
+
+    def __init__(self, graph: SensingGraph, gap: float, news: Callable[[Record, str], Any] = lambda record, what: None) -> None:
+        self.graph, self.gap, self._news = graph, gap, news
+        self.shares = even_shares(graph)
+        self.value, self.bound = -math.inf, math.inf
+        self.targets: Indices = np.zeros(0, dtype=np.int64)
+        self.weights: Floats = np.zeros(0)
+
+    @property
+    def wanted(self) -> float:
+        """Value that closes the gap to the bound."""
+        return self.bound / (1.0 + self.gap)
+
+    def closed(self) -> bool:
+        """Whether the gap is as small as asked for."""
+        return self.value >= self.wanted
+
+    def offer(self, shares: Floats) -> Floats:
+        """Take ``shares`` if they are better; returns their coverage, computed anew."""
+        cover = coverage(self.graph, shares)
+        value = float(cover.min())
+        if value > self.value:
+            self.shares, self.value = shares.copy(), value
+            self._news(self, "answer")
+        return cover
+
+    def prove(self, targets: Indices, weights: Floats, bound: float | None = None) -> None:
+        """Take the bound that weights of targets prove, if it is better."""
+        if bound is None:
+            bound = weights_bound(self.graph, targets, weights)
+        bound *= self._rounding
+        if bound < self.bound:
+            self.bound, self.targets, self.weights = bound, targets, weights
+            self._news(self, "bound")
+
+    @cached_property
+    def _rounding(self) -> float:
+        return 1.0 + float(np.diff(self.graph.indptr).max(initial=0) + 16) * _EPS
+
+
+class Game:
+    """A graph, the best that is known of it, and what the methods need to work on it.
+
+    Parameters
+    ----------
+    graph : SensingGraph
+        Every target is seen.
+    record, limits, programs
+        See there.
+    """
+
+    def __init__(self, graph: SensingGraph, record: Record, limits: Limits, programs: Programs) -> None:
+        self.graph, self.record, self.limits, self.programs = graph, record, limits, programs
+        self.layout = Layout.of(graph)
+        room = 2 * int(np.diff(graph.indptr).max(initial=0))
+        self._scratch = np.empty(room, dtype=np.int32), np.empty(room), np.empty(room)
+        self._queue = np.zeros(graph.num_robots, dtype=np.int32)
+        self._queued = np.zeros(graph.num_robots, dtype=np.bool_)
+
+    @property
+    def pass_work(self) -> float:
+        """Edges that a step over the whole graph reads."""
+        return float(2 * self.graph.num_edges + self.graph.num_targets)
+
+    def descend(self, shares: Floats, cover: Floats, level: float, negligible: float, end: float) -> bool:
+        """Move ``shares`` downhill on the squared deficits below ``level``, as long as ``limits.work`` is below ``end``.
+
+        Parameters
+        ----------
+        shares, cover : arrays
+            Change in place.
+        level : float
+        negligible : float
+            Deficits up to this are left as they are.
+        end : float
+
+        Returns
+        -------
+        bool
+            Whether it came to rest.
+        """
+        from .descent_kernels import descend
+
+        limits = self.limits
+        waiting: Positions = robots_seeing(self.graph, np.nonzero(level - cover > negligible)[0])
+        self._queue[: len(waiting)] = waiting
+        self._queued[:] = False
+        self._queued[waiting] = True
+        head, size = 0, len(waiting)
+        while size > 0 and limits.work < end and not limits.reached():
+            block = max(1.0, min(BLOCK, end - limits.work, limits.most_work - limits.work))
+            head, size, work = descend(
+                limits.stop.flag,
+                self.layout,
+                self._scratch,
+                shares,
+                cover,
+                level,
+                negligible,
+                self._queue,
+                self._queued,
+                head,
+                size,
+                int(block),
+            )
+            limits.work += work
+        return bool(size == 0)

@@ -1,0 +1,195 @@
+"""Convex allocation as ``solve`` uses it: the default, its bound verified, its answers judged."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from risk_problems import margins, problem, run
+
+import waybound as wb
+from waybound.formulations.certificate import verified_bound
+from waybound.formulations.risk.risk_allocation import RiskAllocation
+from waybound.formulations.stop import Stop
+from waybound.instances.errors import UnsupportedError
+from waybound.instances.risk.allocation import Budget, Risk
+from waybound.reports.benchmarks.risk_allocation import by_program, random_problem
+from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation, _unproved
+from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents import SuccessiveTangents
+from waybound.solving.solve import solve
+
+
+def test_it_is_better_than_where_the_iterative_method_stalls() -> None:
+    found = solve(problem(), bound_time=0)
+    assert (found.solver, found.status, found.bound_kind) == ("convex-allocation", "optimal", "verified")
+    assert found.objective == pytest.approx(13.731143, abs=1e-6)
+    assert solve(problem(), heuristic="iterative", bound_time=0).objective == pytest.approx(13.420585, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("p", "value", "risks"),
+    [
+        (problem(constraints__upper=4), 11.436883, [1.19e-6, 0.0999988]),
+        (margins([1.0, 3.0], 0.1), 6.268857, [0.020452, 0.079548]),
+        (margins([1.0, 2.0, 5.0], 0.1), 13.808752, [0.009845, 0.022049, 0.068106]),
+        (margins([2.0, 2.0, 2.0], 0.06), 3 * 2 * 2.053749, [0.02, 0.02, 0.02]),
+        (margins([1.0], 0.1), 1.281552, [0.1]),
+    ],
+)
+def test_known_allocations(p, value: float, risks: list[float]) -> None:
+    found = run(ConvexAllocation, p)
+    assert found.objective == pytest.approx(value, abs=1e-5)
+    assert found.answer.risks == pytest.approx(risks, abs=1e-5)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
+@pytest.mark.parametrize("weight", [1.0, 1e9])
+def test_norms_have_the_same_optimum_at_any_scale(scale: float, weight: float) -> None:
+    p = problem(
+        sense="min", decisions=3, lower=[-3 * scale, -5 * scale, -5 * scale], upper=[0, 0, 2 * scale], constraints=None,
+        quantities={"map": [[-2, -0.7, 1], [-1, -3, -2]], "covariance": [0.0, 0.0]},
+        cost={
+            "decisions": [0, -3 * weight, 2 * weight],
+            "terms": [{"kind": "norm", "weight": weight, "decisions": [[1, 2, -2], [2, 0, -2]], "constant": [2 * scale, 2 * scale]}],
+        },
+        chance__limits=[1.589585834684558 * scale, 2.4537047295429587 * scale],
+    )  # fmt: skip
+    found = run(ConvexAllocation, p)
+    assert found.status == "optimal"
+    assert found.objective == pytest.approx(1.1215169746 * scale * weight, rel=1e-7)
+    assert verified_bound(p, found.evidence[0]) == pytest.approx(found.objective, rel=1e-7)
+
+
+@pytest.mark.parametrize("part", [1e-9, 1e-11, 1e-14])
+@pytest.mark.parametrize("unit", [2.0**-30, 1.0, 2.0**30])
+def test_deviations_beyond_what_solvers_see_leave_an_answer_and_its_proof(part: float, unit: float) -> None:
+    limit = 5 * unit
+    p = problem(lower=0, upper=9 * unit, constraints=None, chance__limits=[limit] * 2, quantities__covariance=[(limit * part) ** 2] * 2)
+    found = solve(p, bound_time=0)
+    assert found.status == "optimal" and found.bound_kind == "verified" and not found.faults
+    assert 20 * unit * (1 - 1e-7) < found.objective < 20 * unit
+
+
+def test_what_its_prices_do_not_prove_is_no_optimum() -> None:
+    p = margins([1.0, 3.0], 0.1)
+    found = SuccessiveTangents(p).run(Stop())
+    assert not _unproved(p, found, 0.0) and found.status == "optimal"
+    found.prices = {**found.prices, "chance": 0.5 * found.prices["chance"]}
+    assert _unproved(p, found, 0.0)
+    assert found.status == "feasible" and found.bound < 0.9 * found.value
+
+
+def test_an_open_interval_claims_what_its_prices_prove() -> None:
+    """Clarabel stops early on this one, between two values of which neither is a bound."""
+    p = problem(
+        decisions=2, lower=[-2, -5], upper=None, cost={
+            "decisions": [-3, -1],
+            "terms": [{"kind": "norm", "weight": 0.1, "decisions": [[-2, -1], [2, -1]], "constant": [-2, 0]}],
+        },
+        quantities={
+            "map": [[-1.7925474833464532, -2], [-1.1950370868740516, -2], [-3, 3]],
+            "covariance": [2.958951664510954, 3.7877310781734943, 1.801245175705491],
+        },
+        chance={"quantities": np.eye(3).tolist(), "limits": [1, 0, 2]}, constraints={"decisions": [[0, -1]], "upper": 7, "lower": -2},
+        risk={"total": 1e-9},
+    )  # fmt: skip
+    found = run(ConvexAllocation, p)
+    assert found.bound is not None and found.objective is not None and found.bound >= found.objective - 1e-6 * abs(found.objective)
+    assert not solve(p, bound_time=0).faults
+    found = SuccessiveTangents(p).run(Stop())
+    found.status, found.bound = "feasible", found.value + 1.0
+    _unproved(p, found, 0.0)
+    assert found.bound == p.sign * verified_bound(p, found.evidence(p.sign)[0])
+
+
+def test_the_gap_asked_for_ends_it() -> None:
+    found = solve(wb.generate("risk-allocation"), gap=1e-3, bound_time=0)
+    assert (found.status, found.limit) == ("feasible", "gap")
+    assert found.gap is not None and 1e-9 < found.gap <= 1e-3
+
+
+def test_squares_cones_and_norms_by_clarabel() -> None:
+    square = {"kind": "square", "decisions": [[1, 0], [0, 1]], "constant": [-6, -6]}
+    p = problem(
+        sense="min", lower=-9, upper=9, constraints=None, cost={"decisions": [0, 0.5], "terms": [square]}, chance__limits=[5, 50],
+        cones=[{"decisions": [[1, 0], [0, 1]], "limit": 5.0}],
+    )  # fmt: skip
+    found = solve(p, bound_time=0)
+    assert found.bound_kind == "verified" and found.gap is not None and found.gap < 1e-6
+    x = found.answer.decision
+    assert x @ x == pytest.approx(25.0, rel=1e-5)
+    assert solve(p, "cvxpy", form="secants", bound_time=0).objective == pytest.approx(found.objective, rel=1e-3)
+
+
+def test_where_there_is_no_answer_the_constraints_are_named() -> None:
+    found = solve(problem(constraints={"decisions": [[1, 1]], "lower": 9}), bound_time=0)
+    assert found.status == "infeasible" and found.answer is None
+    assert "no decision keeps the risks of chance constraints 1, 2 within" in found.message
+
+
+def test_joint_risk_gets_an_answer_and_no_bound() -> None:
+    found = run(ConvexAllocation, problem(risk__kind="joint"))
+    assert found.objective == pytest.approx(13.731143, abs=1e-6)
+    assert not found.evidence and found.answer.risks is None and found.holds.value == "restriction"
+
+
+def test_what_it_lacks_is_said() -> None:
+    with pytest.raises(UnsupportedError, match="alternatives"):
+        run(ConvexAllocation, wb.generate("risk-allocation", family="obstacles", steps=2))
+
+
+# -- budgets of parts ------------------------------------------------------------------------------------------------------
+
+
+def with_budgets(
+    p: RiskAllocation, groups: Sequence[Sequence[int]], risks: Sequence[float], *, total: float | None = None
+) -> RiskAllocation:
+    """The same constraints under a budget a group, and a total or none."""
+    budgets = tuple(Budget(f"part {k + 1}", np.array(g), r) for k, (g, r) in enumerate(zip(groups, risks, strict=True)))
+    each = np.full(len(p.names), min(0.5, max(risks)))
+    return RiskAllocation(replace(p.instance, risk=Risk(p.risk.kind, total, each, budgets)))
+
+
+def parts(rng: np.random.Generator, many: int) -> list[list[int]]:
+    """The constraints in up to three groups, as those of robots or steps are."""
+    group = rng.integers(0, 3, many)
+    return [np.nonzero(group == g)[0].tolist() for g in np.unique(group)]
+
+
+@pytest.mark.share(4)
+@pytest.mark.parametrize("seed", range(8))
+def test_budgets_of_parts_are_worth_no_more_than_the_whole_and_as_much_where_they_are_those_of_the_best(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    p = random_problem(rng)
+    best, total = run(ConvexAllocation, p), p.budgets[0].risk
+    own, size = best.answer.risks, 1e-7 * abs(best.objective)
+    for groups in (parts(rng, len(own)), [[k] for k in range(len(own))]):
+        for shares in (np.full(len(groups), total / len(groups)), total * rng.dirichlet(np.full(len(groups), 9.0))):
+            split = with_budgets(p, groups, shares.tolist())
+            found = run(ConvexAllocation, split)
+            assert found.objective <= best.objective + size  # a reward
+            assert verified_bound(split, found.evidence[0]) >= found.objective - size
+            assert split.evaluate(found.answer).feasible and p.evaluate(found.answer).feasible
+            for form in ("uniform", "secants"):
+                kept = by_program(split, form)
+                assert kept is not None and split.evaluate(kept).feasible
+                assert split.value(kept.decision)[0] <= found.objective + size
+        same = with_budgets(p, groups, [max(float(own[g].sum()), 1e-12 * total) for g in groups])
+        assert run(ConvexAllocation, same).objective == pytest.approx(best.objective, rel=1e-6)
+        assert run(ConvexAllocation, with_budgets(p, groups, [total] * len(groups), total=total)).objective == pytest.approx(
+            best.objective, rel=1e-7
+        )
+
+
+@pytest.mark.parametrize("solver", [pytest.param("exact-joint", marks=pytest.mark.long), "convex-allocation"])
+def test_joint_budgets_of_parts_are_worth_no_more_than_the_whole(solver: str) -> None:
+    p = margins([1.0, 2.0, 5.0], 0.1, kind="joint")
+    whole = solve(p, solver, bound_time=0, gap=1e-5)
+    own = p.risks(whole.answer.decision)
+    for groups, shares in (([[0], [1, 2]], [0.03, 0.07]), ([[0, 1], [2]], [0.05, 0.05]), ([[0], [1], [2]], (own * 0.999).tolist())):
+        split = with_budgets(p, groups, shares, total=0.1)
+        found = solve(split, solver, bound_time=0, gap=1e-5)
+        assert found.certificate.feasible and found.objective >= whole.objective * (1.0 - 2e-5)
+    assert found.objective == pytest.approx(whole.objective, rel=1e-3)
