@@ -297,13 +297,15 @@ class Problem(ABC):
         return compile_form(self, form, relax=relax)
 
 
-def refuse_settings(name: str, settings: Mapping[str, Any]) -> None:
-    """Raise UsageError for any setting of a problem that takes none and has no distances to round."""
-    if settings.get("convention") not in (None, "exact"):
-        raise UsageError(f"{name} problems have no distances to round: the convention can only be exact")
-    unknown = [key for key in settings if key != "convention"]
-    if unknown:
-        raise UsageError(f"{name} has no setting {', '.join(unknown)}; it takes none")
+def refuse_settings(name: str, settings: Mapping[str, Any], known: tuple[str, ...] = ()) -> None:
+    """Raise UsageError for a setting that a problem without distances does not have; ``convention`` may be ``exact`` everywhere."""
+    for key, value in settings.items():
+        if key == "convention":
+            if value not in (None, "exact"):
+                raise UsageError(f"{name} problems have no distances to round: the convention can only be exact, not {value!r}")
+        elif key not in known:
+            takes = ", ".join(known) + did_you_mean(key, known) if known else "none"
+            raise UsageError(f"{name} has no setting {key!r}; it takes {takes}")
 
 
 def problem_from_instance(instance: Instance, problem: str | None = None, **settings: Any) -> Problem:
@@ -319,15 +321,3 @@ def problem_from_instance(instance: Instance, problem: str | None = None, **sett
 PROBLEMS: Registry[Callable[[Any, str, dict[str, Any]], Problem]] = Registry(
     "problem", "waybound.formulations.*", group="waybound.problems"
 )
-
-
-def refuse_unknown_settings(problem: str, settings: Mapping[str, Any], known: tuple[str, ...] = ()) -> None:
-    """Raise UsageError for a setting that ``problem`` does not have; ``convention`` may be ``exact`` everywhere."""
-    for key, value in settings.items():
-        if key == "convention":
-            if value not in (None, "exact"):
-                raise UsageError(f"{problem} problems have no distances to round: the convention can only be exact, not {value!r}")
-            continue
-        if key not in known:
-            takes = f"; it takes {', '.join(known)}{did_you_mean(key, known)}" if known else ""
-            raise UsageError(f"{problem} has no setting {key!r}{takes}")

@@ -10,7 +10,7 @@ from .stop_kernel import asked
 
 @kernel("(i8[::1], i8, read(i4[::1]), read(i4[::1]), read(f8[::1]))")
 def transpose(flag, columns, indptr, indices, values):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Where the entries of each column start, their rows, ascending, and their values, if there are any; as far as the flag lets it."""
+    """A matrix by columns: where each starts, the rows of its entries, ascending, and their values, if any; unfinished if asked to stop."""
     starts = np.zeros(columns + 1, np.int64)
     for p in range(len(indices)):
         starts[indices[p] + 1] += 1

@@ -42,7 +42,7 @@ WAITING = Setting(
 SETTINGS = {"objective": OBJECTIVE, "match": MATCH, "waiting": WAITING}
 
 COSTS_AGREE = 1e-6
-"""By how much, absolutely or in parts, costs in a table may differ from those of the data: tables are rounded."""
+"""Part of the largest cost by which one in a table may differ from the data's: tables are rounded."""
 
 SHOWN = 5
 """Names that a message lists."""
@@ -330,12 +330,13 @@ class BinAssignment(Problem):
             pairs.append((row[titles.index("robot")], row[titles.index("bin")], line))
         answer = self._numbered(pairs)
         if "cost" in titles:
+            largest = float(np.abs(self.cost).max(initial=0.0))
             costs, place = self.costs_of(answer), {self.instance.robot_name(i): i for i in range(self.num_robots)}
             for (robot, _, _), (line, row) in zip(pairs, rows, strict=True):
                 if not row[titles.index("cost")]:
                     continue
                 told, own = number(row[titles.index("cost")], line, "cost"), float(costs[place[robot]])
-                if not math.isclose(told, own, rel_tol=COSTS_AGREE, abs_tol=COSTS_AGREE) and math.isfinite(own):
+                if math.isfinite(own) and not abs(told - own) <= COSTS_AGREE * largest:
                     raise InputError(f"the cost of robot {robot!r} is another one", line=line, expected=plain(own), found=plain(told))
         return answer
 

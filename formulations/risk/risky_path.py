@@ -18,7 +18,7 @@ from ...instances.risk.risky_graph import OBJECTIVES, RiskyGraph
 from ...instances.text import shown
 from ..evaluation import Check, Checklist, Evaluation
 from ..evidence import Evidence, Reason
-from ..problem import PROBLEMS, Problem, refuse_unknown_settings
+from ..problem import PROBLEMS, Problem, refuse_settings
 from ..references import indices_of
 from .marked_paths import MOST_LABELS, CutShortError, free_reward
 from .moves import MoveGraph
@@ -278,7 +278,7 @@ def unreachable(problem: RiskyPath) -> Evidence | None:
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RiskyPath:
     if not isinstance(instance, RiskyGraph):
         raise UsageError(f"{instance.name} has no states at risk, so it cannot be read as {problem}")
-    refuse_unknown_settings(problem, settings, ("objective", "discount", "start", "goals"))
+    refuse_settings(problem, settings, ("objective", "discount", "start", "goals"))
     changed: dict[str, Any] = {}
     names = [instance.state_name(k) for k in range(instance.num_states)]
     for key in ("start", "goals"):

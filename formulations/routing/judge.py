@@ -111,8 +111,8 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
 
 
 def _least_sizes(problem: RoutingProblem) -> tuple[float, ...]:
-    """Of each level the least that the first move of some route adds to a term, above 0: where an answer adds up nothing, a bound that
-    is off by rounding is off by a part of that."""
+    """The scale of each level of the objective for an answer that adds up nothing: the least amount above 0 that one visit, or the move to
+    it, would add. Rounding puts a bound off by a small part of that."""
     sites, customers = problem.sites, problem.customers
     lengths, times, costs = [], [], []
     for kind, vehicle in enumerate(problem.fleet):

@@ -203,14 +203,14 @@ class _Answer:
 
     def _where(self, tally: _Tally, k: int, sites: Sequence[int]) -> str:
         """The vehicle, and behind which visit; of several sites, which go to places of their own, the vehicle alone."""
-        name, visits, place = self.names[tally.route[k]], self.routes[tally.route[k]].visits, int(tally.place[k])
+        number, place = int(tally.route[k]), int(tally.place[k])
+        name, visits = self.names[number], self.routes[number].visits
         if not visits:
             return f"{name}, on a route of its own"
         if len(sites) > 1:
             return name
-        return (
-            f"{name}, after {self.problem.sites.ids[visits[place - 1]]}" if place else f"{name}, before {self.problem.sites.ids[visits[0]]}"
-        )
+        ids = self.problem.sites.ids
+        return f"{name}, after {ids[visits[place - 1]]}" if place else f"{name}, before {ids[visits[0]]}"
 
     def _no_room(self, tally: _Tally, k: int, it: str) -> str:
         full = ", and no vehicle is left" if self.full else ""

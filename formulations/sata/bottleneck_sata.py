@@ -17,7 +17,7 @@ from ...instances.printable import printable
 from ...instances.sata.constraints import PartitionMatroid
 from ...instances.sata.sensing_graph import SensingGraph
 from ..evaluation import Evaluation, judge
-from ..problem import PROBLEMS, refuse_unknown_settings
+from ..problem import PROBLEMS, refuse_settings
 from ..tolerance import VECTOR
 from .assignments import action_index, actions_from_json, actions_to_json, graph_for
 from .decided import FEATURE, DecidedElements
@@ -230,7 +230,7 @@ class BottleneckSATA(DecidedElements):
 @PROBLEMS.register("bottleneck-lp")
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> BottleneckSATA:
     graph = graph_for(instance, problem)
-    refuse_unknown_settings(problem, settings, ("fractional",))
+    refuse_settings(problem, settings, ("fractional",))
     given = settings.get("fractional", problem == "bottleneck-lp")
     truth = {"true": True, "false": False}.get(str(given).lower())
     if truth is None or (problem == "bottleneck-lp" and not truth):

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...instances.errors import InputError, UsageError
 from ...instances.sata.max_min_lp import MaxMinInstance, SparseMatrix
 from ..evaluation import Evaluation, judge
-from ..problem import PROBLEMS, Problem, refuse_unknown_settings
+from ..problem import PROBLEMS, Problem, refuse_settings
 from ..tolerance import VECTOR
 
 if TYPE_CHECKING:
@@ -197,7 +197,7 @@ def _rows(matrix: SparseMatrix, x: Floats) -> Floats:
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> MaxMinLP:
     if not isinstance(instance, MaxMinInstance):
         raise UsageError(f"{instance.name} holds no packing and covering rows, so it cannot be read as {problem}")
-    refuse_unknown_settings(problem, settings)
+    refuse_settings(problem, settings)
     return MaxMinLP(
         instance.packing, instance.covering, sense=instance.sense, name=instance.name, variable_names=instance.variable_names,
         notes=instance.notes,

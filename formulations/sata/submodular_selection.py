@@ -16,7 +16,7 @@ from ...instances.sata.selection import SelectionInstance
 from ...instances.sata.sensing_graph import SensingGraph
 from ...instances.sata.set_functions import Coverage, FacilityLocation, SetFunction
 from ..evaluation import Check, Evaluation, Violation, judge
-from ..problem import PROBLEMS, refuse_unknown_settings
+from ..problem import PROBLEMS, refuse_settings
 from ..tolerance import EQUAL
 from .assignments import graph_for
 from .decided import FEATURE, DecidedElements
@@ -173,7 +173,7 @@ class SubmodularSelection(DecidedElements):
 def from_sensing(graph: SensingGraph, settings: dict[str, Any]) -> SubmodularSelection:
     """Actions as elements. Settings: ``function`` (``facility-location`` or ``coverage`` of targets), ``constraint`` (``partition``:
     one action a robot, or ``cardinality`` with ``k``)."""
-    refuse_unknown_settings("selection", settings, ("function", "constraint", "k"))
+    refuse_settings("selection", settings, ("function", "constraint", "k"))
     function, constraint, k = settings.get("function", "facility-location"), settings.get("constraint"), settings.get("k")
     if function not in ("facility-location", "coverage"):
         raise UsageError(f"function must be facility-location or coverage, not {function!r}")
@@ -198,7 +198,7 @@ def _build(instance: Any, problem: str, settings: dict[str, Any]) -> SubmodularS
         return from_sensing(graph_for(instance, problem), settings)
     if not isinstance(instance, SelectionInstance):
         raise UsageError(f"{instance.name} holds neither a selection nor a sensing graph, so it cannot be read as {problem}")
-    refuse_unknown_settings(problem, settings)
+    refuse_settings(problem, settings)
     return SubmodularSelection(
         instance.function, instance.constraint, element_names=instance.element_names, name=instance.name, problem=problem,
         notes=instance.notes,

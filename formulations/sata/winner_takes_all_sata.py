@@ -16,7 +16,7 @@ from ...instances.sata.constraints import PartitionMatroid
 from ...instances.sata.sensing_graph import SensingGraph
 from ...instances.sata.set_functions import FacilityLocation
 from ..evaluation import Evaluation, judge
-from ..problem import PROBLEMS, refuse_unknown_settings
+from ..problem import PROBLEMS, refuse_settings
 from .assignments import actions_from_json, actions_to_json, graph_for
 from .selections import Selection
 from .submodular_selection import SubmodularSelection
@@ -162,5 +162,5 @@ class WinnerTakesAllSATA(SubmodularSelection):
 @PROBLEMS.register("winner-takes-all")
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> WinnerTakesAllSATA:
     graph = graph_for(instance, problem)
-    refuse_unknown_settings(problem, settings)
+    refuse_settings(problem, settings)
     return WinnerTakesAllSATA(graph)

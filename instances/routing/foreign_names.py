@@ -1,4 +1,4 @@
-"""What other toolkits call columns of sites, vehicles, windows, shipments, groups and moves: dropping such a one would change the problem.
+"""Names that other toolkits give to columns of sites, vehicles, windows, shipments, groups and moves. To drop one would change the problem.
 
 Source: the fields of PyVRP 0.14 (``Client, Depot, VehicleType``), VROOM 1.14 (API, and pyvroom), OR-Tools (data of the routing guides),
 VRPSolverEasy 0.1, vrplib and VRPLIB's sections, Timefold, ArcGIS, vrpy, jsprit and GraphHopper, and the titles of the tables of Solomon,

@@ -171,7 +171,7 @@ def _rows(frame: Any) -> list[dict[str, Any]]:
 
 
 def _count(value: Any, path: str) -> Any:
-    """Of a row that has one: a missing number says neither one vehicle, as of a frame without the column, nor any number."""
+    """The number of vehicles in a row. An empty cell is refused: it could mean one vehicle, or any number."""
     if isinstance(value, str):
         text = value.strip().casefold()
         return math.inf if text in ("inf", "unlimited") else int(text) if text.isdecimal() else value

@@ -50,7 +50,7 @@ def minimum_weight_perfect_matching(flag: NDArray[np.int64], weights: NDArray[np
 
 @kernel("(i8[:, ::1], i8[::1], i8[::1])")
 def raise_prices(doubled, price, mate):  # type: ignore[no-untyped-def]
-    """As high as the others' prices allow, with a partner where one is free."""
+    """Raise the price of each vertex as high as those of the others allow, and match it where the nearest is free."""
     n = len(doubled)
     for u in range(n):
         if mate[u] >= 0:
