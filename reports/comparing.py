@@ -11,8 +11,8 @@ from ..heuristics.heuristic import HEURISTICS
 from ..instances.errors import UsageError, WayboundError, in_words
 from ..solvers import interrupts
 from ..solvers.backend import BACKENDS
-from ..solving.search_log import SearchLog
-from ..solving.showing import Log, shown
+from ..solving.request import request_of
+from ..solving.search_log import Log, SearchLog, shown
 from ..solving.solve import solve
 from .comparison import Compared, Comparison
 
@@ -102,7 +102,7 @@ def _method(name: str) -> dict[str, Any]:
 
 def _run(problem: Problem, name: str, keywords: dict[str, Any], log: SearchLog | None, progress: Any) -> Compared:
     try:
-        return Compared(name, solve(problem, log=log, progress=progress, **keywords))
+        return Compared(name, solve(problem, request_of(problem, **keywords), log=log, progress=progress))
     except WayboundError as fault:
         return Compared(name, None, str(fault))
     except Exception as fault:  # of whatever package: it costs this row, and no other

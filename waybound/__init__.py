@@ -14,7 +14,7 @@ from ._version import __version__ as __version__
 from .formulations import plotting
 
 if TYPE_CHECKING:
-    from .api import bound, check, explain, generate, judge, read
+    from .api import bound, check, explain, generate, judge, read, solve
     from .formulations.auctions.balanced_partition import BalancedPartition
     from .formulations.auctions.bin_assignment import BinAssignment
     from .formulations.auctions.generalised_assignment import GeneralisedAssignment
@@ -98,10 +98,9 @@ if TYPE_CHECKING:
     from .reports.tables.listing import list_heuristics as heuristics
     from .reports.tables.listing import list_solvers as solvers
     from .solving.explaining import Explanation
-    from .solving.solve import solve
 
 _MODULES = {
-    "api": ("bound", "check", "explain", "generate", "judge", "read"),
+    "api": ("bound", "check", "explain", "generate", "judge", "read", "solve"),
     "formulations.auctions.balanced_partition": ("BalancedPartition",),
     "formulations.auctions.task_allocation": ("TaskAllocation",),
     "formulations.auctions.bin_assignment": ("BinAssignment",),
@@ -183,7 +182,6 @@ _MODULES = {
     "reports.missions.running": ("run",),
     "reports.plots.history": ("plot_history",),
     "solving.explaining": ("Explanation",),
-    "solving.solve": ("solve",),
 }
 _WHERE = {name: module for module, names in _MODULES.items() for name in names}
 

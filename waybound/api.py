@@ -1,4 +1,4 @@
-"""What composes the floors for a user: read, generate, check, bound, explain. ``waybound`` re-exports it."""
+"""What composes the floors for a user: read, generate, solve, check, bound, explain. ``waybound`` re-exports it."""
 
 from __future__ import annotations
 
@@ -15,8 +15,11 @@ if TYPE_CHECKING:
     from .formulations.problem import Problem
     from .formulations.programs.compiled import Compiled
     from .formulations.programs.program import Program
+    from .formulations.solution import Solution
     from .instances.instance import Instance
     from .solving.explaining import Explanation
+    from .solving.recording import Progress
+    from .solving.search_log import Log
 
 Source = str | PathLike[str]
 
@@ -112,6 +115,93 @@ def generate(kind: str, *, seed: int = 1, problem: str | None = None, convention
 
     instance = make(kind, seed, **_dashed(settings))
     return problem_from_instance(instance, problem, **({} if convention is None else {"convention": convention}))
+
+
+def solve(
+    problem: Problem | Compiled | Program,
+    solver: str | None = None,
+    *,
+    heuristic: str | None = None,
+    form: str | None = None,
+    relax: bool = False,
+    time_limit: float = 60.0,
+    bound_time: float | None = None,
+    iterations: int | None = None,
+    gap: float = 0.0,
+    seed: int = 1,
+    threads: int = 1,
+    start: Any = None,
+    progress: Progress | None = None,
+    log: Log = None,
+    isolate: bool = False,
+    memory_limit: float | None = None,
+    no_improvement: int | None = None,
+    lp_solver: str | None = None,
+    options: dict[str, Any] | None = None,
+    **parameters: Any,
+) -> Solution:
+    """Solve a problem with a solver or a heuristic, check the answer, and bound it.
+
+    Parameters
+    ----------
+    problem : Problem, Compiled or Program
+    solver : str, optional
+        A name of ``solvers()``; ``pulp:HiGHS`` names a solver within a solver. Without solver and heuristic, the first
+        installed one that can take the problem.
+    heuristic : str, optional
+        A name of ``heuristics()``; its parameters as keywords or in ``options``.
+    form : str, optional
+        For solvers that take programs; the problem's first form by default.
+    relax : bool
+        Drop integrality: the optimum is a bound.
+    time_limit : float, seconds
+        Wall time for the engine alone.
+    bound_time : float, seconds, optional
+        Budget for bounding after it, or beside it on a free core, and then for second opinions on what was claimed: a tenth of the limit,
+        at least 1 s, by default; 0 turns it off.
+    iterations, gap, seed, threads, memory_limit, no_improvement
+        See ``Options``. What the solver or heuristic does not keep to is refused by name.
+    start : answer, Solution, mapping or path, optional
+        What to start from: an answer of the problem, or a list that says one (routing: routes as lists of site indices or ids); a
+        ``Solution``; the JSON of either; a solution file.
+    progress : callable, optional
+        Receives ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by", "nodes"}`` from a worker thread, the best known of
+        each, and the nodes of branch and bound where the solver tells them.
+    log : bool, path or SearchLog, optional
+        True shows a line per improvement and per few seconds, and at the end what was proved: in the cell of a notebook, else on standard
+        error. A path writes it to a file. ``Solution.history`` has the figures in any case.
+    lp_solver : str, optional
+        Who solves the linear programs that bounds, engines and heuristics meet on their way: a name of ``solvers()``, by default HiGHS.
+    isolate : bool
+        Run the solver in a process of its own, with hard time and memory limits.
+    options : dict, optional
+        The solver's or heuristic's own options.
+
+    Returns
+    -------
+    Solution
+        Its answer, if any, passed every check. Ctrl-C returns the best one so far. Where a claim of the solver, or a bound, contradicts
+        that answer, ``faults`` says so, and nothing that the solver claims is believed.
+
+    Raises
+    ------
+    UsageError, UnsupportedError, MissingPackageError, InputError
+        Before anything is run.
+    CheckFailedError
+        If a claim of the solver does not hold up, and there is no answer to hand over, nor a proof that there is none.
+    SearchFailedError, NoAnswerError
+        If the search fails, or runs out of memory, and there is no answer to hand over.
+    """
+    from .solving.request import request_of, searchable
+    from .solving.solve import solve as answered
+
+    target = searchable(problem)
+    request = request_of(
+        target, solver=solver, heuristic=heuristic, form=form, relax=relax, time_limit=time_limit, bound_time=bound_time,
+        iterations=iterations, gap=gap, seed=seed, threads=threads, start=start, isolate=isolate, memory_limit=memory_limit,
+        no_improvement=no_improvement, lp_solver=lp_solver, options={**(options or {}), **parameters},
+    )  # fmt: skip
+    return answered(target, request, progress=progress, log=log)
 
 
 def check(problem: Problem, answer: Any, certificate: Source | Mapping[str, Any] | Certificate | None = None) -> Certificate:

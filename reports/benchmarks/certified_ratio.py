@@ -18,6 +18,7 @@ import numpy as np
 from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.instances.sata.constraints import Cardinality, PartitionMatroid
 from waybound.instances.sata.set_functions import Coverage
+from waybound.solving.request import Request
 from waybound.solving.solve import solve
 
 CASES = ((1000, 100, 2000, 20), (1000, 100, 1000, 10), (10000, 100, 2000, 20), (2000, 40, 400, 12))
@@ -46,8 +47,8 @@ def report(cases: Sequence[tuple[int, int, int, int]], seconds: float) -> tuple[
     for case in cases:
         for constraint in ("cardinality", "partition"):
             problem = generate(*case, constraint)
-            free = solve(problem, heuristic="greedy", bound_time=0)
-            bounded = solve(problem, heuristic="greedy", bound_time=seconds)
+            free = solve(problem, Request(heuristic="greedy", bound_time=0))
+            bounded = solve(problem, Request(heuristic="greedy", bound_time=seconds))
             assert isinstance(free.objective, float) and isinstance(free.bound, float) and isinstance(bounded.bound, float)
             assert free.certificate.guarantee is not None
             promised, ratios = 1 / free.certificate.guarantee.ratio, (free.objective / free.bound, free.objective / bounded.bound)

@@ -31,7 +31,8 @@ from ...instances.errors import CheckFailedError, UnsupportedError
 from ...solvers.backend import BACKENDS, Control, Engine, Options, solver_named
 from ...solvers.program_backend import ProgramBackend
 from ...solving.bounding import find_bounds
-from ...solving.listing import missing_features
+from ...solving.method import missing_features
+from ...solving.request import Request
 from ...solving.solve import solve
 from .exact_routing import RoutingTruth
 from .routing_variants import drawn, features_of, risky
@@ -175,7 +176,7 @@ class _Examined:
         """All of ``solve``: the answer, what is claimed of it, and its certificate."""
         began = time.perf_counter()
         try:
-            solution = solve(self.problem, solver, form=form, time_limit=TIME_LIMIT, bound_time=BOUND_TIME)
+            solution = solve(self.problem, Request(solver=solver, form=form, time_limit=TIME_LIMIT, bound_time=BOUND_TIME))
         except UnsupportedError:
             return
         except Exception as error:
@@ -209,7 +210,7 @@ class _Examined:
     def heuristic(self, name: str) -> None:
         began = time.perf_counter()
         try:
-            solution = solve(self.problem, heuristic=name, time_limit=TIME_LIMIT, bound_time=0.0)
+            solution = solve(self.problem, Request(heuristic=name, time_limit=TIME_LIMIT, bound_time=0.0))
         except Exception as error:
             self.note(name, "", FALSE, began, f"{type(error).__name__}: {error}")
             return

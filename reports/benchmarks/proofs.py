@@ -35,6 +35,7 @@ from waybound.reports.battery.truth import Truth
 from waybound.solvers.backend import solver_named
 from waybound.solvers.program_backend import takers
 from waybound.solving.bounding import find_bounds
+from waybound.solving.request import Request
 from waybound.solving.solve import solve
 
 FIRST_CLASS = (*(f"C10{k}" for k in range(1, 10)), *(f"R1{k:02d}" for k in range(1, 13)), *(f"RC10{k}" for k in range(1, 9)))
@@ -65,7 +66,7 @@ def battery(count: int, seconds: float, seed: int) -> int:
         made = case.problem.compile(case.form)
         began = time.process_time()
         able = (name for name in ("highs", *takers(made.program.features())) if not solver_named(name).missing(made.program))  # type: ignore[attr-defined]
-        found = solve(made, next(able), time_limit=60.0, bound_time=seconds)
+        found = solve(made, Request(solver=next(able), time_limit=60.0, bound_time=seconds))
         spent.append((time.process_time() - began, found.seconds["bound"], case.number))
         verdict = _verdict(found, case.truth)
         told[case.kind, case.truth.status, verdict] += 1
@@ -140,7 +141,7 @@ def beside_highs(title: str, problems: Iterable[tuple[str, Problem]]) -> None:
     print(f"{title:18s}  answer        bound         highs s  proof s  ratio  leaves  proved")
     for name, problem in problems:
         began = time.process_time()
-        answer = solve(problem, "highs", bound_time=0)
+        answer = solve(problem, Request(solver="highs", bound_time=0))
         searched = time.process_time()
         assert isinstance(answer.objective, float)
         bound, _, evidence = proof(problem, answer.objective, 60.0)
@@ -186,9 +187,9 @@ def files(folder: Path, names: list[str], seconds: float) -> None:
             continue
         problem = RoutingProblem.from_instance(solomon.read(path.read_text(), path), settings={"customers": 25, "convention": "trunc1"})
         began = time.process_time()
-        word = solve(problem, "highs", time_limit=20.0, bound_time=0)
+        word = solve(problem, Request(solver="highs", time_limit=20.0, bound_time=0))
         searching = time.process_time() - began
-        answer = solve(problem, "pyvrp", time_limit=2.0, bound_time=0, start=word.answer)
+        answer = solve(problem, Request(solver="pyvrp", time_limit=2.0, bound_time=0, start=word.answer))
         assert isinstance(answer.objective, float)
         began = time.process_time()
         bound, took, evidence = proof(problem, answer.objective, seconds)

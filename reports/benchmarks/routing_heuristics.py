@@ -25,6 +25,7 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.reading import read_instance
 from waybound.instances.routing.instance import RoutingInstance
+from waybound.solving.request import Request
 from waybound.solving.solve import solve
 
 HEURISTICS_OF = {
@@ -90,7 +91,7 @@ def report(found: Sequence[Row], seconds: float) -> tuple[str, bool]:
                 if HEURISTICS[name].missing(row.problem):
                     continue
                 began = time.process_time()
-                solution = solve(row.problem, heuristic=name, bound_time=0, time_limit=seconds)
+                solution = solve(row.problem, Request(heuristic=name, bound_time=0, time_limit=seconds))
                 times.append(time.process_time() - began)
                 value = solution.objective
                 if solution.status not in ("feasible", "optimal") or not isinstance(value, float) or value < row.best * (1 - 1e-6):

@@ -20,6 +20,7 @@ from ...instances.suggestions import did_you_mean
 from ...instances.worlds import World
 from ...solvers import interrupts
 from ...solvers.backend import BACKENDS, STATUSES
+from ...solving.request import Request
 from ...solving.solve import solve
 from .mission import MISSIONS, Decision, Mission
 
@@ -118,8 +119,11 @@ def run(
     def decide(problem: Problem) -> Solution:
         try:
             found = solve(
-                problem, solver, heuristic=heuristic, time_limit=time_limit, bound_time=bound_time, seed=int(seeds.random() * 2**31),
-                options=options,
+                problem,
+                Request(
+                    solver=solver, heuristic=heuristic, time_limit=time_limit, bound_time=bound_time, seed=int(seeds.random() * 2**31),
+                    options=options or {},
+                ),
             )  # fmt: skip
         except UnsupportedError as fault:
             fault.args = (_with_policies(str(fault), played.name, rules, heuristic or solver),)

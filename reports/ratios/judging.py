@@ -190,11 +190,12 @@ def audit(
     The answer must have the value of the ``direct`` run, the guarantee must be that of the direct run, and no bound may be below the
     optimum.
     """
+    from ...solving.request import Request
     from ...solving.solve import solve
 
     faults: list[tuple[str, str]] = []
     try:
-        solution = solve(problem, heuristic=name, seed=seed, time_limit=SECONDS, bound_time=1.0, options=dict(options))
+        solution = solve(problem, Request(heuristic=name, seed=seed, time_limit=SECONDS, bound_time=1.0, options=dict(options)))
         if solution.answer is None:
             return (("certificate", f"solve brought no answer: {solution.message}"),)
         again = problem.evaluate(solution.answer)

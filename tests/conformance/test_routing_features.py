@@ -11,6 +11,7 @@ import pytest
 from draws import ALL
 from small_routing import WHOLE_FAMILY, simplified, varied
 
+from waybound.api import solve
 from waybound.formulations.forms import FORMS
 from waybound.formulations.routing.checking.known_features import KNOWN
 from waybound.heuristics.heuristic import HEURISTICS
@@ -27,7 +28,6 @@ from waybound.reports.tables.routing.routing_features import (
 from waybound.solvers.backend import BACKENDS, Control, Options, solver_named
 from waybound.solvers.bounds import BOUNDS
 from waybound.solving.listing import missing_features
-from waybound.solving.solve import solve
 
 NAMES = {"several-depots": "multiple-depots", "penalties": "objective:penalties"}
 FEATURES = [NAMES.get(name, name) for name in WHOLE_FAMILY]

@@ -24,7 +24,7 @@ from waybound.instances.sata.constraints import PartitionMatroid
 from waybound.instances.sata.set_functions import Coverage
 from waybound.solvers.backend import RawResult
 from waybound.solvers.bounds import BOUNDS, replaced
-from waybound.solving.runs import Run
+from waybound.solving.method import Run
 
 
 @pytest.fixture

@@ -14,6 +14,7 @@ import pytest
 from numba.core.event import install_recorder
 from programs import AnsweredBy
 
+from waybound.api import solve
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
 from waybound.formulations.auctions.joint_assignment import JointAssignment
@@ -41,8 +42,7 @@ from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocatio
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options
 from waybound.solvers.bounds import BOUNDS
 from waybound.solving.bounding import find_bounds
-from waybound.solving.runs import heuristic_run
-from waybound.solving.solve import solve
+from waybound.solving.method import heuristic_run
 
 LATE = 2.0
 """Seconds of computing after which nothing may still run, counted in this process, so that nobody else's work adds to them."""

@@ -88,7 +88,7 @@ import numpy as np
 import scipy.sparse as sp
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.solving.search import ENGINE_THREAD
-from waybound.solving.solve import solve
+from waybound.api import solve
 rng = np.random.default_rng(0)
 m, n = 6, 50
 a = sp.csr_matrix(rng.integers(0, 100, (m, n)).astype(float))

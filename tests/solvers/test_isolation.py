@@ -17,13 +17,13 @@ import pytest
 from patience import HANG
 from small_routing import FEATURES, small
 
+from waybound.api import solve
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import now
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers import isolation
 from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.isolation import run_isolated
-from waybound.solving.solve import solve
 
 HERE = Path(__file__).parent
 

@@ -1,22 +1,27 @@
-"""Bounds within a budget: what fails costs itself alone."""
+"""Bounds of a problem: before a search, beside it and after it."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
 import threading
+import time
 from typing import Any
 
 import numpy as np
 import pytest
+from patience import HANG
 
 import waybound as wb
 from waybound.formulations.evidence import CHECKERS, Evidence
+from waybound.formulations.problem import Problem
 from waybound.instances.errors import InputError, UnsupportedError
-from waybound.solvers.backend import Control, RawResult
+from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from waybound.solvers.bounds import BOUNDS, BoundMethod
+from waybound.solvers.linear_programs import LinearPrograms
+from waybound.solving import bounding, solve
 from waybound.solving import search as searching
-from waybound.solving.bounding import AT_ONCE, find_bounds, proved
+from waybound.solving.bounding import AT_ONCE, Beside, BoundWork, Goal, find_bounds, free_core, proved
 
 GRAPH = wb.SensingGraph.from_edges([0, 1], [0, 1], [0, 1], np.array([3.0, 2.0]))
 PROBLEM = wb.WinnerTakesAllSATA(GRAPH)
@@ -152,3 +157,168 @@ def test_a_method_that_never_comes_back_costs_nothing_that_was_proved(registered
     hanging.set()
     assert "did not stop when asked" in found.result.message
     assert found.result.answer, "of the others"
+
+
+@pytest.mark.share(2)
+@pytest.mark.parametrize("solver", ["pyvrp", "ortools"])
+def test_an_answer_that_reaches_a_verified_bound_ends_the_search(solver: str) -> None:
+    problem = wb.generate("random", seed=1, customers=4)
+    solution = wb.solve(problem, solver, time_limit=40)
+    assert solution.seconds["solve"] < 20
+    assert (solution.status, solution.limit, solution.bound_kind) == ("optimal", "none", "verified")
+
+
+@pytest.mark.parametrize("solver", ["pyvrp", "ortools"])
+def test_where_the_data_prove_that_there_is_no_answer_none_is_searched(solver: str) -> None:
+    problem = wb.generate("random", seed=1, customers=6, vehicles=1, capacity=10)
+    solution = wb.solve(problem, solver, time_limit=40)
+    assert solution.seconds["solve"] < 20
+    assert (solution.status, solution.answer) == ("infeasible", None)
+    assert solution.certificate.infeasible
+
+
+@pytest.mark.share(2)
+@pytest.mark.parametrize("given", [{"iterations": 50}, {"time_limit": 1.0, "bound_time": 0.0}])
+def test_nothing_is_proved_before_a_run_that_shall_repeat_or_that_asks_for_no_bound(monkeypatch, given) -> None:
+    monkeypatch.setattr("waybound.solving.solve.first_evidence", lambda *_: pytest.fail("asked"))
+    if "bound_time" in given:
+        monkeypatch.setattr(
+            "waybound.solving.solve.first_evidence",
+            lambda problem, seconds, linear, gap, uncompiled: ([], None) if seconds == 0 else pytest.fail("asked"),
+        )
+    assert wb.solve(wb.read("demo-tiny"), "pyvrp", **given).answer is not None
+
+
+@pytest.mark.parametrize("fault", [InputError("too large"), MemoryError(), KeyboardInterrupt()])
+def test_a_bound_that_fails_costs_no_answer(monkeypatch, fault) -> None:
+    def fails(*given, **named):
+        raise fault
+
+    monkeypatch.setattr(bounding, "find_bounds", fails)
+    assert bounding.first_evidence(wb.read("demo-tiny"), 1.0) == ([], None)
+
+
+def test_what_one_thread_saw_reached_stays_so_whatever_another_sees() -> None:
+    problem = wb.generate("random", seed=1, customers=4)
+    best = wb.solve(problem, "highs")
+    made = bounding.Goal(problem, [])
+    made.bound = best.objective
+    worse = wb.Routes(tuple(best.answer)[:-1])
+    assert made(best.answer, best.objective)
+    assert made(worse, best.objective)
+    assert (made.reached, made.limit) == (True, "none")
+
+
+def test_large_problems_set_no_goal_but_have_the_bound_that_is_there_at_once(monkeypatch) -> None:
+    monkeypatch.setattr(bounding, "LARGEST", 3)
+    problem = wb.generate("random", seed=1, customers=6)
+    monkeypatch.setattr("waybound.solving.bounding._late", lambda *_: pytest.fail("made ready"))
+    evidence, aim = bounding.first_evidence(problem, 5.0)
+    assert aim is None and {e.kind for e in evidence} == {"load-shares", "nearest-moves"}
+
+
+class Waits(Engine):
+    """Publishes what it was told to, and waits until it is asked to stop, or for its time."""
+
+    name, family, package, modules, summary, features = "waits", "routing", "waybound", ("json",), "for tests", frozenset()
+    answer: Any = None
+
+    def missing(self, problem: Problem) -> frozenset[str]:
+        return frozenset()
+
+    def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
+        if self.answer is not None:
+            control.publish(self.answer, problem.evaluate(self.answer).values[0])
+        end = time.perf_counter() + options.time_limit
+        while not control.stopped and time.perf_counter() < end:
+            time.sleep(0.01)
+        return RawResult("unknown", "time")
+
+
+@pytest.fixture
+def waits(registered, monkeypatch):
+    """The engine, on a machine with a free core, with nothing proved before its search."""
+    registered(BACKENDS, "waits", Waits)
+    monkeypatch.setattr(solve, "free_core", lambda threads: True)
+    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: ([], Goal(problem, [], gap)))
+    return Waits
+
+
+@pytest.mark.slow
+def test_a_search_ends_when_the_bound_beside_it_meets_its_answer(waits, monkeypatch):
+    problem = wb.generate("random", seed=1, customers=4)
+    monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
+    solution = wb.solve(problem, "waits", time_limit=600)
+    assert (solution.status, solution.limit, solution.bound_kind) == ("optimal", "none", "verified")
+
+
+@pytest.mark.slow
+def test_a_search_ends_when_it_is_proved_beside_it_that_there_is_no_answer(waits):
+    problem = wb.generate("random", seed=1, customers=6, vehicles=1, capacity=10)
+    solution = wb.solve(problem, "waits", time_limit=600)
+    assert (solution.status, solution.limit, solution.certificate.infeasible) == ("infeasible", "none", True)
+
+
+def test_what_fails_beside_a_search_costs_no_answer(waits, monkeypatch):
+    problem = wb.read("demo-tiny")
+    monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
+    monkeypatch.setattr("waybound.solving.bounding.run_in_process", lambda *_, **__: 1 / 0)
+    solution = wb.solve(problem, "waits", time_limit=0.5, bound_time=HANG)
+    assert solution.objective == pytest.approx(384.7341401)
+    assert solution.bound_kind == "verified"  # found after the search, as where no core is free
+
+
+def test_who_has_a_bound_does_not_wait_for_what_is_compiled_beside_the_search(waits, monkeypatch):
+    problem = wb.read("demo-tiny")
+    evidence = find_bounds(problem, HANG, at_once=True)
+    monkeypatch.setattr(waits, "answer", wb.solve(problem, heuristic="savings", bound_time=0).answer)
+    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: (evidence, Goal(problem, evidence, gap)))
+    release = threading.Event()
+    monkeypatch.setattr("waybound.solving.bounding.run_in_process", lambda *_, **__: release.wait(10 * HANG))
+    solution = wb.solve(problem, "waits", time_limit=0.1, bound_time=1.5)
+    assert not release.is_set() and solution.bound_kind == "verified" and solution.gap > 0.0
+    release.set()
+
+
+def test_no_bound_is_waited_for_once_the_answer_is_proved(waits, monkeypatch):
+    problem = wb.generate("random", seed=1, customers=4)
+    evidence = find_bounds(problem, HANG, target=wb.solve(problem, "highs", bound_time=0).objective)
+    monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
+    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: (evidence, Goal(problem, evidence, gap)))
+    release = threading.Event()
+    monkeypatch.setattr("waybound.solving.bounding.run_in_process", lambda *_, **__: release.wait(10 * HANG))
+    solution = wb.solve(problem, "waits", time_limit=100 * HANG)
+    release.set()
+    assert (solution.status, solution.limit) == ("optimal", "none")
+    assert solution.seconds["bound"] < HANG
+
+
+def test_what_bounding_beside_a_search_finds_and_lacks_is_told(waits, monkeypatch):
+    problem = wb.read("demo-tiny")
+    found = find_bounds(problem, HANG, target=384.7341400721996)
+
+    def bounds(work, options, control, **_):
+        control.publish(found)
+        return RawResult("unknown", answer=found, statistics={"unable": ["no bound by magic: there is none"]})
+
+    monkeypatch.setattr("waybound.solving.bounding.run_in_process", bounds)
+    monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
+    events: list[dict[str, Any]] = []
+    solution = wb.solve(problem, "waits", time_limit=1.0, bound_time=1.5, progress=events.append)
+    assert "no bound by magic: there is none" in solution.message
+    assert [e["bound"] for e in events if e["phase"] == "bound"] == [found[-1].value]
+
+
+def test_the_end_of_a_wait_ends_the_bounding(waits):
+    problem = wb.read("demo-tiny")
+    beside = Beside(BoundWork(problem, 10 * HANG, (), LinearPrograms()), Goal(problem, []), Control())
+    control = Control()
+    control.stop()
+    began = time.perf_counter()
+    beside.found(control)
+    assert time.perf_counter() - began < HANG
+
+
+def test_a_core_is_free_where_threads_are_fewer_than_cores():
+    assert free_core(0)
+    assert not free_core(10**6)

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from waybound.api import solve
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.routing.objective import Objective, TotalCost
 from waybound.formulations.routing.problem import RoutingProblem
@@ -15,7 +16,6 @@ from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import CheckFailedError
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from waybound.solving import concluding
-from waybound.solving.solve import solve
 
 
 def test_a_claimed_answer_that_breaks_a_constraint_is_an_error(square: RoutingProblem, engine_that: Any) -> None:

@@ -233,7 +233,7 @@ def test_a_method_that_refuses_the_problem_is_no_hindrance():
 
 
 def test_a_method_that_fails_is_told(monkeypatch, three_at_once):
-    def fails(problem, **options):
+    def fails(problem, request):
         raise wb.CheckFailedError("two and two are five")
 
     monkeypatch.setattr(explaining, "solve", fails)

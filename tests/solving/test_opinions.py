@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from typing import Any
 
@@ -113,7 +112,7 @@ def test_an_endless_objective_that_is_refuted_costs_no_answer_that_others_have(s
 
 
 def test_an_endless_objective_without_evidence_is_put_to_others(says, monkeypatch):
-    monkeypatch.setattr(concluding, "_gather", lambda *_: None)
+    monkeypatch.setattr(concluding.Conclusion, "gather_evidence", lambda *_: None)
     bounded = ArrayProblem(program([1.0, 1.0], [[1.0, 1.0]], 0.0, np.inf, 0, 5, integer=[0, 1]))
     solution = wb.solve(bounded, says(RawResult("unbounded")))
     assert any("liar claims that there is no best answer" in fault and "claims the optimum 0.0" in fault for fault in solution.faults)
@@ -139,15 +138,15 @@ COSTS = wb.BinAssignment.from_matrix([[1.0, 2.0], [2.0, 1.0]])
 @pytest.mark.parametrize("bounds", [True, False])
 def test_what_an_engine_claims_is_put_to_others_too(engine_says, monkeypatch, said, bounds):
     if not bounds:
-        monkeypatch.setattr(concluding, "_gather", lambda *_: None)
+        monkeypatch.setattr(concluding.Conclusion, "gather_evidence", lambda *_: None)
     solution = wb.solve(COSTS, engine_says(said), bound_time=60)
     assert (solution.objective, solution.answer) == (2.0, (0, 1))
     assert solution.faults and {o.verdict for o in solution.opinions} <= {"refutes", "contradicts"} and solution.opinions
 
 
 def test_an_optimum_of_an_engine_is_put_to_others_and_a_better_answer_refutes_it(engine_says, monkeypatch):
-    monkeypatch.setattr(concluding, "_gather", lambda *_: None)
-    monkeypatch.setattr(sys.modules[wb.solve.__module__], "first_evidence", lambda *_: ([], None))
+    monkeypatch.setattr(concluding.Conclusion, "gather_evidence", lambda *_: None)
+    monkeypatch.setattr("waybound.solving.solve.first_evidence", lambda *_: ([], None))
     agreed = wb.solve(COSTS, engine_says(RawResult("optimal", answer=(0, 1))), bound_time=60)
     assert (agreed.status, agreed.bound, agreed.bound_kind) == ("optimal", 2.0, "claimed")
     assert {o.verdict for o in agreed.opinions} == {"agrees"}

@@ -9,6 +9,7 @@ import pytest
 from programs import Counting
 from random_sensing import random_graph
 
+from waybound.api import solve
 from waybound.cli.solving import exit_code
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
@@ -18,7 +19,6 @@ from waybound.instances.routing.instance import VehicleType
 from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
 from waybound.solvers.backends.scip import Scip
 from waybound.solvers.bounds import BOUNDS
-from waybound.solving.solve import solve
 
 
 def test_an_engine_that_crashes_without_an_incumbent_leaves_the_start(square: RoutingProblem, engine_that: Any) -> None:

@@ -122,8 +122,8 @@ def solve(
     _check_outputs(asked, inputs, out, certificate, plot, view)
     log_path(log, inputs, out, certificate, plot)
 
+    from ..api import solve as search
     from ..formulations.answers import json_text, read_answer
-    from ..solving.solve import solve as search
     from .output import stdout_is_ours
     from .progress import Progress
 

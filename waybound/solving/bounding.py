@@ -1,23 +1,39 @@
-"""Valid bounds for answers of engines that have none: every method that applies, cheapest first, within a budget."""
+"""Verified bounds of a problem: what is there before a search, beside it, and after it, every method that applies, within a budget."""
 
 from __future__ import annotations
 
 import math
+import os
+import threading
+import time
 from collections.abc import Callable, Sequence
-from typing import Any, Literal
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
 
-from ..formulations.certificate import verified_bound
+from ..formulations.certificate import certify, verified_bound
 from ..formulations.evidence import ENDLESS, Evidence
 from ..formulations.problem import Problem
 from ..formulations.stop import Stop, off_the_clock
-from ..formulations.tolerance import same
+from ..formulations.tolerance import gap, same
 from ..instances.errors import UnsupportedError, in_words
-from ..solvers.backend import Control
+from ..solvers.backend import Control, Options, RawResult
 from ..solvers.bounds import BOUNDS, BoundMethod, replaced
+from ..solvers.isolation import run_in_process
 from ..solvers.linear_programs import LinearPrograms
+from .search import search
 
 AT_ONCE = 0
 """Order of the methods that are asked however little time is left: what a bound is at least must not hang on the clock."""
+
+FIRST_SECONDS = 1.0
+"""What may be spent before a search, though no more than the budget for bounding."""
+
+LARGEST = 500
+"""Problems of a larger ``size`` have bounds that no answer reaches, and whose verification takes as long as finding them: what is there at
+once is all that is looked for before the search."""
+
+_TICK = 0.05
 
 
 def find_bounds(
@@ -163,3 +179,170 @@ def proved(problem: Problem, evidence: Evidence) -> float | None:
 
 def _reaches(bound: float | None, target: float | None) -> bool:
     return bound is not None and target is not None and same(bound, target)
+
+
+# -- before a search -----------------------------------------------------------------------------------------------------------
+
+
+def first_evidence(
+    problem: Problem, seconds: float, linear: LinearPrograms | None = None, most: float = 0.0, uncompiled: list[str] | None = None
+) -> tuple[list[Evidence], Goal | None]:
+    """Evidence found within ``seconds``, and the goal that it sets, ``most`` being the gap that is asked for; large problems set none.
+
+    Nothing is compiled for it: ``uncompiled`` receives the names of the methods that this leaves out.
+    """
+    large = problem.size > LARGEST
+    try:
+
+        def find(control: Control) -> RawResult:
+            found = find_bounds(
+                problem, seconds, control=control, linear=linear, searching=False, at_once=large, compiling="never", uncompiled=uncompiled
+            )
+            return RawResult("unknown", answer=found)
+
+        found = search(find, Control(), seconds)
+        evidence = found.result.answer or []
+        return evidence, None if large else Goal(problem, evidence, most)
+    except (Exception, KeyboardInterrupt):  # whatever fails here will be told by the bounding that follows the search, and costs no answer
+        return [], None
+
+
+class Goal:
+    """Ends a search, through its ``Control``, whose incumbent reaches a verified bound, or comes as near to it as is asked for.
+
+    Parameters
+    ----------
+    problem : Problem
+    evidence : sequence of Evidence
+    most : float
+        Relative gap at which the search ends.
+    """
+
+    def __init__(self, problem: Problem, evidence: Sequence[Evidence], most: float = 0.0) -> None:
+        self.problem, self.most, self.limit, self.reached = problem, most, "none", False
+        self.first = tuple(evidence)
+        self.learn(())
+
+    def learn(self, evidence: Sequence[Evidence]) -> None:
+        """Take more evidence into account."""
+        certificate = certify(self.problem, None, [*self.first, *evidence])
+        self.infeasible, self.first_level, self.source = bool(certificate.infeasible), certificate.bound, str(certificate.bound_source)
+        self.bound = certificate.bound if isinstance(certificate.bound, float) and len(self.problem.senses) == 1 else None
+
+    def told(self) -> dict[str, Any]:
+        """The event of the best bound that was checked so far."""
+        worst = math.inf if self.problem.sense == "min" else -math.inf
+        if self.infeasible:
+            return {"bound": worst, "kind": "verified", "source": self.source}
+        return {"bound": self.first_level, "kind": "verified", "source": self.source}
+
+    def __call__(self, answer: Any, objective: float | None) -> bool:
+        """Whether ``answer``, of this ``objective`` by its engine's count, leaves nothing to gain."""
+        if self.bound is not None and objective is not None and self._close(objective):
+            judged = self.problem.evaluate(answer)
+            if judged.feasible and self._close(judged.values[0]) and not self.reached:  # of several threads the first one decides
+                self.limit, self.reached = "none" if self.met(judged.values[0]) else "gap", True
+        return self.reached
+
+    def met(self, value: float | None) -> bool:
+        """Whether ``value`` is that of the bound, or nobody can have any."""
+        known = self.first_level if self.bound is None else self.bound
+        return self.infeasible or (value is not None and known is not None and same(value, known))
+
+    def _close(self, value: float) -> bool:
+        assert self.bound is not None
+        return same(value, self.bound) or gap(value, self.bound) <= self.most
+
+
+# -- beside a search -----------------------------------------------------------------------------------------------------------
+
+
+def free_core(threads: int) -> bool:
+    """Whether the machine has a core that ``threads`` threads leave alone."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return cores > threads
+
+
+@dataclass(frozen=True)
+class BoundWork:
+    """Bounding, picklable, and called with a ``Control``, to which the evidence found so far is published."""
+
+    problem: Problem
+    bound_time: float
+    known: Sequence[Evidence]
+    linear: LinearPrograms
+
+    modules: ClassVar[tuple[str, ...]] = ("numba", "highspy")
+
+    def __call__(self, control: Control) -> RawResult:
+        control.publish([])
+        unable: list[str] = []
+        found = find_bounds(
+            self.problem, self.bound_time, known=self.known, control=control, unable=unable, linear=self.linear, compiling="first"
+        )
+        return RawResult("unknown", answer=found, statistics={"unable": unable})
+
+
+class Beside(Control):
+    """Bounds a problem while ``searched`` is the line to the search for its answer, which ends when nothing is left to gain.
+
+    Parameters
+    ----------
+    work : BoundWork
+    goal : Goal
+    searched : Control
+    progress : callable, optional
+        Receives an event for each bound found.
+
+    Attributes
+    ----------
+    fault : str
+        What kept it from beginning, such as a problem that cannot be sent to another process; empty if nothing did.
+    unable : list of str
+        A line for each method that failed.
+    """
+
+    def __init__(self, work: BoundWork, goal: Goal, searched: Control, progress: Callable[[dict[str, Any]], None] | None = None) -> None:
+        super().__init__()
+        self._goal, self._searched, self._tell, self._done = goal, searched, progress, threading.Event()
+        self.fault, self.unable = "", list[str]()
+        threading.Thread(target=self._run, args=(work,), name="waybound-bounds", daemon=True).start()
+
+    def _run(self, work: BoundWork) -> None:
+        try:
+            result = run_in_process(work, Options(time_limit=work.bound_time), self, aside=True)
+            self.fault, self.unable = "" if self.answer is not None else result.message, result.statistics.get("unable", [])
+            self.answer = self.answer if result.answer is None else result.answer
+        except Exception as fault:  # costs no answer; what was published stands
+            self.fault = "" if self.answer is not None else in_words(fault)
+        finally:
+            self._done.set()
+
+    def publish(
+        self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
+    ) -> None:
+        super().publish(answer, objective, bound, evidence)
+        if not answer:
+            return
+        if self._tell is not None:
+            seconds = time.perf_counter() - self.started
+            last: Evidence = answer[-1]
+            known = {"phase": "bound", "seconds": seconds, "objective": self._searched.objective}
+            self._tell({**known, "bound": last.value, "source": last.source})
+        with suppress(Exception):  # a checker that fails is told when the certificate is made
+            self._goal.learn(answer)
+            held = self._searched.answer
+            if self._goal.infeasible or (held is not None and self._goal(held, self._searched.objective)):
+                self._searched.stop()
+
+    def found(self, control: Control, best: float | None = None, patience: float = math.inf) -> list[Evidence]:
+        """All evidence, once the budget is spent, ``control`` asks for the end, or nothing is left to gain for an answer worth ``best``.
+
+        Who has a verified bound waits ``patience`` seconds at most, whatever is being compiled: the next run goes on where this one ended.
+        """
+        over = time.perf_counter() + patience
+        while not (self._done.wait(_TICK) or control.stopped or self._goal.met(best)):
+            if self._goal.first_level is not None and time.perf_counter() > over:
+                break
+        self.stop()
+        return list(self.answer or ())

@@ -6,12 +6,14 @@ import math
 import platform
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
+from .._version import __version__
 from ..formulations.certificate import Certificate, better_bound, certify, judged_only
 from ..formulations.evaluation import Evaluation
-from ..formulations.evidence import Evidence, Guarantee
+from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
 from ..formulations.programs.exactness import Exactness
 from ..formulations.solution import Opinion, Solution, Value, relative_gap
@@ -19,14 +21,12 @@ from ..formulations.tolerance import EQUAL, same
 from ..instances.errors import CheckFailedError, in_words
 from ..solvers.backend import Control, Options, RawResult
 from ..solvers.linear_programs import LinearPrograms
-from .beside import Beside
-from .bounding import find_bounds, proved
-from .claims import Claim, contradictions
-from .judging import Judge
+from .bounding import Beside, find_bounds, proved
+from .judging import Claim, Judge, contradictions
 from .levels import bounds_of_levels, further_levels
+from .method import Run
 from .opinions import claimed, opinion, program_of, refuting, second_opinions, unproved
 from .recording import Recorder
-from .runs import Run
 from .search import BOUND_OVERTIME, Searched, in_time, search
 
 
@@ -37,222 +37,309 @@ def conclude(
     """Believe nothing: decode and judge every answer, bound, certify, and only then say how it ended.
 
     From the judge's verdict on, whatever fails or is interrupted costs what it would have added, never the answer.
+
+    Parameters
+    ----------
+    problem : Problem
+    run : Run
+    searched : Searched
+    control : Control
+        The line to the search, with the last answer that it published.
+    options : Options
+    budget : float, seconds
+        For bounding and second opinions.
+    record : Recorder
+    crash : Exception, optional
+        What ended the search before it left anything.
+    first : list of Evidence
+        What was found before the search.
+    beside : Beside, optional
+        What bounds beside the search.
+
+    Raises
+    ------
+    CheckFailedError
+        If a claim does not hold up, and there is neither an answer nor a proof that there is none.
     """
     began = time.perf_counter()
     try:
-        judge, found = _verdict(problem, run, searched.result, control, options, crash)
+        conclusion = _judged(problem, run, searched, control, options, crash)
     except KeyboardInterrupt:  # asks for an end, not for the loss of the answer; a second one is heeded
-        judge, found = _verdict(problem, run, searched.result, control, options, crash)
-    spent = time.perf_counter() - began
-    if found[1] is not None:
-        record.judged(run.name, found[1].values)
+        conclusion = _judged(problem, run, searched, control, options, crash)
+    conclusion.seconds["check"] = time.perf_counter() - began
+    verdict = replace(conclusion, seconds=dict(conclusion.seconds), disagreements=[])
+    if conclusion.best is not None:
+        record.judged(run.name, conclusion.best.values)
     try:
-        return _certified(judge, run, searched, options, found, spent, budget, record, first, beside)
+        conclusion.gather_evidence(first, budget, record, beside)
+        conclusion.verify(record)
+        conclusion.bound_later_levels(budget, record)
+        conclusion.hear_others(budget)
+        return conclusion.solution()
     except CheckFailedError:  # and no answer
         raise
     except (Exception, KeyboardInterrupt) as fault:
         run.notes.append(f"no bound was verified: {in_words(fault)}")
-        return _certified(judge, run, searched, options, found, spent, None, None, [], None)
+        return verdict.solution()
 
 
-def _verdict(
-    problem: Problem, run: Run, result: RawResult, control: Control, options: Options, crash: Exception | None
-) -> tuple[Judge, tuple[Any, Evaluation | None]]:
-    """The best of the engine's last word, its published incumbent and the start, and who judged them."""
-    judge = Judge(problem, run.name, run.exactness(result), run.decode, run.notes, crash, None if run.made is None else run.made.program)
-    judge.last_word(result, prices=run.made is None or run.exactness(result) is Exactness.EXACT)
+def _judged(problem: Problem, run: Run, searched: Searched, control: Control, options: Options, crash: Exception | None) -> Conclusion:
+    """The best of the engine's last word, its published incumbent and the start, before anything bounds it."""
+    result, exactness = searched.result, run.exactness(searched.result)
+    judge = Judge(problem, run.name, exactness, run.decode, run.notes, crash, None if run.compiled is None else run.compiled.program)
+    judge.last_word(result, prices=run.compiled is None or exactness is Exactness.EXACT)
     if control.answer is not result.answer:
         judge.incumbent(control.answer)
     judge.start(options.start)
-    found = judge.best()
-    if result.status == "error" and found[1] is not None:  # what is left is not from this search
+    answer, best = judge.best()
+    if result.status == "error" and best is not None:  # what is left is not from this search
         why = result.message if crash is None else in_words(crash)
         judge.faults.append(f"{run.name} failed: {why or 'it does not say why'}")
-    return judge, found
+    return Conclusion(judge, run, searched, options, answer, best, judged_only(problem, best))
 
 
-def _certified(
-    judge: Judge, run: Run, searched: Searched, options: Options, found: tuple[Any, Evaluation | None], spent: float,
-    budget: float | None, record: Recorder | None, first: list[Evidence], beside: Beside | None,
-) -> Solution:  # fmt: skip
-    """The solution around the best answer, with what bounds it; without a ``budget``, with the judge's word alone."""
-    problem, senses, claim = judge.problem, judge.problem.senses, judge.claim(searched.result)
-    answer, best = found
+@dataclass
+class Conclusion:
+    """What is known once a search has ended and its answers are judged; each step adds to it, and ``solution`` tells it.
 
-    began = time.perf_counter()
-    evidence: list[Evidence] = list(first)
-    if budget is not None:
-        try:
-            _gather(evidence, problem, run, searched, _linear(options), budget, None if best is None else best.values[0], record, beside)
-        except (Exception, KeyboardInterrupt) as fault:
-            run.notes.append(f"no further bound was looked for: {in_words(fault)}")
-    seconds = {"bound": time.perf_counter() - began, "check": spent}
+    Attributes
+    ----------
+    judge : Judge
+    run : Run
+    searched : Searched
+    options : Options
+    answer, best : answer and Evaluation, optional
+        The best answer that passed every check.
+    certificate : Certificate
+        What the checkers make of ``evidence``.
+    seconds : dict
+        Spent on bounding and on checking.
+    opinions : tuple of Opinion
+        What other solvers say of a claim that has no evidence.
+    disagreements : list of str
+        Faults that these show.
+    """
 
-    began = time.perf_counter()
-    if record is not None:
-        record.begin_phase("check")
-    guarantee = searched.result.guarantee if best is not None else None
-    if run.heuristic and guarantee is None and claim.exactness is Exactness.NEITHER:
-        run.notes.append(f"{run.name} guarantees nothing for this instance")
-    certificate = judged_only(problem, best) if budget is None else _certificate(judge, run, best, evidence, guarantee)
-    left = 0.0 if budget is None or record is None else budget - seconds["bound"]
-    if record is not None and len(senses) > 1 and best is not None and left > 0.0 and not searched.interrupted:
-        try:
-            certificate = further_levels(problem, certificate, best, left, _linear(options), run.notes, record.begin_phase)
-        except CheckFailedError as fault:
-            judge.faults.append(f"{fault} (the bound is withheld)")
-    refuted = contradictions(claim, senses, best, certificate)
-    seconds["check"] += time.perf_counter() - began
-
+    judge: Judge
+    run: Run
+    searched: Searched
+    options: Options
+    answer: Any
+    best: Evaluation | None
+    certificate: Certificate
+    seconds: dict[str, float] = field(default_factory=lambda: {"bound": 0.0, "check": 0.0})
+    evidence: list[Evidence] = field(default_factory=list)
     opinions: tuple[Opinion, ...] = ()
-    if budget is not None and not judge.faults and (best is None or not refuted):
+    disagreements: list[str] = field(default_factory=list)
+
+    @cached_property
+    def claim(self) -> Claim:
+        """What the search says of the problem."""
+        return self.judge.claim(self.searched.result)
+
+    @property
+    def problem(self) -> Problem:
+        return self.judge.problem
+
+    @property
+    def linear(self) -> LinearPrograms:
+        return LinearPrograms(self.options.lp_solver, self.options.seed, self.options.threads)
+
+    # -- the steps --------------------------------------------------------------------------------------------------------
+
+    def gather_evidence(self, first: list[Evidence], budget: float, record: Recorder, beside: Beside | None) -> None:
+        """Collect what was found before the search, what the search leaves, and what bounding finds where that proves nothing."""
         began = time.perf_counter()
-        heard = () if searched.interrupted else _second_opinions(judge, run, claim, best, certificate, budget - seconds["bound"], options)
-        seconds["bound"] += time.perf_counter() - began
+        self.evidence = list(first)
+        try:
+            self._from_the_search()
+            if self.searched.interrupted:
+                self.evidence.extend([] if beside is None else beside.answer or ())
+            elif not any(proved(self.problem, e) is not None for e in self.searched.result.evidence):
+                self._from_bounding(budget, record, beside)
+        except (Exception, KeyboardInterrupt) as fault:
+            self.run.notes.append(f"no further bound was looked for: {in_words(fault)}")
+        self.seconds["bound"] += time.perf_counter() - began
+
+    def _from_the_search(self) -> None:
+        """Its own evidence, and what the duals of a program prove."""
+        result, compiled = self.searched.result, self.run.compiled
+        self.evidence.extend(result.evidence)
+        if compiled is not None and result.row_duals is not None and compiled.dual_evidence is not None:
+            try:
+                self.evidence.append(compiled.dual_evidence(result.row_duals))
+            except Exception as fault:
+                self.run.notes.append(f"the duals of {self.run.name} are no evidence: {in_words(fault)}")
+
+    def _from_bounding(self, budget: float, record: Recorder, beside: Beside | None) -> None:
+        """What was found beside the search; without that, or where it could not begin, what is found now."""
+        target, known, notes = None if self.best is None else self.best.values[0], tuple(self.evidence), self.run.notes
+        if budget > 0:
+            record.begin_phase("bound", budget)
+        if beside is not None:  # it keeps the time itself, without what it compiles
+            seen = search(lambda control: RawResult("unknown", answer=beside.found(control, target, budget)), Control(), math.inf)
+            self.evidence.extend(seen.result.answer or [])
+            notes.extend(beside.unable)
+            if seen.interrupted:
+                notes.append("bounding ended early: interrupted")
+            if seen.interrupted or not beside.fault:
+                return
+
+        def find(control: Control) -> RawResult:
+            found = find_bounds(
+                self.problem,
+                budget,
+                target=target,
+                known=known,
+                control=control,
+                progress=record.of_bounds,
+                unable=notes,
+                linear=self.linear,
+            )
+            return RawResult("unknown", answer=found)
+
+        bounding = search(find, Control(), budget, overtime=BOUND_OVERTIME)
+        self.evidence.extend(bounding.result.answer or [])
+        if bounding.interrupted or bounding.result.message:
+            notes.append(f"bounding ended early: {bounding.result.message or 'interrupted'}")
+
+    def verify(self, record: Recorder) -> None:
+        """Ask the checkers what the evidence and the guarantee are worth; what contradicts the answer is a fault."""
         began = time.perf_counter()
-        if best is None:
-            judge.at_hand(lambda answer: contradictions(claim, senses, answer, certificate))
-        answer, better = judge.best()
-        if better is not best:
-            best = better
-            certificate = _certificate(judge, run, best, evidence, None)
-            refuted = contradictions(claim, senses, best, certificate)
-        opinions = tuple(opinion(theirs, claim, senses, best, certificate) for theirs in heard)
-        refuted += _disagreements(claim, opinions, certificate, run.notes)
-        seconds["check"] += time.perf_counter() - began
+        record.begin_phase("check")
+        guarantee = self.searched.result.guarantee if self.best is not None else None
+        if self.run.heuristic and guarantee is None:
+            self.run.notes.append(f"{self.run.name} guarantees nothing for this instance")
+        self.certificate = self._certified(guarantee)
+        self.seconds["check"] += time.perf_counter() - began
 
-    faults = tuple(dict.fromkeys([*judge.faults, *refuted]))
-    if faults:
-        if best is None and not (certificate.infeasible or certificate.unbounded):
-            raise CheckFailedError("; ".join(faults))
-        claim = replace(claim, said=replace(claim.said, status="unknown", objective=None, bound=None, further=()))
-    bound, kind, source = _best_bound(problem, run.claimant, claim, certificate, best)
-    if isinstance(bound, float) and len(senses) > 1:
-        further = {} if best is None else dict(claim.concerned(senses, best))
-        bound, kind, source = bounds_of_levels(problem, best, certificate.levels, further, run.claimant, bound, kind, source)
-    objective, result = None if best is None else best.objective, claim.said
-    messages = dict.fromkeys(m for m in (_why_none(problem, certificate), result.message, *run.notes) if m)
-    return Solution(
-        problem=problem,
-        answer=answer,
-        status=_status(claim, senses, certificate, best, bound),
-        limit=result.limit,
-        objective=objective,
-        bound=bound,
-        bound_kind=kind,
-        bound_source=source,
-        gap=relative_gap(objective, bound, *(() if best is None else (best.sizes, best.precision))),
-        solver=run.name,
-        form=run.form,
-        seconds={"compile": run.compile_seconds, "solve": searched.seconds, **seconds},
-        seed=options.seed,
-        versions=_versions(run),
-        certificate=certificate,
-        evaluation=best,
-        statistics=dict(result.statistics),
-        message="; ".join(messages),
-        opinions=opinions,
-        chain=(() if run.made is None else run.made.links) + result.links,
-        faults=faults,
-    )
+    def _certified(self, guarantee: Any = None) -> Certificate:
+        notes = self.run.notes
+        try:
+            certificate = in_time(lambda: certify(self.problem, self.best, self.evidence, guarantee, notes), lambda: None)
+            if certificate is not None:
+                return certificate
+            notes.append("interrupted before the evidence of the bounds was verified")
+        except CheckFailedError as fault:
+            self.judge.faults.append(f"{fault} (the bound is withheld)")
+        return judged_only(self.problem, self.best)
 
+    def bound_later_levels(self, budget: float, record: Recorder) -> None:
+        """Bound what comes after the first priority of the objective, in the time that is left."""
+        began, left = time.perf_counter(), budget - self.seconds["bound"]
+        if len(self.problem.senses) > 1 and self.best is not None and left > 0.0 and not self.searched.interrupted:
+            try:
+                self.certificate = further_levels(
+                    self.problem, self.certificate, self.best, left, self.linear, self.run.notes, record.begin_phase
+                )
+            except CheckFailedError as fault:
+                self.judge.faults.append(f"{fault} (the bound is withheld)")
+        self.seconds["check"] += time.perf_counter() - began
 
-def _certificate(judge: Judge, run: Run, best: Evaluation | None, evidence: list[Evidence], guarantee: Guarantee | None) -> Certificate:
-    """What the checkers make of the evidence; without what contradicts the answer, which is a fault."""
-    try:
-        certificate = in_time(lambda: certify(judge.problem, best, evidence, guarantee, run.notes), lambda: None)
-        if certificate is not None:
-            return certificate
-        run.notes.append("interrupted before the evidence of the bounds was verified")
-    except CheckFailedError as fault:
-        judge.faults.append(f"{fault} (the bound is withheld)")
-    return judged_only(judge.problem, best)
+    def hear_others(self, budget: float) -> None:
+        """Ask other solvers about a claim that has no evidence; their answers compete with the one that is there."""
+        if self.judge.faults or (self.best is not None and self._contradicted()):
+            return
+        began = time.perf_counter()
+        heard = [] if self.searched.interrupted else self._second_opinions(budget - self.seconds["bound"])
+        self.seconds["bound"] += time.perf_counter() - began
+        began = time.perf_counter()
+        if self.best is None:
+            self.judge.at_hand(self._contradicted)
+        answer, better = self.judge.best()
+        if better is not self.best:
+            self.answer, self.best = answer, better
+            self.certificate = self._certified()
+        senses = self.problem.senses
+        self.opinions = tuple(opinion(theirs, self.claim, senses, self.best, self.certificate) for theirs in heard)
+        self.disagreements.extend(self._disagreements())
+        self.seconds["check"] += time.perf_counter() - began
 
+    def _second_opinions(self, seconds: float) -> list[Claim]:
+        senses, compiled = self.problem.senses, self.run.compiled
+        whole = compiled is None or compiled.program.is_integer
+        if not unproved(self.claim, senses, self.best, self.certificate, whole) and not self._contradicted():
+            return []
+        began = time.perf_counter()
+        compiled = compiled or (program_of(self.problem) if seconds > 0.0 else None)
+        if compiled is None:
+            return []
+        heard = []
+        seconds -= time.perf_counter() - began
+        for name, said in second_opinions(compiled, self.run.name, seconds, self.options, self.run.isolated):
+            self.judge.opinion(name, said.answer, compiled.decode)
+            heard.append(Claim(name, said, compiled.exactness.then(said.holds), program=compiled.program))
+        return heard
 
-def _disagreements(claim: Claim, opinions: Sequence[Opinion], certificate: Certificate, notes: list[str]) -> Iterator[str]:
-    """Faults of opinions that contradict a claim while nothing refutes either; those that are refuted are told."""
-    for one in opinions:
-        if one.verdict == "is refuted":
-            value = "" if one.objective is None else f" {one.objective!r}"
-            notes.append(f"{one.solver} says {one.status}{value}, which {refuting(one, certificate)} refutes")
-        elif one.verdict == "contradicts":
-            both = f"{claim.solver} claims {claimed(claim.said)}, {one.solver} claims {claimed(one)}"
-            yield f"{both}: nothing that was checked refutes either, and both cannot be right"
+    def _contradicted(self, best: Evaluation | None = None) -> list[str]:
+        """What is refuted of the claim by the best answer, or by ``best``, and by what is proved."""
+        return contradictions(self.claim, self.problem.senses, self.best if best is None else best, self.certificate)
+
+    def _disagreements(self) -> Iterator[str]:
+        """Faults of opinions that contradict the claim while nothing refutes either; those that are refuted are told."""
+        for one in self.opinions:
+            if one.verdict == "is refuted":
+                value = "" if one.objective is None else f" {one.objective!r}"
+                refutes = refuting(one, self.certificate)
+                self.run.notes.append(f"{one.solver} says {one.status}{value}, which {refutes} refutes")
+            elif one.verdict == "contradicts":
+                both = f"{self.claim.solver} claims {claimed(self.claim.said)}, {one.solver} claims {claimed(one)}"
+                yield f"{both}: nothing that was checked refutes either, and both cannot be right"
+
+    # -- what is told -------------------------------------------------------------------------------------------------------
+
+    def solution(self) -> Solution:
+        """The solution around the best answer, with what bounds it.
+
+        Raises
+        ------
+        CheckFailedError
+            If there are faults, and neither an answer nor a proof that there is none.
+        """
+        problem, senses, best, certificate = self.problem, self.problem.senses, self.best, self.certificate
+        claim, faults = self.claim, tuple(dict.fromkeys([*self.judge.faults, *self._contradicted(), *self.disagreements]))
+        if faults:
+            if best is None and not (certificate.infeasible or certificate.unbounded):
+                raise CheckFailedError("; ".join(faults))
+            claim = replace(claim, said=replace(claim.said, status="unknown", objective=None, bound=None, further=()))
+        bound, kind, source = _best_bound(problem, self.run.claimant, claim, certificate, best)
+        if isinstance(bound, float) and len(senses) > 1:
+            further = {} if best is None else dict(claim.concerned(senses, best))
+            bound, kind, source = bounds_of_levels(problem, best, certificate.levels, further, self.run.claimant, bound, kind, source)
+        objective, result, run = None if best is None else best.objective, claim.said, self.run
+        messages = dict.fromkeys(m for m in (_why_none(problem, certificate), result.message, *run.notes) if m)
+        return Solution(
+            problem=problem,
+            answer=self.answer,
+            status=_status(claim, senses, certificate, best, bound),
+            limit=result.limit,
+            objective=objective,
+            bound=bound,
+            bound_kind=kind,
+            bound_source=source,
+            gap=relative_gap(objective, bound, *(() if best is None else (best.sizes, best.precision))),
+            solver=run.name,
+            form=run.form,
+            seconds={"compile": run.compile_seconds, "solve": self.searched.seconds, **self.seconds},
+            seed=self.options.seed,
+            versions={"waybound": __version__, "python": platform.python_version(), **run.versions},
+            certificate=certificate,
+            evaluation=best,
+            statistics=dict(result.statistics),
+            message="; ".join(messages),
+            opinions=self.opinions,
+            chain=(() if run.compiled is None else run.compiled.links) + result.links,
+            faults=faults,
+        )
 
 
 def _why_none(problem: Problem, certificate: Certificate) -> str:
     """What proves that there is no answer, where the problem has words of its own for it."""
     for evidence in certificate.evidence[:1] if certificate.infeasible else ():
-        told = problem.why_none(evidence.kind, evidence.data)
-        if told != Problem.why_none(problem, evidence.kind, evidence.data):
-            return told
+        reason = problem.why_none(evidence.kind, evidence.data)
+        if reason != Problem.why_none(problem, evidence.kind, evidence.data):
+            return reason
     return ""
-
-
-def _second_opinions(
-    judge: Judge, run: Run, claim: Claim, best: Evaluation | None, certificate: Certificate, seconds: float, options: Options
-) -> list[Claim]:
-    """What other solvers say of a claim without evidence; their answers are judged."""
-    senses, whole = judge.problem.senses, run.made is None or run.made.program.is_integer
-    if not unproved(claim, senses, best, certificate, whole) and not contradictions(claim, senses, best, certificate):
-        return []
-    began = time.perf_counter()
-    made = run.made or (program_of(judge.problem) if seconds > 0.0 else None)
-    if made is None:
-        return []
-    heard = []
-    for name, said in second_opinions(made, run.name, seconds - (time.perf_counter() - began), options, run.isolated):
-        judge.opinion(name, said.answer, made.decode)
-        heard.append(Claim(name, said, made.exactness.then(said.holds), program=made.program))
-    return heard
-
-
-def _gather(
-    evidence: list[Evidence],
-    problem: Problem,
-    run: Run,
-    searched: Searched,
-    linear: LinearPrograms,
-    budget: float,
-    best: float | None,
-    record: Recorder | None,
-    beside: Beside | None,
-) -> None:
-    """Add to ``evidence`` what the search left of it, and what bounding finds where that proves nothing."""
-    result = searched.result
-    evidence.extend(result.evidence)
-    if run.made is not None and result.row_duals is not None and run.made.dual_evidence is not None:
-        try:
-            evidence.append(run.made.dual_evidence(result.row_duals))
-        except Exception as fault:
-            run.notes.append(f"the duals of {run.name} are no evidence: {in_words(fault)}")
-    if searched.interrupted and beside is not None:
-        evidence.extend(beside.answer or ())
-    if searched.interrupted or any(proved(problem, e) is not None for e in result.evidence):
-        return
-    known = tuple(evidence)
-
-    if record is not None and budget > 0:
-        record.begin_phase("bound", budget)
-
-    if beside is not None:  # it keeps the time itself, without what it compiles
-        seen = search(lambda control: RawResult("unknown", answer=beside.found(control, best, budget)), Control(), math.inf)
-        evidence.extend(seen.result.answer or [])
-        run.notes.extend(beside.unable)
-        if seen.interrupted:
-            run.notes.append("bounding ended early: interrupted")
-        if seen.interrupted or not beside.fault:
-            return
-
-    def find(control: Control) -> RawResult:
-        hear = None if record is None else record.of_bounds
-        found = find_bounds(problem, budget, target=best, known=known, control=control, progress=hear, unable=run.notes, linear=linear)
-        return RawResult("unknown", answer=found)
-
-    found = search(find, Control(), budget, overtime=BOUND_OVERTIME)
-    evidence.extend(found.result.answer or [])
-    if found.interrupted or found.result.message:
-        run.notes.append(f"bounding ended early: {found.result.message or 'interrupted'}")
 
 
 def _best_bound(
@@ -269,17 +356,14 @@ def _best_bound(
     return (verified, "verified", certificate.bound_source) if verified is not None else (None, None, None)
 
 
-def _linear(options: Options) -> LinearPrograms:
-    return LinearPrograms(options.lp_solver, options.seed, options.threads)
-
-
 def _status(claim: Claim, senses: Sequence[str], certificate: Certificate, best: Evaluation | None, bound: Value | None) -> str:
+    """How it ended: proved or claimed to be the best, or there to be none, or neither."""
     if best is not None:
         verified = [] if certificate.bound is None else [certificate.bound, *(level.bound for level in certificate.levels)]
         if len(best.values) == 1 and isinstance(bound, float):
             verified = [bound]
-        proved = len(verified) == len(best.values) and all(best.same_at(k, known) for k, known in enumerate(verified))
-        return "optimal" if proved or claim.speaks_of(best) else "feasible"
+        closed = len(verified) == len(best.values) and all(best.same_at(k, known) for k, known in enumerate(verified))
+        return "optimal" if closed or claim.speaks_of(best) else "feasible"
     if certificate.infeasible or certificate.unbounded:
         return "infeasible" if certificate.infeasible else "unbounded"
     status, exactness = claim.status(senses, best, certificate), claim.exactness
@@ -288,9 +372,3 @@ def _status(claim: Claim, senses: Sequence[str], certificate: Certificate, best:
     if status == "unbounded" and exactness.answer_is_valid:
         return status
     return "error" if status == "error" else "unknown"
-
-
-def _versions(run: Run) -> dict[str, str]:
-    from .._version import __version__
-
-    return {"waybound": __version__, "python": platform.python_version(), **run.versions}

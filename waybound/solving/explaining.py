@@ -32,6 +32,7 @@ from ..instances.errors import InputError, MissingPackageError, UnsupportedError
 from ..solvers.backend import BACKENDS, Control, Options, RawResult
 from ..solvers.program_backend import ProgramBackend
 from .bounding import find_bounds, proved
+from .request import Request
 from .search import search
 from .solve import solve
 
@@ -360,7 +361,7 @@ def _decided(problem: Problem, methods: Sequence[str | None], seconds: float, no
         if left <= 0:
             return None
         try:
-            found = solve(problem, heuristic=heuristic, time_limit=left, bound_time=0.0)
+            found = solve(problem, Request(heuristic=heuristic, time_limit=left, bound_time=0.0))
             if found.answer is not None or found.certificate.infeasible:
                 return found
         except (UsageError, UnsupportedError, MissingPackageError):

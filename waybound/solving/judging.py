@@ -1,19 +1,188 @@
-"""What a search left behind, judged: the best answer that passes every check, and each claim that does not hold up beside it."""
+"""What a search says and hands over, judged: one rule for backends, engines and heuristics.
+
+The best answer that passes every check is kept. A claim that what was checked contradicts is an error, loudly, and stands for no answer
+that it does not speak of.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
+from ..formulations.certificate import Certificate, better_bound
 from ..formulations.evaluation import Evaluation
 from ..formulations.problem import Problem
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program
+from ..formulations.programs.reductions.units import objective_unit
+from ..formulations.tolerance import same
 from ..instances.errors import CheckFailedError, NoAnswerError, SearchFailedError, WayboundError, in_words
-from ..solvers.backend import RawResult
-from .claims import Claim, false_answer
+from ..instances.text import an
+from ..solvers.backend import LevelClaim, RawResult
+from ..solvers.program_backend import EQUAL_TOLERANCE
+
+CLAIM_TOLERANCE = 1e-5
+"""Relative: engines accept points that are off by 1e-6 a row and a variable, so their own totals are off by more."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What a search says of a problem.
+
+    Parameters
+    ----------
+    solver : str
+    said : RawResult
+    exactness : Exactness
+        How what is said relates to the problem; of a heuristic, which is ``NEITHER``, no word is a claim.
+    own : Evaluation, optional
+        Of the answer that it hands over.
+    prices : bool
+        Whether its objective is meant for the problem's.
+    program : Program, optional
+        That was searched. What solvers count as 1 in its objective is the least size of a sum: where all terms vanish or cancel, theirs
+        are off by a part of it.
+    """
+
+    solver: str
+    said: RawResult
+    exactness: Exactness = Exactness.EXACT
+    own: Evaluation | None = None
+    prices: bool = True
+    program: Program | None = None
+
+    @cached_property
+    def _unit(self) -> float:
+        return 0.0 if self.program is None else objective_unit(self.program)
+
+    def values(self, levels: int) -> tuple[float, ...]:
+        """Of the best answer by its own account, one a level: as it says, else those of the answer that it hands over; empty if neither."""
+        said = self.said
+        told = () if said.objective is None else (said.objective, *(level.objective for level in said.further))
+        if len(told) == levels:
+            return told
+        return self.own.values if self.own is not None and self.own.feasible else ()
+
+    def bound(self, levels: int) -> float | None:
+        """Of the problem's first level: who claims its optimum claims that nothing is better."""
+        if self.said.bound is None and self.said.status == "optimal" and self.exactness is Exactness.EXACT:
+            return next(iter(self.values(levels)), None)
+        return self.said.bound if self.exactness.bound_is_valid else None
+
+    def close(self, known: Evaluation, level: int, value: float) -> bool:
+        """Whether ``value``, by its own count, is that of an answer at a level."""
+        size = known.sizes[level] if known.sizes else 0.0
+        return self.near(known.values[level], value, size, known.precision, first=level == 0)
+
+    def near(self, known: float, value: float, size: float = 0.0, precision: float = 0.0, first: bool = True) -> bool:
+        """Whether ``value``, by its own count, is ``known``; of the first level in no finer parts than those of what it counts as 1."""
+        precision = max(CLAIM_TOLERANCE, precision)
+        return same(known, value, size, precision) or (first and same(known, value, self._unit, precision))
+
+    def speaks_of(self, best: Evaluation) -> bool:
+        """Whether it claims that no answer is better than this one, of a relaxation by bounds that it meets up to what solvers see."""
+        levels = len(best.values)
+        if self.said.status != "optimal":
+            return False
+        if self.exactness is Exactness.RELAXATION:
+            bounds = [self.said.bound, *(level.bound for level in self.said.further)]
+            met = [bound is not None and best.same_at(k, bound, EQUAL_TOLERANCE) for k, bound in enumerate(bounds)]
+            return len(met) == levels and all(met)
+        values = self.values(levels) if self.exactness is Exactness.EXACT else ()
+        return bool(values) and all(self.close(best, k, value) for k, value in enumerate(values))
+
+    def concerned(self, senses: Sequence[str], best: Evaluation) -> Iterator[tuple[int, LevelClaim]]:
+        """The claims on later levels that hold for an answer: for what is no worse than the claimed values at the levels before."""
+        held = self.said.objective
+        for level, claim in enumerate(self.said.further if self.exactness.bound_is_valid else (), start=1):
+            before = best.values[level - 1]
+            if held is None or (better_bound(senses[level - 1], before, held) and not self.close(best, level - 1, held)):
+                return
+            yield level, claim
+            held = claim.objective
+
+    def status(self, senses: Sequence[str], best: Evaluation | None, certificate: Certificate) -> str:
+        """What it says, no answer and no best one being told apart by an answer, or by verified bounds."""
+        if self.said.status == "infeasible_or_unbounded":
+            return "infeasible" if _bounded(senses, certificate) else "unbounded" if best is not None else self.said.status
+        return self.said.status
+
+
+def _bounded(senses: Sequence[str], certificate: Certificate) -> bool:
+    """Whether it is proved that no level has answers as good as one wants."""
+    return certificate.bound is not None and math.isfinite(certificate.bound) and len(certificate.levels) + 1 >= len(senses)
+
+
+def false_answer(claim: Claim, senses: Sequence[str]) -> Iterator[str]:
+    """What the answer that is handed over refutes of what is said of it.
+
+    One better than claimed refutes nothing: an incumbent's auxiliary variables may be slack. What it must not beat is a claimed bound or
+    optimum.
+    """
+    own, said = claim.own, claim.said
+    if own is None:
+        return
+    if said.status in ("optimal", "feasible") and claim.exactness.answer_is_valid and not own.feasible:
+        worst = max(own.violations, key=lambda v: v.amount)
+        yield (
+            f"{claim.solver} claims {an(said.status)} answer, but it breaks {len(own.violations)} constraints; "
+            f"the worst: {worst.message} (by {worst.amount:g})"
+        )
+    if own.feasible and claim.prices and said.objective is not None and (len(own.values) == 1 or said.further):
+        claimed = (said.objective, *(level.objective for level in said.further))
+        for level, (sense, value) in enumerate(zip(senses, claimed, strict=False)):
+            if better_bound(sense, own.values[level], value) and not claim.close(own, level, value):
+                yield f"{claim.solver} claims the objective {value!r}, the answer's value recomputed from the data is {own.values[level]!r}"
+
+
+def contradictions(claim: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate) -> list[str]:
+    """Each claim that the best answer that passed every check, or what is proved, refutes."""
+    return [f"{claim.solver} claims {words}" for words in _refuted(claim, senses, best, certificate)]
+
+
+def _refuted(claim: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate) -> Iterator[str]:
+    said, exactness, levels, verified = claim.said, claim.exactness, len(senses), certificate.bound
+    status, bound, values = claim.status(senses, best, certificate), claim.bound(levels), claim.values(levels)
+    if best is not None:
+        passed = f"an answer of value {best.values[0]!r} passed every check"
+        if status == "infeasible" and exactness.infeasibility_is_valid:
+            yield f"that there is no answer, but one of value {best.values[0]!r} passed every check"
+        if said.bound is not None and exactness.bound_is_valid and _beaten(claim, senses, best, 0, said.bound):
+            yield f"the bound {said.bound!r}, but {passed}"
+        if status == "optimal" and exactness is Exactness.EXACT:
+            apart = next((k for k, value in enumerate(values) if not claim.close(best, k, value)), None)
+            if apart is not None and _beaten(claim, senses, best, apart, values[apart]):
+                there = f" at level {apart + 1}" if apart else ""
+                yield f"the optimum {values[apart]!r}{there}, but an answer of value {best.values[apart]!r}{there} passed every check"
+        for level, further in claim.concerned(senses, best):
+            if further.bound is not None and _beaten(claim, senses, best, level, further.bound):
+                found = f"an answer of value {best.values[level]!r} there passed every check"
+                yield f"the bound {further.bound!r} at level {level + 1}, but {found}"
+    if exactness.answer_is_valid:
+        size = 0.0 if best is None else best.size
+        if status == "optimal" and values and verified is not None:
+            ahead = better_bound(senses[0], verified, values[0]) and not claim.near(verified, values[0], size)
+            if ahead:
+                yield f"the optimum {values[0]!r}, but the verified bound is {verified!r}"
+        if status == "unbounded" and _bounded(senses, certificate):
+            yield f"that there is no best answer, but the verified bound is {verified!r}"
+        if certificate.infeasible and (status == "unbounded" or (status == "optimal" and values)):
+            yield f"{'a best answer' if status == 'optimal' else 'answers as good as one wants'}, but it is proved that there is none"
+    if certificate.unbounded:
+        what = "that there is no answer" if status == "infeasible" and exactness.infeasibility_is_valid else ""
+        what = what or ("a best answer" if status == "optimal" and exactness is Exactness.EXACT else "")
+        what = what or ("a bound" if bound is not None else "")
+        if what:
+            yield f"{what}, but it is proved that answers are as good as one wants"
+
+
+def _beaten(claim: Claim, senses: Sequence[str], best: Evaluation, level: int, value: float) -> bool:
+    """Whether an answer is better at a level than ``value``, which nothing should be."""
+    return better_bound(senses[level], value, best.values[level]) and not claim.close(best, level, value)
 
 
 @dataclass

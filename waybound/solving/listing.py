@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..formulations.forms import FORMS, nearest_form
 from ..formulations.problem import Problem
-from ..formulations.programs.exactness import Exactness
-from ..formulations.programs.program import described
 from ..heuristics.heuristic import HEURISTICS
 from ..solvers.backend import BACKENDS, Engine
 from ..solvers.program_backend import ProgramBackend, kinds_of
+from .method import missing_features
 
 
 @dataclass(frozen=True)
@@ -42,22 +40,6 @@ class HeuristicInfo:
     guarantee: str
     parameters: tuple[str, ...]
     missing: tuple[str, ...] = ()
-
-
-def missing_features(name: str, problem: Problem) -> tuple[frozenset[str], tuple[str, ...]]:
-    """What solver ``name`` lacks for ``problem`` where no form is named, at least, and the forms through which it can take it."""
-    backend = BACKENDS[name]
-    if issubclass(backend, Engine):
-        return backend().missing(problem), ()
-    assert issubclass(backend, ProgramBackend)
-    forms = problem.forms()
-    if not forms:
-        return nearest_form(problem)[1], ()
-    usable = tuple(f for f in forms if backend.takers(FORMS[f].makes(problem)))
-    exact = [f for f in forms if FORMS[f].exactness is Exactness.EXACT]
-    if not usable:
-        return frozenset({f"{described(FORMS[(exact or forms)[0]].makes(problem))} programs"}), ()
-    return (frozenset() if set(exact) & set(usable) else frozenset({"an exact form for this problem"})), usable
 
 
 def solver_table(problem: Problem | None = None) -> list[SolverInfo]:

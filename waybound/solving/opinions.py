@@ -17,8 +17,8 @@ from ..formulations.tolerance import same
 from ..solvers.backend import BACKENDS, Control, Options, RawResult, solver_named
 from ..solvers.isolation import SolverWork, run_in_process
 from ..solvers.program_backend import ProgramBackend, takers
-from .choice import able_solvers, first_compiled
-from .claims import Claim, contradictions
+from .judging import Claim, contradictions
+from .method import able_solvers, first_compiled
 from .search import in_time, search
 
 MOST = 2

@@ -16,7 +16,7 @@ from ..solvers.interrupts import GRACE
 
 T = TypeVar("T")
 
-OVERTIME = 0.5
+OVERTIME = 0.3
 """Seconds past its time limit after which an engine is asked to stop from outside: with its ``GRACE``, less than two seconds."""
 
 BOUND_OVERTIME = OVERTIME

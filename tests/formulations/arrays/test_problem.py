@@ -11,6 +11,7 @@ import pytest
 import scipy.sparse as sp
 from programs import program
 
+from waybound.api import solve
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import certify, verified_bound
 from waybound.formulations.evidence import Evidence
@@ -18,7 +19,6 @@ from waybound.formulations.programs.cones import Cones
 from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.instances.errors import InputError
-from waybound.solving.solve import solve
 
 
 def knapsack(**changes: Any) -> Program:

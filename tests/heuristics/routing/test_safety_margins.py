@@ -11,6 +11,7 @@ import pytest
 from small_routing import varied
 
 from waybound import generate
+from waybound.api import solve
 from waybound.formulations.routing.objective import Objective, Reward, TotalCost
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
@@ -23,7 +24,6 @@ from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.exact_routing import RoutingTruth
 from waybound.reports.ratios.judging import run_heuristic
 from waybound.solvers.linear_programs import LinearPrograms
-from waybound.solving.solve import solve
 
 NAME = "safety-margins"
 LINE = np.abs(np.subtract.outer(*[np.array([0.0, 4, -5, 6, -7])] * 2))

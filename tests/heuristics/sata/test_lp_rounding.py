@@ -10,6 +10,7 @@ import pytest
 from sata_cases import CASES
 from selection_problems import CONSTRAINTS, KINDS, context, cover_30, optimum, random_problem
 
+from waybound.api import solve
 from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
@@ -19,7 +20,6 @@ from waybound.instances.sata.constraints import PartitionMatroid
 from waybound.instances.sata.set_functions import Coverage
 from waybound.solvers.backend import RawResult
 from waybound.solvers.linear_programs import LinearPrograms
-from waybound.solving.solve import solve
 
 
 @pytest.mark.parametrize(("name", "lp", "best"), [("S6", 1.2, 1.0), ("S7", 12 / 7, 1.0)])

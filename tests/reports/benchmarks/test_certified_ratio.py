@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from waybound.api import solve
 from waybound.reports.benchmarks import certified_ratio as benchmark
-from waybound.solving.solve import solve
 
 
 @pytest.mark.parametrize("case", benchmark.CASES)

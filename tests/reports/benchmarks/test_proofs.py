@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from waybound.api import solve
 from waybound.reports.battery.cases import Draw, cases
 from waybound.reports.battery.truth import Truth
 from waybound.reports.benchmarks import proofs
 from waybound.reports.benchmarks.proofs import FALSE, VERIFIED, battery, beside_highs, files, main, set_cover
-from waybound.solving.solve import solve
 
 
 @pytest.mark.slow

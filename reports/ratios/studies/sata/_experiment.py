@@ -167,9 +167,10 @@ def solved(problem: Problem) -> Optimum:
     CheckFailedError
         If it is not proved within the default time limit.
     """
+    from .....solving.request import Request
     from .....solving.solve import solve
 
-    found = solve(problem, "highs", bound_time=0.0)
+    found = solve(problem, Request(solver="highs", bound_time=0.0))
     if found.faults:
         raise CheckFailedError(f"highs on {problem.name}: {'; '.join(found.faults)}")
     if found.status != "optimal" or not isinstance(found.objective, float):

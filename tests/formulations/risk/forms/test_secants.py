@@ -8,9 +8,9 @@ import pytest
 from program_text import expected, written
 from risk_problems import around_a_box, margins, problem
 
+from waybound.api import solve
 from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.risk.forms import secants
-from waybound.solving.solve import solve
 
 
 @pytest.mark.parametrize(

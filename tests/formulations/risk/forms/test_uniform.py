@@ -9,9 +9,9 @@ import pytest
 from program_text import expected, written
 from risk_problems import margins, problem
 
+from waybound.api import solve
 from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.risk.forms.uniform import uniform_risks
-from waybound.solving.solve import solve
 
 
 def test_equal_risks_of_the_stalling_problem() -> None:

@@ -10,6 +10,7 @@ import pytest
 from risk_problems import margins, problem, run
 
 import waybound as wb
+from waybound.api import solve
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.stop import Stop
@@ -18,7 +19,6 @@ from waybound.instances.risk.allocation import Budget, Risk
 from waybound.reports.benchmarks.risk_allocation import by_program, random_problem
 from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation, _unproved
 from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents import SuccessiveTangents
-from waybound.solving.solve import solve
 
 
 def test_it_is_better_than_where_the_iterative_method_stalls() -> None:

@@ -9,10 +9,10 @@ import pytest
 from risk_problems import around_a_box, problem, run
 
 import waybound as wb
+from waybound.api import solve
 from waybound.formulations.certificate import verified_bound
 from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 from waybound.solvers.engines.risk.disjunctive_allocation import DisjunctiveAllocation
-from waybound.solving.solve import solve
 
 
 def test_the_best_side_of_a_box() -> None:

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from risk_problems import around_a_box, margins, risk_of_two_sensors, run, two_sensors
 
+from waybound.api import solve
 from waybound.formulations.stop import Stop
 from waybound.solvers.engines.risk.convex_allocation import BEYOND, ConvexAllocation
 from waybound.solvers.engines.risk.convex_allocation_steps.beyond_boole import beyond_boole, quantile, room
-from waybound.solving.solve import solve
 
 
 @pytest.mark.parametrize(("total", "limit"), [(2e-5, 4.3), (6.5e-7, 5.0), (1e-3, 3.3)])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from risk_problems import problem
 
+from waybound.api import solve
 from waybound.solvers.engines.risk.convex_allocation_steps.units import Units
-from waybound.solving.solve import solve
 
 
 def test_ordinary_problems_are_left_as_they_are() -> None:

@@ -1,0 +1,343 @@
+"""The method that answers: chosen where the user names none, refused where it cannot take the problem, and made ready to run."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from ..formulations.forms import FORMS, default_form, nearest_form
+from ..formulations.problem import Problem
+from ..formulations.programs.compiled import Compiled
+from ..formulations.programs.exactness import Exactness
+from ..formulations.programs.program import CIRCUITS, INTEGERS, LINEAR, Program, described
+from ..formulations.programs.size import TooLargeError
+from ..formulations.rendering import number
+from ..formulations.stop import now
+from ..heuristics.heuristic import HEURISTICS, HeuristicWork
+from ..instances.errors import InputError, UnsupportedError, UsageError, in_words
+from ..instances.memory import SHARE, available, fits, readable
+from ..solvers.backend import BACKENDS, Control, Engine, Options, RawResult, solver_named
+from ..solvers.isolation import SolverWork, run_in_process
+from ..solvers.program_backend import ProgramBackend
+from .recording import Recorder
+from .request import Request
+from .search import search
+
+LARGE_PROGRAM = 500_000
+"""Variables of a program for which solvers take seconds to make their own model, deaf to any wish: then they do it where they can be
+ended, and do not keep those who bound and judge meanwhile from working."""
+
+OPENING_SHARE = 0.5
+"""Part of the time limit for the heuristic from whose answer the default solver starts."""
+
+LARGEST_WRITTEN = 50
+"""Size of a problem beyond which the answer of that heuristic stands alone where the solver takes programs: writing one would take all
+the time."""
+
+LEAST_SECONDS = 0.1
+"""Time limit that is left to the solver at least."""
+
+
+# -- who can take a problem --------------------------------------------------------------------------------------------------
+
+
+def missing_features(name: str, problem: Problem) -> tuple[frozenset[str], tuple[str, ...]]:
+    """What solver ``name`` lacks for ``problem`` where no form is named, at least, and the forms through which it can take it."""
+    backend = BACKENDS[name]
+    if issubclass(backend, Engine):
+        return backend().missing(problem), ()
+    assert issubclass(backend, ProgramBackend)
+    forms = problem.forms()
+    if not forms:
+        return nearest_form(problem)[1], ()
+    usable = tuple(f for f in forms if backend.takers(FORMS[f].makes(problem)))
+    exact = [f for f in forms if FORMS[f].exactness is Exactness.EXACT]
+    if not usable:
+        return frozenset({f"{described(FORMS[(exact or forms)[0]].makes(problem))} programs"}), ()
+    return (frozenset() if set(exact) & set(usable) else frozenset({"an exact form for this problem"})), usable
+
+
+def able_solvers(problem: Problem) -> list[str]:
+    """Installed solvers that can take the problem."""
+    return [n for n in BACKENDS if BACKENDS[n].installed() and not missing_features(n, problem)[0]]
+
+
+def able_heuristics(problem: Problem) -> list[str]:
+    """Heuristics that can take the problem."""
+    return [name for name in HEURISTICS if not HEURISTICS[name].missing(problem)]
+
+
+def default_solver(problem: Problem, given: Program | None = None, form: str | None = None, relax: bool = False) -> str:
+    """The first installed solver that can take the problem, or the program that is meant."""
+    lacking: dict[str, frozenset[str]] = {}
+    meant = given.features() if given is not None else FORMS[form].makes(problem) if form is not None else INTEGERS if relax else None
+    if relax and meant is not None:
+        meant -= INTEGERS
+    for name in sorted(BACKENDS, key=lambda name: BACKENDS[name].order):
+        backend = BACKENDS[name]
+        if backend.installed():
+            if meant is None:
+                missing, _ = missing_features(name, problem)
+            elif issubclass(backend, ProgramBackend):
+                missing = frozenset() if backend.takers(meant) else frozenset({f"{described(meant)} programs"})
+                if given is not None and not relax and not missing:
+                    missing = backend().missing(given)
+            else:
+                continue
+            if not missing:
+                return name
+            lacking[name] = missing
+    if not lacking:
+        raise UsageError("no solver is installed")
+    if meant is None and problem.forms():
+        default_form(problem)  # says so where all of them are inexact
+    nearest = min(lacking, key=lambda name: (f"{problem.family} problems" in lacking[name], len(lacking[name])))
+    raise UnsupportedError("no installed solver", lacking[nearest], able_heuristics(problem) if meant is None else [], nearest=nearest)
+
+
+def first_compiled(problem: Problem, backend: ProgramBackend, relax: bool) -> Compiled:
+    """The problem in the best exact form that the solver takes; in the best of all where there is none, for the error to say so.
+
+    Who knows circuits is best off with them (docs/measurements.md#circuits), unless they are to be relaxed.
+    """
+    if not problem.forms():
+        raise UnsupportedError(backend.name, nearest_form(problem)[1], able_solvers(problem))
+    first: Compiled | None = None
+    beyond: TooLargeError | None = None
+    for form in sorted(problem.forms(), key=lambda form: not FORMS[form].makes(problem) >= CIRCUITS):
+        features = FORMS[form].makes(problem) - (INTEGERS if relax else LINEAR)
+        if relax and features >= CIRCUITS:
+            continue
+        if FORMS[form].exactness is Exactness.EXACT and backend.able(features):
+            try:
+                compiled = problem.compile(form, relax=relax)
+            except TooLargeError as fault:
+                beyond = beyond or fault
+                continue
+            first = first or compiled
+            if not backend.missing(compiled.program):
+                return compiled
+    if first is None and beyond is not None:
+        raise beyond
+    return first or problem.compile(relax=relax)
+
+
+# -- a run ---------------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Run:
+    """One search, ready to start: what is searched, and how its raw answers become answers of the problem.
+
+    ``compiled`` is what a program backend is given; engines and heuristics take problems, and say for what their claims hold. ``bounds``
+    tells whether the search finds bounds of its own; ``opening`` names the heuristic from whose answer it is to start.
+    """
+
+    name: str
+    go: Callable[[Control], RawResult]
+    versions: dict[str, str] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    compiled: Compiled | None = None
+    compile_seconds: float = 0.0
+    bounds: bool = True
+    heuristic: bool = False
+    isolated: bool = False
+    opening: str | None = None
+
+    @property
+    def form(self) -> str | None:
+        return None if self.compiled is None else self.compiled.form
+
+    @property
+    def claimant(self) -> str:
+        """Whose claims its bounds are."""
+        return f"{self.name} ({self.form})" if self.form else self.name
+
+    def exactness(self, result: RawResult) -> Exactness:
+        """How the search's points and claims relate to the problem's."""
+        if self.heuristic:
+            return Exactness.NEITHER
+        return result.holds if self.compiled is None else self.compiled.exactness.then(result.holds)
+
+    def decode(self, raw: Any) -> Any:
+        return raw if self.compiled is None else self.compiled.decode(raw)
+
+
+def requested_run(problem: Problem, given: Compiled | None, request: Request, options: Options) -> Run:
+    """The search that is asked for; of the default solver, begun by a heuristic, where no method, form or relaxation is named.
+
+    Raises
+    ------
+    UsageError, UnsupportedError, MissingPackageError
+        Of what the method cannot take or keep to.
+    """
+    if request.heuristic is not None:
+        return heuristic_run(problem, request.heuristic, options, request.isolated)
+    if request.solver is None and request.form is None and not request.relax and given is None:
+        return default_run(problem, options, request.isolated)
+    solver = request.solver or default_solver(problem, None if given is None else given.program, request.form, request.relax)
+    return solver_run(problem, given, solver, request.form, request.relax, options, request.isolated)
+
+
+def default_run(problem: Problem, options: Options, isolate: bool) -> Run:
+    """The default solver, begun by a heuristic that opens the problem where there is one.
+
+    The heuristic stands alone where no solver takes the problem, where it is too large for the program that one would need, or for the
+    memory that an engine would.
+    """
+    opening, solver = opening_heuristic(problem, options), ""
+    try:
+        solver = default_solver(problem)
+        why = "" if opening is None else _in_vain(problem, solver, options)
+        if not why:
+            return replace(solver_run(problem, None, solver, None, False, options, isolate), opening=opening)
+    except (UnsupportedError, UsageError) as fault:
+        if opening is None:
+            raise
+        why = in_words(fault) if solver else ""
+    assert opening is not None
+    alone = heuristic_run(problem, opening, options, isolate)
+    alone.notes.extend([f"{solver} was not used: {why}"] if why else [])
+    return alone
+
+
+def _in_vain(problem: Problem, solver: str, options: Options) -> str:
+    """Why a solver would not come to its search within the time limit; empty if it would."""
+    backend = solver_named(solver)
+    if not isinstance(backend, Engine):
+        large = problem.size > LARGEST_WRITTEN and not options.asked()
+        return f"a program of size {problem.size:,} takes long to be written" if large else ""
+    seconds = backend.set_up_seconds(problem)
+    return f"it takes some {seconds:.0f} s to set up for a problem of size {problem.size:,}" if seconds > options.time_limit else ""
+
+
+def solver_run(
+    problem: Problem, given: Compiled | None, solver: str, form: str | None, relax: bool, options: Options, isolate: bool
+) -> Run:
+    """A search by a solver: of the problem itself by an engine, of a program made of it by a backend.
+
+    Raises
+    ------
+    UsageError, UnsupportedError, MissingPackageError
+        Of what it cannot take or keep to.
+    """
+    backend = solver_named(solver)
+    options = backend.converted(options)
+    versions = {backend.package: backend.version()}
+    if isinstance(backend, Engine):
+        if form is not None or relax or given is not None:
+            raise UsageError(f"{solver} takes problems as they are: it has no forms and no relaxation")
+        missing = backend.missing(problem)
+        if missing:
+            raise UnsupportedError(solver, missing, able_solvers(problem))
+        _refuse_ignored(solver, backend.honours, options)
+        needed = backend.memory(problem)
+        if not fits(needed):
+            most = f"more than the {readable(SHARE * available())} that may be taken of what is free"
+            raise UsageError(f"{solver} needs {readable(needed)} for a problem of size {problem.size:,}, {most}")
+        notes = [f"{solver} searches on one thread"] if backend.one_thread and options.threads > 1 else []
+        going = _going(SolverWork(solver, problem, options), options, isolate or backend.apart(problem))
+        return Run(solver, going, versions, notes, bounds=backend.bounds_itself, isolated=isolate)
+
+    assert isinstance(backend, ProgramBackend)
+    began = time.perf_counter()
+    if given is None:
+        compiled = problem.compile(form, relax=relax) if form is not None else first_compiled(problem, backend, relax)
+    elif form is not None:
+        raise UsageError(f"the program is already compiled, as {given.form}")
+    else:
+        compiled = given.relaxed() if relax else given
+    seconds = time.perf_counter() - began
+    lacking = backend.lacking(compiled.program)
+    if lacking:
+        raise backend.refusal(lacking, compiled.program)
+    _refuse_ignored(solver, backend.honours, options)
+    notes, start = [], None
+    if options.start is not None and compiled.encode is not None:
+        try:
+            start = compiled.encode(options.start)
+        except InputError as fault:
+            notes.append(f"the start was not used: {fault}")
+    apart = isolate or backend.needs_process or compiled.program.num_variables > LARGE_PROGRAM
+    going = _going(SolverWork(solver, compiled.program, replace(options, start=start)), options, apart)
+    return Run(solver, going, versions, notes, compiled, seconds, isolated=apart)
+
+
+def heuristic_run(problem: Problem, name: str, options: Options, isolate: bool) -> Run:
+    """A search by a heuristic.
+
+    Raises
+    ------
+    UsageError, UnsupportedError
+        Of what it cannot take or keep to.
+    """
+    method = HEURISTICS[name]
+    missing = method.missing(problem)
+    if missing:
+        raise UnsupportedError(f"heuristic {name}", missing, able_heuristics(problem))
+    method.check_parameters(options.extra)
+    _refuse_ignored(f"heuristic {name}", method.honours, options)
+    return Run(name, _going(HeuristicWork(name, problem, options), options, isolate), heuristic=True)
+
+
+def _going(work: SolverWork | HeuristicWork, options: Options, isolate: bool) -> Callable[[Control], RawResult]:
+    return (lambda control: run_in_process(work, options, control)) if isolate else work
+
+
+def _refuse_ignored(who: str, honours: frozenset[str], options: Options) -> None:
+    """Raise UsageError for what the method would not keep to."""
+    for name, value in options.asked().items():
+        if name not in honours:
+            able = sorted(n for n in BACKENDS if name in BACKENDS[n].honours)
+            raise UsageError(f"{who} does not keep to {name} ({value:g}); solvers that do: {', '.join(able)}")
+
+
+# -- the heuristic that opens --------------------------------------------------------------------------------------------------
+
+
+def opening_heuristic(problem: Problem, options: Options) -> str | None:
+    """The heuristic that says that it opens ``problem``; None where there is none, or the user asks for what it does not keep to."""
+    if options.start is not None or options.extra or options.iterations is not None or options.no_improvement is not None:
+        return None
+    return next((name for name in HEURISTICS if HEURISTICS[name].opens(problem) and not HEURISTICS[name].missing(problem)), None)
+
+
+def opened(problem: Problem, name: str, options: Options, isolate: bool) -> tuple[Options, float, str]:
+    """The options for a solver that goes on from the heuristic's answer in the time that is left, the seconds that it took, and why it has
+    no answer, if so."""
+    began = now()  # what is compiled for it counts against no limit
+    own = replace(options, time_limit=OPENING_SHARE * options.time_limit, gap=0.0)
+    answer, message = None, ""
+    try:
+        result = search(_going(HeuristicWork(name, problem, own), own, isolate), Control(), own.time_limit).result
+        answer, message = result.answer, result.message
+    except Exception as fault:  # the solver goes on without
+        message = in_words(fault)
+    seconds = now() - began
+    rest = replace(options, start=answer, time_limit=max(options.time_limit - seconds, LEAST_SECONDS))
+    return rest, seconds, "" if answer is not None else message
+
+
+def continued(problem: Problem, run: Run, options: Options, isolate: bool, record: Recorder) -> tuple[Run, Options, float]:
+    """A run that goes on from the answer of the heuristic that opens the problem, in the time that is left, and the seconds it took.
+
+    The answer is judged before the search begins: whatever becomes of that, it is there, and told.
+    """
+    assert run.opening is not None
+    record.begin_phase(f"start by {run.opening}", OPENING_SHARE * options.time_limit)
+    rest, seconds, message = opened(problem, run.opening, options, isolate)
+    later = solver_run(problem, run.compiled, run.name, None, False, rest, isolate)
+    note = f"{run.name} started from the answer of {run.opening}"
+    if rest.start is None:
+        note = f"{run.opening} found no start: {message or 'no answer'}"
+    else:
+        with suppress(Exception):  # of the judge: told when it judges what the search leaves, and the start once more
+            judged = problem.evaluate(rest.start)
+            if judged.feasible:
+                record.judged(run.opening, judged.values)
+                note += f", worth {number(judged.values)}"
+    later.notes.extend([*run.notes, note])
+    return replace(later, compile_seconds=run.compile_seconds), rest, seconds
