@@ -24,8 +24,6 @@ class Asked(Protocol):
 
     def features(self) -> frozenset[str]: ...
 
-    def forms(self) -> list[str]: ...
-
 
 @dataclass(frozen=True)
 class Form:
@@ -73,6 +71,11 @@ class Form:
 FORMS: Registry[Form] = Registry("form", "waybound.formulations.*.forms", group="waybound.forms")
 
 
+def usable_forms(problem: Asked) -> list[str]:
+    """Names of the forms that can write ``problem`` down, the best one first."""
+    return [form.name for form in sorted(FORMS.values(), key=lambda form: form.order) if not form.missing(problem)]
+
+
 def nearest_form(problem: Asked) -> tuple[str, frozenset[str]]:
     """The form that lacks the fewest features of ``problem``, the best one of these, and what it lacks."""
     forms = sorted((form for form in FORMS.values() if form.family == problem.family), key=lambda form: form.order)
@@ -90,7 +93,7 @@ def default_form(problem: Asked) -> str:
     UnsupportedError
         If it has none; names the nearest and what that one lacks.
     """
-    usable = problem.forms()
+    usable = usable_forms(problem)
     exact = [name for name in usable if FORMS[name].exactness is Exactness.EXACT]
     if exact:
         return exact[0]
@@ -105,7 +108,7 @@ def compile_form(problem: Asked, form: str | None = None, *, relax: bool = False
     chosen = FORMS[default_form(problem) if form is None else form]
     missing = chosen.missing(problem)
     if missing:
-        raise UnsupportedError(f"form {form}", missing, problem.forms())
+        raise UnsupportedError(f"form {form}", missing, usable_forms(problem))
     size = chosen.size(problem)
     if size is not None:
         size.refuse_beyond_memory(chosen.name)

@@ -14,7 +14,7 @@ from ..instances.text import shown
 from . import plotting
 from .evaluation import Evaluation
 from .evidence import Evidence, LeftOut, Reason
-from .forms import FORMS, compile_form
+from .forms import compile_form, usable_forms
 from .rendering import Line, as_html, as_rich
 
 if TYPE_CHECKING:
@@ -277,7 +277,7 @@ class Problem(ABC):
 
     def forms(self) -> list[str]:
         """Names of the forms that can write this problem down, the best one first."""
-        return [form.name for form in sorted(FORMS.values(), key=lambda form: form.order) if not form.missing(self)]
+        return usable_forms(self)
 
     def compile(self, form: str | None = None, *, relax: bool = False) -> Compiled:
         """Write the problem down as arrays.

@@ -88,7 +88,7 @@ def test_a_claimed_bound_ahead_of_a_proved_optimum_does_not_hide_the_proof(regis
 
     registered(BACKENDS, Fake.name, Fake)
     problem = BinAssignment.from_matrix([[1.0 + 2e-8, 1.0], [1.0, 1.0]])
-    monkeypatch.setattr(concluding, "second_opinions", lambda *_: iter(()))
+    monkeypatch.setattr(concluding, "heard_opinions", lambda *_: [])
     alone = solve(problem, Fake.name, bound_time=60.0)
     assert (alone.status, alone.bound_kind, alone.certificate.bound) == ("optimal", "claimed", pytest.approx(2.0, rel=1e-12))
     assert "optimal according to short-sighted" in str(alone)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import platform
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -25,7 +25,7 @@ from .bounding import Beside, find_bounds, proved
 from .judging import Claim, Judge, contradictions
 from .levels import bounds_of_levels, further_levels
 from .method import Run
-from .opinions import claimed, opinion, program_of, refuting, second_opinions, unproved
+from .opinions import compared, heard_opinions
 from .recording import Recorder
 from .search import BOUND_OVERTIME, Searched, in_time, search
 
@@ -67,7 +67,7 @@ def conclude(
     except KeyboardInterrupt:  # asks for an end, not for the loss of the answer; a second one is heeded
         conclusion = _judged(problem, run, searched, control, options, crash)
     conclusion.seconds["check"] = time.perf_counter() - began
-    verdict = replace(conclusion, seconds=dict(conclusion.seconds), disagreements=[])
+    verdict = replace(conclusion, seconds=dict(conclusion.seconds))
     if conclusion.best is not None:
         record.judged(run.name, conclusion.best.values)
     try:
@@ -241,7 +241,10 @@ class Conclusion:
         if self.judge.faults or (self.best is not None and self._contradicted()):
             return
         began = time.perf_counter()
-        heard = [] if self.searched.interrupted else self._second_opinions(budget - self.seconds["bound"])
+        heard: list[Claim] = []
+        if not self.searched.interrupted:
+            left = budget - self.seconds["bound"]
+            heard = heard_opinions(self.judge, self.run, self.claim, self.best, self.certificate, left, self.options)
         self.seconds["bound"] += time.perf_counter() - began
         began = time.perf_counter()
         if self.best is None:
@@ -250,41 +253,13 @@ class Conclusion:
         if better is not self.best:
             self.answer, self.best = answer, better
             self.certificate = self._certified()
-        senses = self.problem.senses
-        self.opinions = tuple(opinion(theirs, self.claim, senses, self.best, self.certificate) for theirs in heard)
-        self.disagreements.extend(self._disagreements())
+        senses, notes = self.problem.senses, self.run.notes
+        self.opinions, self.disagreements = compared(heard, self.claim, senses, self.best, self.certificate, notes)
         self.seconds["check"] += time.perf_counter() - began
-
-    def _second_opinions(self, seconds: float) -> list[Claim]:
-        senses, compiled = self.problem.senses, self.run.compiled
-        whole = compiled is None or compiled.program.is_integer
-        if not unproved(self.claim, senses, self.best, self.certificate, whole) and not self._contradicted():
-            return []
-        began = time.perf_counter()
-        compiled = compiled or (program_of(self.problem) if seconds > 0.0 else None)
-        if compiled is None:
-            return []
-        heard = []
-        seconds -= time.perf_counter() - began
-        for name, said in second_opinions(compiled, self.run.name, seconds, self.options, self.run.isolated):
-            self.judge.opinion(name, said.answer, compiled.decode)
-            heard.append(Claim(name, said, compiled.exactness.then(said.holds), program=compiled.program))
-        return heard
 
     def _contradicted(self, best: Evaluation | None = None) -> list[str]:
         """What is refuted of the claim by the best answer, or by ``best``, and by what is proved."""
         return contradictions(self.claim, self.problem.senses, self.best if best is None else best, self.certificate)
-
-    def _disagreements(self) -> Iterator[str]:
-        """Faults of opinions that contradict the claim while nothing refutes either; those that are refuted are told."""
-        for one in self.opinions:
-            if one.verdict == "is refuted":
-                value = "" if one.objective is None else f" {one.objective!r}"
-                refutes = refuting(one, self.certificate)
-                self.run.notes.append(f"{one.solver} says {one.status}{value}, which {refutes} refutes")
-            elif one.verdict == "contradicts":
-                both = f"{self.claim.solver} claims {claimed(self.claim.said)}, {one.solver} claims {claimed(one)}"
-                yield f"{both}: nothing that was checked refutes either, and both cannot be right"
 
     # -- what is told -------------------------------------------------------------------------------------------------------
 

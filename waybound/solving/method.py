@@ -8,7 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ..formulations.forms import FORMS, default_form, nearest_form
+from ..formulations.forms import FORMS, compile_form, default_form, nearest_form, usable_forms
 from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.exactness import Exactness
@@ -50,7 +50,7 @@ def missing_features(name: str, problem: Problem) -> tuple[frozenset[str], tuple
     if issubclass(backend, Engine):
         return backend().missing(problem), ()
     assert issubclass(backend, ProgramBackend)
-    forms = problem.forms()
+    forms = usable_forms(problem)
     if not forms:
         return nearest_form(problem)[1], ()
     usable = tuple(f for f in forms if backend.takers(FORMS[f].makes(problem)))
@@ -92,7 +92,7 @@ def default_solver(problem: Problem, given: Program | None = None, form: str | N
             lacking[name] = missing
     if not lacking:
         raise UsageError("no solver is installed")
-    if meant is None and problem.forms():
+    if meant is None and usable_forms(problem):
         default_form(problem)  # says so where all of them are inexact
     nearest = min(lacking, key=lambda name: (f"{problem.family} problems" in lacking[name], len(lacking[name])))
     raise UnsupportedError("no installed solver", lacking[nearest], able_heuristics(problem) if meant is None else [], nearest=nearest)
@@ -103,17 +103,18 @@ def first_compiled(problem: Problem, backend: ProgramBackend, relax: bool) -> Co
 
     Who knows circuits is best off with them (docs/measurements.md#circuits), unless they are to be relaxed.
     """
-    if not problem.forms():
-        raise UnsupportedError(backend.name, nearest_form(problem)[1], able_solvers(problem))
+    forms = usable_forms(problem)
+    if not forms:
+        raise UnsupportedError(backend.name, missing_features(backend.name, problem)[0], able_solvers(problem))
     first: Compiled | None = None
     beyond: TooLargeError | None = None
-    for form in sorted(problem.forms(), key=lambda form: not FORMS[form].makes(problem) >= CIRCUITS):
+    for form in sorted(forms, key=lambda form: not FORMS[form].makes(problem) >= CIRCUITS):
         features = FORMS[form].makes(problem) - (INTEGERS if relax else LINEAR)
         if relax and features >= CIRCUITS:
             continue
         if FORMS[form].exactness is Exactness.EXACT and backend.able(features):
             try:
-                compiled = problem.compile(form, relax=relax)
+                compiled = compile_form(problem, form, relax=relax)
             except TooLargeError as fault:
                 beyond = beyond or fault
                 continue
@@ -122,7 +123,7 @@ def first_compiled(problem: Problem, backend: ProgramBackend, relax: bool) -> Co
                 return compiled
     if first is None and beyond is not None:
         raise beyond
-    return first or problem.compile(relax=relax)
+    return first or compile_form(problem, relax=relax)
 
 
 # -- a run ---------------------------------------------------------------------------------------------------------------------
@@ -245,7 +246,7 @@ def solver_run(
     assert isinstance(backend, ProgramBackend)
     began = time.perf_counter()
     if given is None:
-        compiled = problem.compile(form, relax=relax) if form is not None else first_compiled(problem, backend, relax)
+        compiled = compile_form(problem, form, relax=relax) if form is not None else first_compiled(problem, backend, relax)
     elif form is not None:
         raise UsageError(f"the program is already compiled, as {given.form}")
     else:

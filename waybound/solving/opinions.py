@@ -17,8 +17,8 @@ from ..formulations.tolerance import same
 from ..solvers.backend import BACKENDS, Control, Options, RawResult, solver_named
 from ..solvers.isolation import SolverWork, run_in_process
 from ..solvers.program_backend import ProgramBackend, takers
-from .judging import Claim, contradictions
-from .method import able_solvers, first_compiled
+from .judging import Claim, Judge, contradictions
+from .method import Run, able_solvers, first_compiled
 from .search import in_time, search
 
 MOST = 2
@@ -97,10 +97,45 @@ def unproved(claim: Claim, senses: Sequence[str], best: Evaluation | None, certi
     return certificate.bound is None or not same(certificate.bound, best.values[0], best.size, best.precision)
 
 
-def opinion(theirs: Claim, ours: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate) -> Opinion:
-    """What another solver said, beside the claim, the best answer that passed every check, and what is proved."""
-    said = theirs.said
-    return Opinion(theirs.solver, said.status, said.objective, said.bound, _verdict(theirs, ours, senses, best, certificate))
+def heard_opinions(
+    judge: Judge, run: Run, claim: Claim, best: Evaluation | None, certificate: Certificate, seconds: float, options: Options
+) -> list[Claim]:
+    """What other solvers say within ``seconds`` where a claim has no evidence, or is refuted; ``judge`` judges their answers."""
+    senses, compiled = judge.problem.senses, run.compiled
+    whole = compiled is None or compiled.program.is_integer
+    if not unproved(claim, senses, best, certificate, whole) and not contradictions(claim, senses, best, certificate):
+        return []
+    began = time.perf_counter()
+    compiled = compiled or (program_of(judge.problem) if seconds > 0.0 else None)
+    if compiled is None:
+        return []
+    heard = []
+    for name, said in second_opinions(compiled, run.name, seconds - (time.perf_counter() - began), options, run.isolated):
+        judge.opinion(name, said.answer, compiled.decode)
+        heard.append(Claim(name, said, compiled.exactness.then(said.holds), program=compiled.program))
+    return heard
+
+
+def compared(
+    heard: Sequence[Claim], claim: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate, notes: list[str]
+) -> tuple[tuple[Opinion, ...], list[str]]:
+    """The opinions beside the claim, and the faults that they show: contradictions of which nothing refutes either side.
+
+    ``notes`` receives those that are refuted.
+    """
+    opinions, faults = [], []
+    for theirs in heard:
+        said = theirs.said
+        verdict = _verdict(theirs, claim, senses, best, certificate)
+        one = Opinion(theirs.solver, said.status, said.objective, said.bound, verdict)
+        opinions.append(one)
+        if verdict == "is refuted":
+            value = "" if one.objective is None else f" {one.objective!r}"
+            notes.append(f"{one.solver} says {one.status}{value}, which {_refuting(one, certificate)} refutes")
+        elif verdict == "contradicts":
+            both = f"{claim.solver} claims {_in_words(claim.said)}, {one.solver} claims {_in_words(one)}"
+            faults.append(f"{both}: nothing that was checked refutes either, and both cannot be right")
+    return tuple(opinions), faults
 
 
 def _verdict(theirs: Claim, ours: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate) -> str:
@@ -123,7 +158,7 @@ def _verdict(theirs: Claim, ours: Claim, senses: Sequence[str], best: Evaluation
     return "undecided" if said == "feasible" and status != "infeasible" else "contradicts"
 
 
-def claimed(said: RawResult | Opinion) -> str:
+def _in_words(said: RawResult | Opinion) -> str:
     """A claim in words."""
     if said.status in ("optimal", "feasible") and said.objective is not None:
         return f"{'the optimum' if said.status == 'optimal' else 'an answer of'} {said.objective!r}"
@@ -131,7 +166,7 @@ def claimed(said: RawResult | Opinion) -> str:
     return words.get(said.status, "that there is no answer or no best one" if said.status == "infeasible_or_unbounded" else said.status)
 
 
-def refuting(refuted: Opinion, certificate: Certificate) -> str:
+def _refuting(refuted: Opinion, certificate: Certificate) -> str:
     """What refutes a claim."""
     bound, theirs = certificate.bound, refuted.objective
     ahead = theirs is not None and bound is not None and beats_bound(certificate.sense, theirs, bound)
