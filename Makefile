@@ -1,7 +1,9 @@
 # waybound: `make demo` and `make test` create the environment where it is missing; everything else is in CONTRIBUTING.md.
+# Another Python has an environment of its own: `make test PYTHON=python3.13`.
 PYTHON ?= python3
 PYTEST_FLAGS ?=
-VENV := .venv
+VERSION := $(if $(filter-out python3,$(PYTHON)),-$(shell $(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])'))
+VENV := .venv$(VERSION)
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 # Tests start hundreds of processes: bytecode is kept for them, whatever the environment says. Of two workers each has one core:
@@ -64,4 +66,4 @@ benchmarks: $(READY)
 	for name in compile_three_index startup overhead greedy certified_ratio local_algorithm compile_max_min winner_takes_all saddle protections risk_allocation uncertain_path assignment; do $(BIN)/python -m waybound.reports.benchmarks.$$name || exit 1; done
 
 clean:
-	rm -rf $(VENV) build dist demo site screenshots .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage htmlcov *.egg-info
+	rm -rf .venv .venv-* build dist demo site screenshots .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage htmlcov *.egg-info

@@ -209,3 +209,15 @@ def test_judge_refuses_what_it_cannot_read():
         wb.judge(problem, None)
     with pytest.raises(wb.UsageError, match="is no list of routes"):
         wb.judge(problem, 5)
+
+
+def test_a_checkout_without_links_says_what_to_do(tmp_path: Path) -> None:
+    package = tmp_path / "waybound"
+    package.mkdir()
+    for file in Path(wb.__file__).parent.glob("*.py"):
+        (package / file.name).write_bytes(file.read_bytes())
+    for folder in ("formulations", "heuristics", "instances", "reports", "solvers"):
+        (package / folder).write_text(f"../{folder}", encoding="utf-8")
+    run = subprocess.run([sys.executable, "-c", "import waybound"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    message = run.stderr.partition("ModuleNotFoundError: ")[2].strip().split("\n")
+    assert run.returncode == 1 and len(message) == 3 and "core.symlinks=true" in message[1], run.stderr

@@ -11,7 +11,17 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from ._version import __version__ as __version__
-from .formulations import plotting
+
+try:
+    from .formulations import plotting
+except ModuleNotFoundError as fault:
+    if fault.name != "waybound.formulations":
+        raise
+    raise ModuleNotFoundError(
+        "this checkout of waybound has files where links to its folders should be (waybound/formulations and four more).\n"
+        "Where links are allowed, clone again with: git clone -c core.symlinks=true ...\n"
+        "Elsewhere, install it and start Python outside of the checkout: python -m pip install ."
+    ) from None
 
 if TYPE_CHECKING:
     from .api import bound, check, explain, generate, judge, read, solve
