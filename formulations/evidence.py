@@ -56,7 +56,9 @@ CHECKERS: Registry[EvidenceChecker] = Registry(
     "kind of evidence", "waybound.formulations.checking", "waybound.formulations.*.checking", group="waybound.checkers"
 )
 
-ENDLESS: Registry[Callable[[Any, Mapping[str, Any]], bool]] = Registry("kind of evidence", "waybound.formulations.*.checking")
+ENDLESS: Registry[Callable[[Any, Mapping[str, Any]], bool]] = Registry(
+    "kind of evidence", "waybound.formulations.*.checking", group="waybound.endless"
+)
 """Checkers of evidence that answers are as good as one wants: from problem and data to whether that is proved. It bounds nothing."""
 
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from .formulations.certificate import verified_bound
 from .formulations.evaluation import Check, Checklist, Evaluation, Violation, judge
-from .formulations.evidence import CHECKERS, Evidence, EvidenceChecker, Guarantee, Reason
+from .formulations.evidence import CHECKERS, ENDLESS, Evidence, EvidenceChecker, Guarantee, Reason
 from .formulations.forms import FORMS, Form
-from .formulations.problem import PROBLEMS, Problem
+from .formulations.problem import PROBLEMS, Problem, refuse_settings
 from .formulations.programs.circuits import Circuit
 from .formulations.programs.compiled import Compiled
 from .formulations.programs.cones import Cones
@@ -52,7 +52,10 @@ from .instances.sata.sensing_graph import SensingGraph
 from .instances.sata.set_functions import AT_ENTRY, AT_ITEM, IN_MATRIX, ItemFunction, ItemWeights, SetFunction
 from .instances.worlds import WORLDS, World, WorldKind
 from .reports.missions.mission import MISSIONS, Decision, Mission, Scene
+from .reports.plots import PLOTS, Plot
 from .reports.ratios.study import STUDIES, Fault, Figure, Report, Study, StudySetting
+from .reports.tables import TABLES, Tables
+from .reports.tables.table import Column, Table
 from .solvers.backend import BACKENDS, Control, Engine, LevelClaim, Options, RawResult
 from .solvers.bounds import BOUNDS, BoundMethod
 from .solvers.linear_programs import LinearPrograms
@@ -67,6 +70,7 @@ __all__ = [
     "CIRCUITS",
     "CONES",
     "CONSTRAINTS",
+    "ENDLESS",
     "FORMATS",
     "FORMS",
     "GENERATORS",
@@ -80,10 +84,12 @@ __all__ = [
     "MISSIONS",
     "NEVER",
     "ONE_SIDED_ROWS",
+    "PLOTS",
     "PROBLEMS",
     "QUADRATIC",
     "SET_FUNCTIONS",
     "STUDIES",
+    "TABLES",
     "WHOLE_NUMBERS",
     "WORLDS",
     "BottleneckSATA",
@@ -92,6 +98,7 @@ __all__ = [
     "Check",
     "Checklist",
     "Circuit",
+    "Column",
     "Compiled",
     "Cones",
     "Constraint",
@@ -130,6 +137,7 @@ __all__ = [
     "Mission",
     "Options",
     "Outcome",
+    "Plot",
     "Problem",
     "Program",
     "ProgramBackend",
@@ -157,6 +165,8 @@ __all__ = [
     "Study",
     "StudySetting",
     "SubmodularSelection",
+    "Table",
+    "Tables",
     "Travel",
     "UnsupportedError",
     "UsageError",
@@ -173,6 +183,7 @@ __all__ = [
     "fields",
     "judge",
     "parse_json",
+    "refuse_settings",
     "rows",
     "same",
     "verified_bound",

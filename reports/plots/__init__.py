@@ -28,7 +28,7 @@ class Plot(Protocol):
     def __call__(self, problem: Any, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None) -> Any: ...
 
 
-PLOTS: Registry[Plot] = Registry("plot", "waybound.reports.plots.*")
+PLOTS: Registry[Plot] = Registry("plot", "waybound.reports.plots.*", group="waybound.plots")
 """By family of problems."""
 
 

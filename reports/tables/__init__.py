@@ -29,5 +29,5 @@ class Tables:
     answer: Callable[[Any, Any], list[Table]] | None = None
 
 
-TABLES: Registry[Tables] = Registry("family of tables", "waybound.reports.tables.*")
+TABLES: Registry[Tables] = Registry("family of tables", "waybound.reports.tables.*", group="waybound.tables")
 """By family of problems."""
