@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..instances.atomic import atomic_write
 from ..instances.document import parse_json
@@ -16,10 +14,13 @@ from ..instances.errors import InputError, UsageError
 from ..instances.printable import printable
 from ..instances.text import decode, read_bytes
 from .answer_tables import first_sheet, frame_of, is_table, workbook
+from .json_text import json_text
 from .problem import Problem
 from .programs.solution_files import SolverFile, is_solver_json, solver_file, solver_json
-from .solution import Solution
 from .solver_solutions import answer_of_solver
+
+if TYPE_CHECKING:
+    from .solution import Solution
 
 
 @dataclass(frozen=True)
@@ -149,41 +150,3 @@ def write_answer(solution: Solution, path: str | PathLike[str]) -> None:
         objective = solution.objective if isinstance(solution.objective, float) else None
         text = solution.problem.answer_to_text(solution.answer, suffix, objective)
     atomic_write(path, text)
-
-
-INDENTED = 1_000_000
-"""Characters up to which JSON is laid out for people: doing so takes five times as long, which an interrupted command does not have."""
-
-
-def json_text(data: Any) -> str:
-    """Standard JSON, one key a line unless it is long; numbers that JSON does not know are null, characters that cannot be printed are
-    escaped."""
-    try:
-        text = json.dumps(
-            data, ensure_ascii=False, allow_nan=False
-        )  # most data are plain already, and going through all of it takes as long again
-    except (TypeError, ValueError):
-        data = finite(data)
-        text = json.dumps(data, ensure_ascii=False, allow_nan=False)
-    if len(text) <= INDENTED:
-        text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
-    if not all(line.isprintable() for line in text.split("\n")):  # the standard lets DEL, C1 controls and overrides stand as they are
-        text = "".join(c if c == "\n" or c.isprintable() else _escaped(c) for c in text)
-    return text + "\n"
-
-
-def _escaped(character: str) -> str:
-    return json.dumps(character)[1:-1] if character != "\x7f" else "\\u007f"
-
-
-def finite(data: Any) -> Any:
-    """``data`` of plain JSON values, with null for infinities and NaN, and numpy's numbers as Python's."""
-    if isinstance(data, dict):
-        return {str(key): finite(value) for key, value in data.items()}
-    if isinstance(data, list | tuple | set | frozenset):
-        return [finite(value) for value in data]
-    if hasattr(data, "tolist"):
-        return finite(data.tolist())
-    if isinstance(data, float) and not math.isfinite(data):
-        return None
-    return data

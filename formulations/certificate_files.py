@@ -9,15 +9,17 @@ import zlib
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..instances.atomic import atomic_file, atomic_write
 from ..instances.document import parse_json
 from ..instances.errors import CheckFailedError, InputError
 from ..instances.printable import printable
 from ..instances.text import decode, read_bytes, read_text
-from .answers import finite, json_text
-from .certificate import Certificate
+from .json_text import finite, json_text
+
+if TYPE_CHECKING:
+    from .certificate import Certificate
 
 LARGE = 1 << 16
 """Characters of evidence beyond which it stands in a file of its own."""

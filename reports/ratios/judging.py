@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.answers import json_text
 from ...formulations.certificate import better_bound, check_certificate, verified_bound
 from ...formulations.evidence import Guarantee
+from ...formulations.json_text import json_text
 from ...formulations.problem import Problem
 from ...formulations.stop import NEVER
 from ...heuristics.heuristic import HEURISTICS, Context, Outcome

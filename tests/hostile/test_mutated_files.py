@@ -17,9 +17,10 @@ import numpy as np
 import pytest
 
 import waybound as wb
-from waybound.formulations.answers import json_text, read_answer
+from waybound.formulations.answers import read_answer
 from waybound.formulations.certificate import certificate_lines, certificate_title, certify, check_certificate
 from waybound.formulations.certificate_files import read_certificate
+from waybound.formulations.json_text import json_text
 from waybound.formulations.problem import Problem, problem_from_instance
 from waybound.formulations.rendering import as_text
 from waybound.instances.document import parse_json

@@ -17,11 +17,11 @@ from scipy.optimize import linprog, minimize_scalar
 from scipy.special import ndtri
 
 import waybound as wb
-from waybound.formulations.answers import json_text
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import Certificate, certificate_lines, certificate_title, certify, check_certificate
 from waybound.formulations.evaluation import Evaluation
 from waybound.formulations.evidence import CHECKERS, Evidence
+from waybound.formulations.json_text import json_text
 from waybound.formulations.problem import Problem
 from waybound.formulations.rendering import as_text
 from waybound.formulations.risk.allocations import Allocation

@@ -82,7 +82,7 @@ def compare(
         if find_spec("matplotlib") is None:
             raise MissingPackageError("--plot needs the package matplotlib: pip install matplotlib")
 
-    from ..formulations.answers import json_text
+    from ..formulations.json_text import json_text
     from ..reports.comparing import compare as by_all
     from .output import stdout_is_ours
     from .progress import Progress
@@ -114,7 +114,7 @@ def _shown(comparison: Comparison) -> str:
 
 
 def _write(comparison: Comparison, path: Path) -> None:
-    from ..formulations.answers import json_text
+    from ..formulations.json_text import json_text
     from ..instances.atomic import atomic_write
 
     text = json_text(comparison.to_json()) if path.suffix.lower() == ".json" else comparison.to_frame().to_csv(index=False)

@@ -150,8 +150,8 @@ def bound(
     asked = read_problem(file, format, problem, convention, settings, objective)
     output_path("--certificate", certificate, (".json",), unlike=inputs_of(file, settings))
 
-    from ..formulations.answers import json_text
     from ..formulations.certificate_files import write_certificate
+    from ..formulations.json_text import json_text
     from ..solvers.linear_programs import linear_programs
     from ..solving.levels import bound_alone
     from .delivery import Delivery

@@ -62,7 +62,7 @@ def silence(stream: Any) -> None:
 
 def print_json(data: Any) -> None:
     """The one object that ``--json`` promises."""
-    from ..formulations.answers import json_text
+    from ..formulations.json_text import json_text
 
     write_out(json_text(data))
 

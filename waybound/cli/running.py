@@ -69,7 +69,7 @@ def run(
     if other is not None and animation is None:
         raise UsageError("--against shows a second method beside the first: give a file with --animation")
 
-    from ..formulations.answers import json_text
+    from ..formulations.json_text import json_text
     from ..instances.atomic import atomic_write
     from ..reports.missions.running import run as play
     from .delivery import Delivery

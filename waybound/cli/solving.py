@@ -123,7 +123,8 @@ def solve(
     log_path(log, inputs, out, certificate, plot)
 
     from ..api import solve as search
-    from ..formulations.answers import json_text, read_answer
+    from ..formulations.answers import read_answer
+    from ..formulations.json_text import json_text
     from .output import stdout_is_ours
     from .progress import Progress
 

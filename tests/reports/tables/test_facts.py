@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import waybound as wb
-from waybound.formulations.answers import finite
+from waybound.formulations.json_text import finite
 from waybound.reports.tables.facts import COMMON, facts, facts_table, plain_text
 
 
