@@ -114,6 +114,8 @@ class Conclusion:
         What the checkers make of ``evidence``.
     seconds : dict
         Spent on bounding and on checking.
+    checked : list of (Evidence, float)
+        Evidence of which the checker has said already what it is worth.
     opinions : tuple of Opinion
         What other solvers say of a claim that has no evidence.
     disagreements : list of str
@@ -129,6 +131,7 @@ class Conclusion:
     certificate: Certificate
     seconds: dict[str, float] = field(default_factory=lambda: {"bound": 0.0, "check": 0.0})
     evidence: list[Evidence] = field(default_factory=list)
+    checked: list[tuple[Evidence, float]] = field(default_factory=list)
     opinions: tuple[Opinion, ...] = ()
     disagreements: list[str] = field(default_factory=list)
 
@@ -155,7 +158,7 @@ class Conclusion:
             self._from_the_search()
             if self.searched.interrupted:
                 self.evidence.extend([] if beside is None else beside.answer or ())
-            elif not any(proved(self.problem, e) is not None for e in self.searched.result.evidence):
+            elif not self._search_proves():
                 self._from_bounding(budget, record, beside)
         except (Exception, KeyboardInterrupt) as fault:
             self.run.notes.append(f"no further bound was looked for: {in_words(fault)}")
@@ -170,6 +173,15 @@ class Conclusion:
                 self.evidence.append(compiled.dual_evidence(result.row_duals))
             except Exception as fault:
                 self.run.notes.append(f"the duals of {self.run.name} are no evidence: {in_words(fault)}")
+
+    def _search_proves(self) -> bool:
+        """Whether the search's own evidence bounds the problem: the first piece that does is not multiplied out again."""
+        for one in self.searched.result.evidence:
+            bound = proved(self.problem, one)
+            if bound is not None:
+                self.checked.append((one, bound))
+                return True
+        return False
 
     def _from_bounding(self, budget: float, record: Recorder, beside: Beside | None) -> None:
         """What was found beside the search; without that, or where it could not begin, what is found now."""
@@ -216,7 +228,7 @@ class Conclusion:
     def _certified(self, guarantee: Any = None) -> Certificate:
         notes = self.run.notes
         try:
-            certificate = in_time(lambda: certify(self.problem, self.best, self.evidence, guarantee, notes), lambda: None)
+            certificate = in_time(lambda: certify(self.problem, self.best, self.evidence, guarantee, notes, self.checked), lambda: None)
             if certificate is not None:
                 return certificate
             notes.append("interrupted before the evidence of the bounds was verified")
