@@ -14,6 +14,7 @@ from ...instances.routing.features import features
 from ...instances.routing.geography import middle
 from ...instances.routing.sites import with_unused
 from ...instances.routing.travel import EXPLICIT
+from .objective import DEFAULT_OBJECTIVE, default_objective, pointless
 from .reachability import unreachable
 
 if TYPE_CHECKING:
@@ -58,8 +59,6 @@ def facts(problem: RoutingProblem) -> dict[str, Any]:
 
 def remarks(problem: RoutingProblem) -> tuple[str, ...]:
     """What is told beside the notes: what the data hold that does not count, and what counts though nobody asked."""
-    from .members import DEFAULT_OBJECTIVE, default_objective, pointless
-
     s, at, aims = problem.sites, problem.customers, problem.objective.features()
     made = list(with_unused(problem.notes, s.attributes))
     aim = str(problem.objective)

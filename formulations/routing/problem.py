@@ -22,17 +22,27 @@ from ...instances.routing.travel import Travel
 from ..evaluation import Evaluation
 from ..evidence import Evidence, LeftOut, Reason
 from ..problem import Decision, Problem
-from .answers import Visits, routes_frame, routes_from_json, routes_lines, routes_to_frame, routes_to_json, visits_of
+from .answers import (
+    Visits,
+    answer_geojson,
+    answer_graph,
+    routes_frame,
+    routes_from_json,
+    routes_lines,
+    routes_to_frame,
+    routes_to_json,
+    visits_of,
+    visits_of_geojson,
+)
 from .facts import digested, facts, remarks
 from .fleet_need import fleet_conflicts, none
-from .geojson import answer_geojson, visits_of_geojson
-from .given_routes import routes_given
 from .judge import evaluate_routes
-from .left_out import left_out
-from .objective import Composable, Objective, Penalties, Reward, Vehicles
+from .objective import Composable, Objective, Penalties, Reward, Vehicles, default_objective, pointless
+from .parse_routes import routes_given
 from .reachability import unreachable
-from .route_graph import answer_graph
 from .routes import Routes
+from .settings import parts_of
+from .unvisited_sites import left_out
 from .vroom_answers import is_vroom_output, routes_from_vroom, vroom_output
 
 if TYPE_CHECKING:
@@ -236,8 +246,6 @@ class RoutingProblem(Problem):
         ``settings`` are those of ``--set`` (``vehicles``, ``vehicles-exactly``, ``customers``, ``capacity``, ``risk``, ``team-risk``)
         and ``convention``.
         """
-        from .settings import parts_of
-
         return cls(**parts_of(instance, problem, settings or {}))
 
     # -- what it is --------------------------------------------------------------------------------------------------
@@ -406,7 +414,7 @@ class RoutingProblem(Problem):
         -----
         Source: Mitchell (2020), sections 3.2 and 5, virtual nodes; docs/formulations/routing.md#horizons.
         """
-        from .horizon import continued
+        from .rolling_horizon import continued
 
         own = getattr(plan, "problem", self) is self  # sites of another problem are told by their ids
         return continued(self, self.answer_of(getattr(plan, "answer", plan) if own else plan.routes), float(time))
@@ -484,8 +492,6 @@ class RoutingProblem(Problem):
         return answer_graph(self, answer)
 
     def to_instance(self) -> RoutingInstance:
-        from .members import default_objective, pointless
-
         usual = str(self.objective) == str(default_objective(self.problem, self.sites)) and pointless(self.sites) < len(self.customers)
         objective = () if usual else tuple(str(level) for level in self.objective.levels())
         return RoutingInstance(

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..tolerance import allowance, widening
-from .routes import Route
-from .timetable import Astray, Timetable
+from .routes import Astray, Route, Timetable
 
 if TYPE_CHECKING:
     from ...instances.routing.vehicle_type import VehicleType

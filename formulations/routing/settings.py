@@ -10,8 +10,7 @@ from ...instances.errors import InputError, UsageError
 from ...instances.formats import FORMATS
 from ...instances.routing.travel import convention_named
 from ...instances.suggestions import did_you_mean
-from .members import default_objective, pointless
-from .objective import Objective
+from .objective import Objective, default_objective, pointless
 
 if TYPE_CHECKING:
     from ...instances.routing.instance import RoutingInstance

@@ -12,7 +12,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.errors import InputError, UsageError
 from ...instances.routing.fleet import equal_fleet
@@ -21,54 +20,8 @@ from ...instances.routing.sites import Sites
 from ...instances.routing.travel import Travel
 from ...instances.routing.vehicle_type import Energy, VehicleType
 from ..problem import PROBLEMS
-from .objective import Composable, Makespan, Objective, Penalties, Reward, TotalCost, Vehicles, Weighted
+from .objective import DEFAULT_OBJECTIVE, Composable, Makespan, Objective, Reward, default_objective
 from .problem import RoutingProblem
-
-DEFAULT_OBJECTIVE: dict[str, Objective] = {
-    "vrptw": Objective.of(TotalCost()),
-    "cvrp": Objective.of(TotalCost()),
-    "tsp": Objective.of(TotalCost()),
-    "mdvrp": Objective.of(TotalCost()),
-    "min-cost-vrp": Objective.of(TotalCost()),
-    "min-makespan-vrp": Objective.of(Makespan()),
-    "orienteering": Objective.of(Reward()),
-    "team-orienteering": Objective.of(Reward()),
-    "makespan-orienteering": Reward().then(Makespan()),
-    "recharging-vrp": Objective.of(Makespan()),
-    "pdptw": Vehicles().then(TotalCost()),
-}
-"""By the names of ``--problem``, where all sites are visited; ``default_objective`` looks at those that may be left out."""
-
-
-def default_objective(problem: str, sites: Sites) -> Objective:
-    """The objective of a member where none is asked for.
-
-    Total cost, where sites may be left out, with what that forgoes: the penalties of the sites left out are added, the rewards of those
-    visited subtracted. So it is for pairs too, whose fewest vehicles would be none at all.
-    """
-    usual = DEFAULT_OBJECTIVE.get(problem, Objective())
-    left = optional(sites)
-    if not left.any() or not any(isinstance(term, TotalCost) for level in usual.levels() for _, term in level.terms):
-        return usual
-    level = Weighted(((1.0, TotalCost()),))
-    level = level + Penalties() if sites.penalty[left].any() else level
-    level = level - Reward() if sites.reward[left].any() else level
-    return usual if len(level.terms) == 1 else Objective.of(level)
-
-
-def optional(sites: Sites) -> NDArray[np.bool_]:
-    """Which sites an answer may leave out, for they are neither depots nor required, nor alternatives of which one is."""
-    free = ~(sites.depot | sites.required)
-    for group in sites.groups:
-        if group.required:
-            free[list(group.sites)] = sites.reward[list(group.sites)] > 0
-    return free
-
-
-def pointless(sites: Sites) -> int:
-    """How many sites may be left out, where nothing tells what a visit to any of them is worth."""
-    left = optional(sites)
-    return 0 if sites.reward[left].any() or sites.penalty[left].any() else int(left.sum())
 
 
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RoutingProblem:
