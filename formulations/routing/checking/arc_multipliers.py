@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
-from ...evidence import CHECKERS
+from .known_features import RESOURCES, routing_evidence
 from .relaxation import Relaxation, Resource, order_resource, relax
 
 if TYPE_CHECKING:
@@ -38,10 +38,10 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-RESOURCES = ("time", "load", "distance", "duration", "energy", "order")
+PRICED = (*RESOURCES, "order")
 
 
-@CHECKERS.register("arc-multipliers")
+@routing_evidence("arc-multipliers", "arc-multipliers are")
 def check_arc_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on the first level of the objective that any multipliers prove (weak duality).
 
@@ -72,20 +72,18 @@ def check_arc_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     Source: Geoffrion (1974), "Lagrangean relaxation for integer programming"; rows as in Bard, Kontoravdis, Yu (2002);
     docs/formulations/routing.md#arc-multipliers.
     """
-    if problem.family != "routing":
-        raise InputError("arc-multipliers are evidence for routing problems", found=problem.family)
     sites = len(problem.sites)
     out, into, phi = numbers(data, "out", sites), numbers(data, "in", sites), number(data, "fleet", 0.0)
     given = data.get("resources", {})
-    if not isinstance(given, Mapping) or not set(given) <= set(RESOURCES):
-        raise InputError("evidence 'resources' must be an object", expected=", ".join(RESOURCES), found=str(given)[:80])
+    if not isinstance(given, Mapping) or not set(given) <= set(PRICED):
+        raise InputError("evidence 'resources' must be an object", expected=", ".join(PRICED), found=str(given)[:80])
     prices = {str(name): np.maximum(numbers(given, name, sites), 0.0) for name in given}
     ray = data.get("ray", False)
     if not isinstance(ray, bool):
         raise InputError("evidence 'ray' must be true or false", found=str(ray)[:80])
     relaxed = relax(problem)
     if relaxed is None:
-        return -math.inf if problem.sense == "min" else math.inf
+        return -math.inf
     if relaxed.fewest > relaxed.most:
         return math.inf
     at = relaxed.customers

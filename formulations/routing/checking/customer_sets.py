@@ -21,9 +21,8 @@ from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...checking.granularity import lift
-from ...evidence import CHECKERS
 from ...stop import current_stop
-from .known_features import departure, own_moves, unknown_features
+from .known_features import departure, own_moves, routing_evidence, unknown_features
 from .relaxation import with_depot
 from .round_trips import least_peak
 from .stops_on_the_way import with_fleet, without_stops
@@ -253,7 +252,7 @@ def _of_trips(problem: RoutingProblem, vehicle: VehicleType, terms: Terms, peak:
     return found, sizes + abs(terms.cost * vehicle.fixed_cost + terms.vehicles)
 
 
-@CHECKERS.register("customer-sets")
+@routing_evidence("customer-sets", "customer-sets are")
 def check_customer_sets(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on the first level of the objective, or infinity where no answer is left.
 
@@ -280,8 +279,6 @@ def check_customer_sets(problem: RoutingProblem, data: Mapping[str, Any]) -> flo
     -----
     Source: Held, Karp (1962) for the sets; docs/formulations/routing.md#customer-sets.
     """
-    if problem.family != "routing":
-        raise InputError("customer-sets are evidence for routing problems", found=problem.family)
     terms = terms_of(problem)
     peak = "" if terms is None else joined_peak(terms)
     given = data.get(peak, []) if peak else []
@@ -290,10 +287,9 @@ def check_customer_sets(problem: RoutingProblem, data: Mapping[str, Any]) -> flo
     limits = sorted(map(float, given))
     if not all(map(math.isfinite, limits)):
         raise InputError("evidence 'limits' must be finite", found=str(given)[:80])
-    sign = 1.0 if problem.sense == "min" else -1.0
     if terms is None or unknown_features(without_stops(problem)) or not 0 < len(problem.sites.customers) <= CUSTOMERS:
-        return -sign * math.inf
+        return -math.inf
     with np.errstate(over="ignore", invalid="ignore"):
         sets = CustomerSets.of(problem, terms)
         bound = -math.inf if sets is None else sets.bound(limits)
-    return sign * lift(bound, "min", value_grain(problem, terms)) if math.isfinite(bound) else sign * bound
+    return lift(bound, "min", value_grain(problem, terms)) if math.isfinite(bound) else bound

@@ -24,10 +24,8 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
-from ...evidence import CHECKERS
-from .known_features import unknown_features
-from .stops_on_the_way import without_stops
-from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, terms_of, value_grain, worth_of_visits
+from .known_features import RESOURCES, refuse_unknown_resources, routing_evidence
+from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, relaxed_terms, value_grain, worth_of_visits
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
@@ -35,12 +33,10 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-RESOURCES = ("time", "load", "distance", "duration", "energy")
-
 _EPS = float(np.finfo(np.float64).eps)
 
 
-@CHECKERS.register("cut-multipliers")
+@routing_evidence("cut-multipliers")
 def check_cut_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on the first level of the objective that any prices prove (weak duality).
 
@@ -69,22 +65,18 @@ def check_cut_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     Source: Fischetti, Salazar González, Toth (1998), "Solving the orienteering problem through branch-and-cut", for sets that hold a
     visit; Laporte, Nobert, Desrochers (1985) for those that need vehicles; docs/formulations/routing.md#cuts.
     """
-    if problem.family != "routing":
-        raise InputError("cut-multipliers are evidence for routing problems", found=problem.family)
     sites, customers = problem.sites, problem.sites.customers
     out, into = numbers(data, "out", len(sites)), numbers(data, "in", len(sites))
     given = data.get("rates", {})
-    if not isinstance(given, Mapping) or not set(given) <= set(RESOURCES):
-        raise InputError("evidence names an unknown resource", expected=", ".join(RESOURCES), found=str(given)[:80])
+    refuse_unknown_resources(given if isinstance(given, Mapping) else [repr(given)], RESOURCES, str(given))
     rates = {str(name): max(0.0, number(given, name)) for name in given}
     inside, of, prices = _cuts(problem, data.get("cuts", []))
-    sign = 1.0 if problem.sense == "min" else -1.0
-    relaxed, terms = without_stops(problem), terms_of(problem)
-    if terms is None or unknown_features(relaxed) or not len(customers):
-        return -sign * math.inf
+    relaxed, terms = relaxed_terms(problem)
+    if terms is None:
+        return -math.inf
     with np.errstate(over="ignore", invalid="ignore"):
         bound = _bound(relaxed, terms, out[customers], into[customers], rates, inside, of, prices)
-    return sign * lift(bound, "min", value_grain(problem, terms)) if bound > -math.inf else -sign * math.inf
+    return lift(bound, "min", value_grain(problem, terms)) if bound > -math.inf else -math.inf
 
 
 def _cuts(problem: RoutingProblem, given: object) -> tuple[Flags, NDArray[np.int64], Floats]:

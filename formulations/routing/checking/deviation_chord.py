@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...certificate import verified_bound
-from ...evidence import CHECKERS, Evidence
-from .known_features import own_moves, unknown_features
+from ...evidence import Evidence
+from .known_features import own_moves, routing_evidence, unknown_features
 from .route_limits import limits_of
 from .stops_on_the_way import explicit, with_fleet
 
@@ -43,7 +43,7 @@ _NEAR = 1e-9
 """What limits concede for the rounding of sums and roots."""
 
 
-@CHECKERS.register(KIND)
+@routing_evidence(KIND)
 def check_deviation_chord(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on the first level of the objective.
 
@@ -68,17 +68,12 @@ def check_deviation_chord(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     -----
     Source: docs/formulations/routing.md#the-chord-of-the-deviation.
     """
-    if problem.family != "routing":
-        raise InputError(f"{KIND} is evidence for routing problems", found=problem.family)
     kind, inner = data["kind"], data["data"]
     if not isinstance(kind, str) or kind == KIND or not isinstance(inner, Mapping):
         raise InputError(f"the evidence within {KIND} is malformed, or of the same kind", found=str(kind)[:80])
     made = without_risks(problem)
-    nothing = -math.inf if problem.sense == "min" else math.inf
-    if made is None:
-        return nothing
-    bound = verified_bound(made, Evidence(kind, "", 0.0, dict(inner)))
-    return nothing if math.isnan(bound) else bound
+    bound = math.nan if made is None else verified_bound(made, Evidence(kind, "", 0.0, dict(inner)))
+    return -math.inf if math.isnan(bound) else bound * (1.0 if problem.sense == "min" else -1.0)
 
 
 def lacks_chord(problem: RoutingProblem) -> frozenset[str]:

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ...evidence import CHECKERS
-from .known_features import unknown_features
+from .known_features import routing_evidence, unknown_features
 from .route_limits import Limits, able, allowed, limits_of, named_customers, servable_sets, summable, within_reach, within_stores
 from .stops_on_the_way import without_stops
 
@@ -26,7 +25,7 @@ MOST_DETOURS = 5_000
 """Customers among whom ways over others are looked for."""
 
 
-@CHECKERS.register("infeasible-site")
+@routing_evidence("infeasible-site", "an unreachable site is")
 def check_infeasible_site(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Infinity (``min``) or minus infinity (``max``) if no route of any vehicle can visit a required site; else nothing is proved.
 
@@ -41,15 +40,13 @@ def check_infeasible_site(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     InputError
         If there is no such site.
     """
-    if problem.family != "routing":
-        raise InputError("an unreachable site is evidence for routing problems", found=problem.family)
     name = data.get("site")
     index = problem.sites.index()
     if not isinstance(name, str) or name not in index:
         raise InputError("evidence names an unknown site", expected="the id of a site", found=str(name)[:80])
     if not problem.sites.required[index[name]] or not summable(without_stops(problem)):
-        return verdict(problem, proved=False)
-    return verdict(problem, proved=not _can_be_served(problem, named_customers(problem, [name])[0]))
+        return verdict(proved=False)
+    return verdict(proved=not _can_be_served(problem, named_customers(problem, [name])[0]))
 
 
 def out_of_reach(problem: RoutingProblem) -> NDArray[np.bool_]:
@@ -64,9 +61,9 @@ def out_of_reach(problem: RoutingProblem) -> NDArray[np.bool_]:
     return found
 
 
-def verdict(problem: RoutingProblem, *, proved: bool) -> float:
+def verdict(*, proved: bool) -> float:
     """The bound of a proof that there is no answer, and of no proof."""
-    return math.inf if proved == (problem.sense == "min") else -math.inf
+    return math.inf if proved else -math.inf
 
 
 def _reached(problem: RoutingProblem, relaxed: RoutingProblem) -> Iterator[tuple[Limits, NDArray[np.bool_]]]:

@@ -17,21 +17,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....instances.errors import InputError
 from ...checking.evidence_numbers import number
 from ...checking.granularity import grain, lift
-from ...evidence import CHECKERS
-from .known_features import unknown_features
+from .known_features import RESOURCES, refuse_unknown_resources, routing_evidence
 from .round_trips import least_peak
-from .stops_on_the_way import without_stops
-from .vehicle_moves import VehicleMoves, alike, terms_of
+from .vehicle_moves import VehicleMoves, alike, relaxed_terms, terms_of
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
 Floats = NDArray[np.float64]
-
-RESOURCES = ("time", "load", "distance", "duration", "energy")
 
 _EPS = float(np.finfo(np.float64).eps)
 
@@ -56,7 +51,7 @@ def needs(problem: RoutingProblem, name: str) -> tuple[Floats, float] | None:
     return np.where(np.isfinite(least), least, 0.0), room
 
 
-@CHECKERS.register("knapsack")
+@routing_evidence("knapsack")
 def check_knapsack(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on an objective of rewards or penalties; costs beside them count as nothing.
 
@@ -70,18 +65,12 @@ def check_knapsack(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     -----
     Source: Dantzig (1957); Leifer and Rosenwein (1994) for orienteering; docs/formulations/routing.md#knapsack.
     """
-    if problem.family != "routing":
-        raise InputError("knapsack is evidence for routing problems", found=problem.family)
     name, rate = data.get("resource"), max(0.0, number(data, "rate"))
-    if name not in RESOURCES:
-        raise InputError("evidence names an unknown resource", expected=", ".join(RESOURCES), found=str(name)[:80])
-    sign = 1.0 if problem.sense == "min" else -1.0
-    relaxed, terms, sites, customers = without_stops(problem), terms_of(problem), problem.sites, problem.customers
-    if terms is None or terms.vehicles < 0 or unknown_features(relaxed) or not len(customers):
-        return -sign * math.inf
-    found = needs(relaxed, str(name))
-    if found is None:
-        return -sign * math.inf
+    refuse_unknown_resources([str(name)], RESOURCES, str(name))
+    sites, customers, (relaxed, terms) = problem.sites, problem.customers, relaxed_terms(problem)
+    found = None if terms is None or terms.vehicles < 0 else needs(relaxed, str(name))
+    if terms is None or found is None:
+        return -math.inf
     least, room = found
     worth = terms.reward * sites.reward[customers] - terms.penalties * sites.penalty[customers] + rate * least
     parts = np.concatenate([
@@ -92,8 +81,7 @@ def check_knapsack(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     ])  # fmt: skip
     bound = math.fsum(parts) - 32.0 * _EPS * (math.fsum(np.abs(parts)) + rate * float(least.sum()))
     if not math.isfinite(bound):
-        return -sign * math.inf
+        return -math.inf
     alone = not (terms.peaks or terms.cost or terms.duration or terms.vehicles)
-    return sign * lift(
-        bound, "min", grain(np.concatenate([terms.reward * sites.reward, terms.penalties * sites.penalty])) if alone else None
-    )
+    parts = np.concatenate([terms.reward * sites.reward, terms.penalties * sites.penalty])
+    return lift(bound, "min", grain(parts) if alone else None)

@@ -1,10 +1,15 @@
-"""Evidence ``load-shares``: of a route through a customer, its load pays the part that it takes of the vehicle.
+"""Evidence ``load-shares`` and ``nearest-moves``: what each customer pays of the routes at least, which adds up site by site.
 
-A route goes to its farthest customer and comes back. The loads of its customers are no more than the vehicle holds, so that it costs::
+``load-shares``: of a route through a customer, its load pays the part that it takes of the vehicle. A route goes to its farthest customer
+and comes back. The loads of its customers are no more than the vehicle holds, so that it costs::
 
     A + max over its sites of r_i  >=  A + sum over its sites of (q_i / Q) r_i
 
-with the cost A of a vehicle, and the cost r_i of the way out to i and home. What is proved adds up, site by site.
+with the cost A of a vehicle, and the cost r_i of the way out to i and home.
+
+``nearest-moves``: each customer is entered and left by one move, and each route leaves a depot and comes back to one. Half of a move is
+paid by either end of it. A customer pays half of its two least moves, from two sites or a depot; the depots pay for as many routes as the
+loads need half of the least moves to, and from, as many customers.
 """
 
 from __future__ import annotations
@@ -16,24 +21,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....instances.errors import InputError
-from ...evidence import CHECKERS
-from .known_features import departure, unknown_features
+from .known_features import departure, routing_evidence
 from .route_limits import allowed
-from .stops_on_the_way import without_stops
-from .vehicle_moves import Terms, needed_routes, terms_of, worth_of_visits
-from .ways_by_metric import least_round_trips, rates
+from .vehicle_moves import Terms, needed_routes, relaxed_terms, worth_of_visits
+from .ways_by_metric import least_moves_at, least_round_trips, rates
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
     from ..problem import RoutingProblem
+
 
 Floats = NDArray[np.float64]
 
 _EPS = float(np.finfo(np.float64).eps)
 
 
-@CHECKERS.register("load-shares")
+@routing_evidence("load-shares")
 def check_load_shares(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on the first level of the objective by loads alone; nothing of ``data`` is read.
 
@@ -46,15 +49,13 @@ def check_load_shares(problem: RoutingProblem, data: Mapping[str, Any]) -> float
     -----
     Source: Haimovich and Rinnooy Kan (1985), bounds for capacitated routing problems; docs/formulations/routing.md#load-shares.
     """
-    if problem.family != "routing":
-        raise InputError("load-shares is evidence for routing problems", found=problem.family)
-    sign, terms, relaxed = 1.0 if problem.sense == "min" else -1.0, terms_of(problem), without_stops(problem)
-    if terms is None or terms.vehicles < 0 or unknown_features(relaxed) or not len(problem.customers):
-        return -sign * math.inf
+    relaxed, terms = relaxed_terms(problem)
+    if terms is None or terms.vehicles < 0:
+        return -math.inf
     cheapest = min(_fixed(terms, v) for v in relaxed.fleet)
     with np.errstate(over="ignore", invalid="ignore"):
         shares = np.min([_shares(relaxed, terms, v, cheapest) for v in relaxed.fleet], axis=0)
-        return sign * summed(relaxed, terms, np.where(np.isfinite(shares), shares, 0.0), cheapest * fewest_routes(relaxed))
+        return summed(relaxed, terms, np.where(np.isfinite(shares), shares, 0.0), cheapest * fewest_routes(relaxed))
 
 
 def _fixed(terms: Terms, vehicle: VehicleType) -> float:
@@ -91,3 +92,28 @@ def summed(problem: RoutingProblem, terms: Terms, paid: Floats, fixed: float) ->
     if not math.isfinite(size):
         return -math.inf
     return math.fsum(parts) - 8.0 * _EPS * (len(at) + 16) * size
+
+
+@routing_evidence("nearest-moves")
+def check_nearest_moves(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
+    """Bound on the first level of the objective by the least moves at each site; nothing of ``data`` is read.
+
+    Parameters
+    ----------
+    problem : RoutingProblem
+        Objective: cost, duration and vehicles, rewards and penalties; maxima beside them count as nothing.
+
+    Notes
+    -----
+    docs/formulations/routing.md#load-shares.
+    """
+    relaxed, terms = relaxed_terms(problem)
+    if terms is None or terms.vehicles < 0:
+        return -math.inf
+    service, routes = relaxed.sites.service[relaxed.sites.customers], fewest_routes(relaxed)
+    vehicle = min(terms.cost * v.fixed_cost + terms.vehicles for v in relaxed.fleet)
+    with np.errstate(over="ignore", invalid="ignore"):
+        moves, first, last = least_moves_at(relaxed, terms)
+        paid = moves / 2.0 + min(rates(terms, v)[1] for v in relaxed.fleet) * service
+        ends = np.concatenate([np.sort(side)[:routes] for side in (first, last)])
+        return summed(relaxed, terms, paid, routes * vehicle + float(ends.sum()) / 2.0)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ...checking.granularity import Grain, grain, is_decimal
 from ...tolerance import widening
-from .known_features import departure, last_return, least_moves, unknown_features
+from .known_features import departure, earliest_levels, last_return, least_moves, unknown_features
 from .stops_on_the_way import without_stops
 
 if TYPE_CHECKING:
@@ -284,30 +284,15 @@ def narrowed(resources: dict[str, Resource], allowed: Flags) -> dict[str, Resour
 
 
 def _earliest(r: Resource, allowed: Flags) -> Floats:
-    """Least level at each node over all walks from the depot, waiting included (Bellman-Ford); infinite if none arrives."""
-    steps = np.where(allowed, r.weight, math.inf)
-    level = np.full(len(steps), math.inf)
-    level[0] = r.start
-    for _ in range(len(steps) + 1):
-        reached = np.maximum(r.lower, (level[:, None] + steps).min(axis=0))
-        reached[reached > r.upper + r.slack] = math.inf
-        reached[0] = r.start
-        if (reached >= level).all():
-            return level
-        level = np.minimum(level, reached)
-    raise AssertionError("weights are not negative, so shortest walks have at most as many moves as nodes")
+    """Least level at each node over all walks from the depot, waiting included; infinite if none arrives."""
+    steps, due = np.where(allowed, r.weight, math.inf), r.upper + r.slack
+    due = np.where(r.lower > due, -math.inf, due)[1:]
+    return np.append(r.start, earliest_levels(r.start + steps[0, 1:], steps[1:, 1:], r.lower[1:], due))
 
 
 def _latest(r: Resource, allowed: Flags) -> Floats:
-    """Greatest level at each node from which the depot is still reached in time; minus infinity if it never is."""
-    steps = np.where(allowed, r.weight, math.inf)
-    level = np.full(len(steps), -math.inf)
-    level[0] = r.upper[0]
-    for _ in range(len(steps) + 1):
-        kept = np.minimum(r.upper, (level[None, :] - steps).max(axis=1))
-        kept[kept < r.lower - r.slack] = -math.inf
-        kept[0] = r.upper[0]
-        if (kept <= level).all():
-            return level
-        level = np.maximum(level, kept)
-    raise AssertionError("weights are not negative, so shortest walks have at most as many moves as nodes")
+    """Greatest level at each node from which the depot is still reached in time: the least of the negated levels, backwards."""
+    steps, due = np.where(allowed, r.weight, math.inf), r.slack - r.lower
+    due = np.where(-r.upper > due, -math.inf, due)[1:]
+    ways = earliest_levels(steps[1:, 0] - r.upper[0], steps[1:, 1:].T, -r.upper[1:], due)
+    return 0.0 - np.append(-r.upper[0], ways)

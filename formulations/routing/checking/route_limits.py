@@ -8,7 +8,7 @@ once more, apart from ``reachability`` and ``instances.routing.reach``, which on
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import TYPE_CHECKING
@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ....instances.errors import InputError
 from ...tolerance import widening
-from .known_features import departure, last_return, own_moves, own_variances, unknown_features
+from .known_features import departure, earliest_levels, last_return, own_moves, own_variances, unknown_features
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
@@ -168,9 +169,9 @@ def within_stores(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.b
     draws = energy.rate * own_moves(problem, vehicle)[1]
     between, stations = draws[np.ix_(customers, customers)], np.array(energy.stations)
     rounding = 8.0 * (len(customers) + 2) * float(np.finfo(np.float64).eps) * 2.0 * float(draws.max(axis=0).sum())
-    begins = [(energy.at_departure, _shortest(draws[vehicle.start, customers], between))]
-    begins.append((energy.capacity, _shortest(draws[np.ix_(stations, customers)].min(axis=0), between)))
-    last = _shortest(draws[np.ix_(customers, np.append(stations, vehicle.end))].min(axis=1), between.T)
+    begins = [(energy.at_departure, earliest_levels(draws[vehicle.start, customers], between))]
+    begins.append((energy.capacity, earliest_levels(draws[np.ix_(stations, customers)].min(axis=0), between)))
+    last = earliest_levels(draws[np.ix_(customers, np.append(stations, vehicle.end))].min(axis=1), between.T)
     near: NDArray[np.bool_] = np.any([there + last <= allowed(store, 0.0, rounding) for store, there in begins], axis=0)
     return near
 
@@ -181,11 +182,13 @@ def within_reach(limits: Limits) -> NDArray[np.bool_]:
     good = limits.demand[inner] <= allowed(limits.capacity)
     for weight, limit in limits.budgets:
         mid = weight[inner, inner]
-        need = _shortest(weight[0, inner], mid) + _shortest(weight[inner, -1], mid.T)
+        need = earliest_levels(weight[0, inner], mid) + earliest_levels(weight[inner, -1], mid.T)
         good &= need <= limit
     for means, variances, deviations, limit in limits.chances:
-        least = [_shortest(w[0, inner], w[inner, inner]) + _shortest(w[inner, -1], w[inner, inner].T) for w in (means, variances)]
-        good &= least[0] + deviations * np.sqrt(least[1]) <= limit
+        mean, variance = (
+            earliest_levels(w[0, inner], w[inner, inner]) + earliest_levels(w[inner, -1], w[inner, inner].T) for w in (means, variances)
+        )
+        good &= mean + deviations * np.sqrt(variance) <= limit
     reached, home = clocks(limits)
     finish = reached + home
     good &= np.isfinite(reached) & (finish <= limits.latest(float(limits.due[-1])))
@@ -199,36 +202,43 @@ def clocks(limits: Limits) -> tuple[Floats, Floats]:
     """Earliest begin of service at each customer, infinite where its window is missed, and the least time from there to the return."""
     busy, inner = limits.busy, slice(1, -1)
     due = np.array([limits.latest(d) for d in limits.due.tolist()])
-    reached = _earliest(limits.ready[0] + busy[0, inner], busy[inner, inner], limits.ready[inner], due[inner])
-    return reached, _shortest(busy[inner, -1], busy[inner, inner].T)
+    reached = earliest_levels(limits.ready[0] + busy[0, inner], busy[inner, inner], limits.ready[inner], due[inner])
+    return reached, earliest_levels(busy[inner, -1], busy[inner, inner].T)
 
 
 def servable_sets(limits: Limits, named: Nodes, through: Nodes, most: int) -> set[int]:
-    """Subsets of the nodes ``named``, as bit masks, that may be all of them on one route.
+    """Subsets of the customers ``named``, as bit masks, that may be all of them on one route; it may visit those ``through`` besides.
 
-    Parameters
-    ----------
-    limits : Limits
-    named : array of int
-        Nodes of customers.
-    through : array of int
-        Nodes of customers that a route may visit besides.
-    most : int
-        Largest size of a set; the time taken grows as its factorial.
+    The time taken grows as the factorial of ``most``, the largest size of a set.
+    """
+    sets: set[int] = set()
+    walk_orders(limits, named, through, most, lambda mask, *_: sets.add(mask))
+    return sets
+
+
+def walk_orders(
+    limits: Limits, named: Nodes, through: Nodes, most: int, ended: Callable[..., None], counted: Sequence[Floats] = ()
+) -> None:
+    """Call ``ended`` with each order of at most ``most`` of the customers ``named`` that keeps to the limits.
+
+    It is given the set as a mask, the earliest return, the time without waiting, the latest departure that delays nothing, and the sums of
+    the weights of moves ``counted``.
     """
     nodes = np.concatenate([[0], named, [len(limits.ready) - 1]]).astype(np.int64)
     end = len(nodes) - 1
     busy = _ways(limits.busy, nodes, through).tolist()
     budgets = [(_ways(weight, nodes, through).tolist(), limit) for weight, limit in limits.sums()]
+    tallies = [weight[np.ix_(nodes, nodes)].tolist() for weight in counted]
     ready, demand = limits.ready[nodes].tolist(), limits.demand[nodes].tolist()
     due = [limits.latest(d) for d in limits.due[nodes].tolist()]
     opening, capacity = float(limits.ready[0]), allowed(limits.capacity)
-    found: set[int] = set()
 
     def spends(clock: float, latest: float) -> bool:
         return all(rate * (clock - (opening if fixed else latest)) <= limit for rate, limit, fixed in limits.spans)
 
-    def extend(last: int, mask: int, size: int, clock: float, spent: float, latest: float, load: float, sums: list[float]) -> None:
+    def extend(
+        last: int, mask: int, size: int, clock: float, spent: float, latest: float, load: float, sums: list[float], counts: list[float]
+    ) -> None:
         for node in range(1, end + 1):
             if (mask >> node) & 1 or (node == end and not mask) or (node < end and size == most):
                 continue
@@ -242,13 +252,13 @@ def servable_sets(limits: Limits, named: Nodes, through: Nodes, most: int) -> se
                 continue
             if limits.uncertain(used):
                 continue
+            counts_there = [c + tally[last][node] for c, tally in zip(counts, tallies, strict=True)]
             if node == end:
-                found.add(mask >> 1)
+                ended(mask >> 1, begin, total, leave, *counts_there)
             else:
-                extend(node, mask | 1 << node, size + 1, begin, total, leave, load + demand[node], used)
+                extend(node, mask | 1 << node, size + 1, begin, total, leave, load + demand[node], used, counts_there)
 
-    extend(0, 0, 0, opening, 0.0, due[0], 0.0, [0.0] * len(budgets))
-    return found
+    extend(0, 0, 0, opening, 0.0, due[0], 0.0, [0.0] * len(budgets), [0.0] * len(tallies))
 
 
 def _ways(weight: Floats, nodes: Nodes, through: Nodes) -> Floats:
@@ -257,32 +267,8 @@ def _ways(weight: Floats, nodes: Nodes, through: Nodes) -> Floats:
     if len(through):
         inner, last = weight[np.ix_(through, through)], weight[np.ix_(through, nodes)]
         for k, node in enumerate(nodes[:-1].tolist()):
-            made[k] = np.minimum(made[k], (_shortest(weight[node, through], inner)[:, None] + last).min(axis=0))
+            made[k] = np.minimum(made[k], (earliest_levels(weight[node, through], inner)[:, None] + last).min(axis=0))
     return made
-
-
-def _shortest(first: Floats, between: Floats) -> Floats:
-    """Length of the shortest way to each node that begins with a move of ``first`` (Bellman-Ford)."""
-    length = first.copy()
-    for _ in range(len(first)):
-        better = np.minimum(length, (length[:, None] + between).min(axis=0))
-        if (better >= length).all():
-            break
-        length = better
-    return length
-
-
-def _earliest(first: Floats, between: Floats, ready: Floats, due: Floats) -> Floats:
-    """Earliest begin of service at each customer over all ways that meet every window on them; infinite where there is none."""
-    begin = np.maximum(first, ready)
-    begin[first > due] = math.inf
-    for _ in range(len(first)):
-        arrival = (begin[:, None] + between).min(axis=0)
-        better = np.minimum(begin, np.where(arrival > due, math.inf, np.maximum(arrival, ready)))
-        if (better >= begin).all():
-            break
-        begin = better
-    return begin
 
 
 def named_customers(problem: RoutingProblem, names: object) -> list[int]:
@@ -293,8 +279,6 @@ def named_customers(problem: RoutingProblem, names: object) -> list[int]:
     InputError
         If ``names`` is no list of different ids of customers.
     """
-    from ....instances.errors import InputError
-
     index = problem.sites.index()
     if not isinstance(names, Sequence) or isinstance(names, str) or not names or not all(isinstance(x, str) and x in index for x in names):
         raise InputError("evidence names unknown sites", expected="a list of ids of sites", found=str(names)[:80])

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import numbers
 from ...checking.granularity import lift
-from ...evidence import CHECKERS
 from ...stop import current_stop
+from .known_features import routing_evidence
 from .relaxation import Relaxation, Resource, relax
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ WORK = 3_000_000_000
 """Comparisons in one proof at most, some 5 s."""
 
 
-@CHECKERS.register("set-partitioning-duals")
+@routing_evidence("set-partitioning-duals", "set-partitioning-duals are")
 def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on the first level of the objective that any prices of visits prove (weak duality).
 
@@ -69,18 +69,16 @@ def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any
     Source: Desrochers, Desrosiers, Solomon (1992) for the relaxation and its bound; Baldacci, Mingozzi, Roberti (2011) for ng-routes;
     Feillet, Dejax, Gendreau, Gueguen (2004) for customers out of reach; docs/proofs.md#routes.
     """
-    if problem.family != "routing":
-        raise InputError("set-partitioning-duals are evidence for routing problems", found=problem.family)
     prices, memory, ray = numbers(data, "visits", len(problem.sites)), data.get("memory"), data.get("ray", False)
     if type(memory) is not int or memory < 0:
         raise InputError("evidence 'memory' must be a whole number", expected="0 or more", found=str(memory)[:80])
     if not isinstance(ray, bool):
         raise InputError("evidence 'ray' must be true or false", found=str(ray)[:80])
     if len(problem.sites.customers) > CUSTOMERS:
-        return -math.inf if problem.sense == "min" else math.inf
+        return -math.inf
     relaxed = relax(problem)
     if relaxed is None:
-        return -math.inf if problem.sense == "min" else math.inf
+        return -math.inf
     usable = np.isfinite(relaxed.cost)
     if relaxed.fewest > relaxed.most or not usable[1:].any(axis=1).all() or not usable[:, 1:].any(axis=0).all():
         return math.inf

@@ -17,10 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
-from ...evidence import CHECKERS
+from .known_features import routing_evidence
 from .relaxation import Relaxation, relax
 
 if TYPE_CHECKING:
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-@CHECKERS.register("spanning-tree")
+@routing_evidence("spanning-tree", "a spanning tree is")
 def check_spanning_tree(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on the first level of the objective that any node prices prove.
 
@@ -56,12 +55,10 @@ def check_spanning_tree(problem: RoutingProblem, data: Mapping[str, Any]) -> flo
     Source: Held and Karp (1970, 1971) for one route; Christofides, Mingozzi, Toth (1981) for k-degree centre trees;
     docs/formulations/routing.md#spanning-tree.
     """
-    if problem.family != "routing":
-        raise InputError("a spanning tree is evidence for routing problems", found=problem.family)
     prices, theta = numbers(data, "multipliers", len(problem.sites)), number(data, "depot", 0.0)
     relaxed = relax(problem)
     if relaxed is None:
-        return -math.inf if problem.sense == "min" else math.inf
+        return -math.inf
     if relaxed.fewest > relaxed.most:
         return math.inf
     with np.errstate(over="ignore"):

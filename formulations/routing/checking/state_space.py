@@ -22,18 +22,16 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
-from ...evidence import CHECKERS
 from ...stop import current_stop
-from .known_features import unknown_features
-from .stops_on_the_way import without_stops
-from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, terms_of, value_grain, worth_of_visits
+from .known_features import RESOURCES, refuse_unknown_resources, routing_evidence
+from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, relaxed_terms, value_grain, worth_of_visits
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
 Floats = NDArray[np.float64]
 
-RESOURCES = ("time", "load", "distance", "duration", "energy", "order")
+COUNTED = (*RESOURCES, "order")
 
 STEPS = 20_000
 """Of the resource on the way of one vehicle, at most."""
@@ -47,7 +45,7 @@ _NEAR = 1e-9
 _EPS = float(np.finfo(np.float64).eps)
 
 
-@CHECKERS.register("state-space")
+@routing_evidence("state-space")
 def check_state_space(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on the first level of the objective that any prices of visits prove (weak duality).
 
@@ -76,23 +74,18 @@ def check_state_space(problem: RoutingProblem, data: Mapping[str, Any]) -> float
     Source: Christofides, Mingozzi, Toth (1981), "State-space relaxation procedures"; Houck, Picard, Queyranne, Vemuganti (1980) for walks
     without i-j-i; docs/formulations/routing.md#state-space.
     """
-    if problem.family != "routing":
-        raise InputError("state-space is evidence for routing problems", found=problem.family)
     prices, step, name = numbers(data, "prices", len(problem.sites)), number(data, "step"), data.get("resource")
     given = data.get("shares", {})
-    if name not in RESOURCES or not isinstance(given, Mapping) or not set(given) <= set(RESOURCES):
-        raise InputError("evidence names an unknown resource", expected=", ".join(RESOURCES), found=f"{name} {given}"[:80])
+    refuse_unknown_resources([str(name), *(given if isinstance(given, Mapping) else [repr(given)])], COUNTED, f"{name} {given}")
     if not step > 0:
         raise InputError("evidence 'step' must be positive", found=str(step))
     shares = {str(r): max(0.0, number(given, r)) for r in given if r != name}
-    sign = 1.0 if problem.sense == "min" else -1.0
-    relaxed, terms = without_stops(problem), terms_of(problem)
-    customers = problem.sites.customers
-    if terms is None or unknown_features(relaxed) or not len(customers):
-        return -sign * math.inf
+    relaxed, terms = relaxed_terms(problem)
+    if terms is None:
+        return -math.inf
     with np.errstate(over="ignore", invalid="ignore"):
-        bound = _bound(relaxed, terms, prices[customers], str(name), step, shares)
-    return sign * lift(bound, "min", value_grain(problem, terms)) if bound > -math.inf else -sign * math.inf
+        bound = _bound(relaxed, terms, prices[problem.sites.customers], str(name), step, shares)
+    return lift(bound, "min", value_grain(problem, terms)) if bound > -math.inf else -math.inf
 
 
 def _bound(problem: RoutingProblem, terms: Terms, prices: Floats, name: str, step: float, shares: dict[str, float]) -> float:

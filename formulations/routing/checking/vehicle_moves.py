@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...checking.granularity import Grain, grain
-from .known_features import own_moves
+from .known_features import own_moves, unknown_features
 from .relaxation import Resource, limited_resources, moves_left, narrowed, order_resource, with_depot
 from .round_trips import PEAKS, least_peak
 from .route_limits import allowed
-from .stops_on_the_way import with_fleet
+from .stops_on_the_way import with_fleet, without_stops
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
@@ -50,6 +50,12 @@ def terms_of(problem: RoutingProblem) -> Terms | None:
     made = Terms(cost, duration, vehicles, reward, penalties, peaks)
     known = {"total-cost", "total-duration", "vehicles", "reward", "penalties", *PEAKS}
     return made if set(found) <= known and min(made.cost, made.duration, *peaks.values(), 0.0) >= 0 else None
+
+
+def relaxed_terms(problem: RoutingProblem) -> tuple[RoutingProblem, Terms | None]:
+    """The problem without stops on the way, and its terms; None where nothing is proved of it."""
+    relaxed = without_stops(problem)
+    return relaxed, None if unknown_features(relaxed) or not len(problem.sites.customers) else terms_of(problem)
 
 
 def alike(problem: RoutingProblem) -> dict[VehicleType, int]:

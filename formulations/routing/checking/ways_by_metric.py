@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from ....instances.routing.travel import EARTH, GEOGRAPHIC, UNITS_OF_DISTANCE
 from ...stop import off_the_clock
-from .known_features import own_moves
-from .round_trips import ways
+from .known_features import earliest_levels, own_moves
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
@@ -56,7 +55,7 @@ def least_round_trips(problem: RoutingProblem, terms: Terms, vehicle: VehicleTyp
         return rate * (plain.distance(vehicle.start, at) + plain.distance(at, vehicle.end)), rate * _shortfall(travel)
     cost = _costs(problem, terms, vehicle)
     inner = cost[np.ix_(at, at)]
-    return ways(cost[vehicle.start, at], inner) + ways(cost[at, vehicle.end], inner.T), 0.0
+    return earliest_levels(cost[vehicle.start, at], inner) + earliest_levels(cost[at, vehicle.end], inner.T), 0.0
 
 
 def least_moves_at(problem: RoutingProblem, terms: Terms) -> tuple[Floats, Floats, Floats]:

@@ -11,7 +11,7 @@ import pytest
 from small_routing import WHOLE_FAMILY, varied
 
 import waybound as wb
-from waybound.formulations.routing import left_out as module
+from waybound.formulations.routing import unvisited_sites as module
 from waybound.formulations.routing.insertion import orders
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.routing.unvisited_sites import UNEXPLAINED, left_out

@@ -1,4 +1,4 @@
-"""Proofs that a fleet is too small hold only where it is, and each limit alone can make one."""
+"""Fleets that are too small, and the vehicles that loads need."""
 
 from __future__ import annotations
 
@@ -8,14 +8,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from small_routing import WHOLE_FAMILY, few, plane, varied
 
 from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.routing.checking import fleet_need as checks
-from waybound.formulations.routing.objective import Reward
+from waybound.formulations.routing.checking.fleet_need import check_vehicles_needed
+from waybound.formulations.routing.objective import Makespan, Objective, Reward, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 
 KINDS = ("too-few-vehicles", "bin-packing", "too-little-range", "too-little-time", "sites-apart", "sites-beyond-fleet", "too-few-sites")
 
@@ -197,3 +200,29 @@ def test_malformed_evidence_is_refused(kind, data):
 def test_sums_that_may_overflow_prove_nothing(kind):
     asked = unit(VehicleType(1, 1.0, energy=Energy(1.0, 1e300)), demand=5.0)
     assert not proved(asked, kind, threshold=0.5, resource="distance", sites=["a", "b"], **{"from": 0, "until": 1})
+
+
+@pytest.mark.parametrize("feature", WHOLE_FAMILY)
+def test_no_threshold_excludes_the_optimum(feature):
+    for seed in range(2):
+        goal = (Vehicles(), 5.0 * Vehicles() + TotalCost(), Vehicles() + Makespan())[seed % 3]
+        problem = replace(varied(feature, seed, few(feature)), objective=Objective.of(goal))
+        best = best_values(problem)
+        for threshold in (-1.0, 0.0, 1.0, 3.0, 5.5, 100.0) if best is not None else ():
+            assert check_vehicles_needed(problem, {"threshold": threshold}) <= float(best[0]) + 1e-9
+
+
+def test_large_loads_share_no_vehicle():
+    problem = replace(plane(1, 4, 10.0), objective=Objective.of(Vehicles()))
+    problem = replace(problem, sites=replace(problem.sites, demand=problem.sites.demand * 0 + [0, 6, 6, 6, 4]))
+    assert check_vehicles_needed(problem, {"threshold": 0.0}) == 3.0
+    problem = replace(problem, sites=replace(problem.sites, demand=problem.sites.demand * 0 + [0, 6, 6, 5, 5]))
+    assert check_vehicles_needed(problem, {"threshold": 5.0}) == 3.0
+    assert check_vehicles_needed(replace(problem, min_vehicles=4), {"threshold": 5.0}) == 4.0
+
+
+def test_other_objectives_and_malformed_evidence():
+    problem = plane(1, 4, 10.0)
+    assert check_vehicles_needed(replace(problem, objective=Objective.of(Reward())), {"threshold": 0.0}) == math.inf
+    with pytest.raises(InputError):
+        check_vehicles_needed(problem, {"threshold": "x"})

@@ -1,4 +1,4 @@
-"""Shares of round trips by load never exceed the optimum, whatever the metric, the rounding and the features."""
+"""What each customer pays of the routes: shares of loads, and the nearest moves."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from small_routing import WHOLE_FAMILY, few, plane, small, varied
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
-from waybound.formulations.routing.checking.load_shares import check_load_shares
-from waybound.formulations.routing.checking.nearest_moves import check_nearest_moves
+from waybound.formulations.routing.checking.load_shares import check_load_shares, check_nearest_moves
 from waybound.formulations.routing.objective import (
     Composable,
     LatestReturn,
@@ -28,7 +27,7 @@ from waybound.formulations.routing.objective import (
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import METRICS, Travel
+from waybound.instances.routing.travel import EXPLICIT, METRICS, Travel
 from waybound.reports.benchmarks.exact_routing import best_values
 
 GOALS: tuple[Composable, ...] = (
@@ -115,3 +114,30 @@ def test_other_families_and_objectives_prove_nothing() -> None:
         assert check(replace(problem, objective=Objective.of(Makespan())), {}) == 0.0
         with pytest.raises(InputError, match=kind):
             check(ArrayProblem(problem.compile().program), {})
+
+
+def by_hand(problem: RoutingProblem, routes: int) -> float:
+    """One depot, one type of vehicle, at cost 1 of a unit of distance."""
+    d, n = problem.travel.distances, len(problem.sites)
+    paid = 0.0
+    for i in range(1, n):
+        pairs = [(a, b) for a in range(n) for b in range(n) if i not in (a, b) and (a != b or a == 0)]
+        paid += min(d[a, i] + d[i, b] for a, b in pairs) / 2
+    return paid + (sum(sorted(d[0, 1:])[:routes]) + sum(sorted(d[1:, 0])[:routes])) / 2
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_same_by_hand(seed: int) -> None:
+    problem = plane(seed, 9, 15.0)
+    routes = int(np.ceil(problem.sites.demand.sum() / 15.0))
+    assert check_nearest_moves(problem, {}) == pytest.approx(by_hand(problem, routes), rel=1e-9)
+    matrix = problem.travel.distances
+    explicit = RoutingProblem(problem.sites, Travel(EXPLICIT, matrix=matrix), problem.fleet)
+    assert check_nearest_moves(explicit, {}) == pytest.approx(by_hand(problem, routes), rel=1e-9), "off a matrix"
+
+
+def test_one_customer_and_two() -> None:
+    for customers, least in ((1, 10.0), (2, 12.0)):
+        xy = np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 6.0]])[: customers + 1]
+        problem = RoutingProblem(Sites.of(range(customers + 1)), Travel("euclidean", xy), (VehicleType(),))
+        assert 0.0 < check_nearest_moves(problem, {}) <= least + np.hypot(3.0, 6.0) - 5.0

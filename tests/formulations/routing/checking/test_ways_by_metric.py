@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from waybound.formulations.routing.checking.load_shares import check_load_shares
-from waybound.formulations.routing.checking.nearest_moves import check_nearest_moves
+from waybound.formulations.routing.checking.load_shares import check_load_shares, check_nearest_moves
 from waybound.formulations.routing.checking.vehicle_moves import terms_of
 from waybound.formulations.routing.checking.ways_by_metric import by_coordinates, least_moves_at, least_round_trips
 from waybound.formulations.routing.problem import RoutingProblem
