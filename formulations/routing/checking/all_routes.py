@@ -1,12 +1,9 @@
 """Evidence ``all-routes``: every route of a few customers, by every type of vehicle, and every way to put them together.
 
-There is nothing to state: the checker walks all of it. It knows what other evidence merges or leaves out, such as several types of vehicle,
-customers that may be left out, and the risk of each route.
-
-Where orders are too many, sets of customers are looked at by the sums of moves alone. Waiting, windows and loads on the way are left out,
-so that routes cost no more, and more of them are possible; where none of these is, nothing is left out. Of two orders of a set with the
-same last customer the one with no more of any sum stands for the other: whatever follows, it costs no more, and keeps each limit that the
-other keeps, since all are monotone in the sums.
+There is nothing to state: the checker walks all of it, with several types of vehicle, optional customers, and the risk of each route.
+Where orders are too many, sets of customers are looked at by the sums of moves alone, without waiting, windows and loads on the way, so
+that routes cost no more and more of them are possible. Of two orders of a set with the same last customer the one with no more of any
+sum stands for the other: whatever follows, it costs no more and keeps each limit that the other keeps.
 """
 
 from __future__ import annotations
@@ -42,7 +39,7 @@ _EPS = float(np.finfo(np.float64).eps)
 
 
 def fronts(problem: RoutingProblem, vehicle: VehicleType, limits: Limits, terms: Terms) -> tuple[dict[int, Front], float]:
-    """Of each set of customers, a mask, that one route of the vehicle may serve; and by how much worths may be off."""
+    """Worth and risk of the routes of a vehicle through each set of customers, a mask, and by how much worths may be off."""
     sites = problem.sites
     at = np.concatenate([[vehicle.start], sites.customers, [vehicle.end]])
     far = own_moves(problem, vehicle)[0][np.ix_(at, at)]
@@ -121,13 +118,13 @@ def fronts(problem: RoutingProblem, vehicle: VehicleType, limits: Limits, terms:
 
 
 def _rate(vehicle: VehicleType, k: int, limits: Limits) -> float:
-    """What a unit of time draws: the chance of the store comes last."""
+    """Energy that a unit of time draws, for the chance of the store, which comes last; 1 for durations."""
     store = vehicle.energy is not None and k == len(limits.chances) - 1 and math.isfinite(vehicle.energy.at_departure)
     return vehicle.energy.rate if store and vehicle.energy is not None else 1.0
 
 
 def _overrun(mean: Floats, variance: Floats, limit: float, rate: float) -> Floats:
-    """At least so likely a sum exceeds its limit."""
+    """Lower bounds on the probabilities that a sum exceeds its limit."""
     deviation = rate * np.sqrt(variance)
     with np.errstate(divide="ignore", invalid="ignore"):
         beyond = np.where(deviation > 0.0, (limit - mean) / deviation, math.inf)
@@ -135,7 +132,7 @@ def _overrun(mean: Floats, variance: Floats, limit: float, rate: float) -> Float
 
 
 def _least(rows: Floats) -> Floats:
-    """Rows that no other one is nowhere above; of equal ones one."""
+    """The rows that are not dominated by another row; of equal ones one."""
     rows = np.unique(rows, axis=0)
     if rows.shape[1] == 1:
         return rows[:1]
@@ -147,7 +144,7 @@ def _least(rows: Floats) -> Floats:
 
 
 def _front(rows: Floats) -> Front:
-    """Least worths for ever less of the risk."""
+    """Rows of least worth for ever less of the risk."""
     rows = rows[np.lexsort((rows[:, 1], rows[:, 0]))]
     before = np.minimum.accumulate(np.append(math.inf, rows[:-1, 1]))
     made: Front = rows[rows[:, 1] < before]
@@ -188,7 +185,7 @@ def put_together(found: list[dict[int, Front]], customers: int, fewest: int, mos
 
 
 def _cheapest(of_set: dict[int, Front], customers: int, most: int, any_number: bool) -> dict[tuple[int, int], float]:
-    """The same without a risk of the team, by arrays over all parts of a set."""
+    """``put_together`` without a risk of the team, by arrays over all parts of a set."""
     best = np.full(1 << customers, math.inf)
     for mask, front in of_set.items():
         best[mask] = front[0, 0]
@@ -213,18 +210,16 @@ MOST_ORDERS = 20_000
 
 
 def orders(problem: RoutingProblem) -> float:
-    """How many ways to visit some of the customers there are for all types together, or infinity where they are many."""
+    """Number of ways to visit some of the customers, for all types together; infinity where they are many."""
     n = len(problem.sites.customers)
     return math.inf if n > 10 else len(problem.fleet) * sum(math.perm(n, k) for k in range(1, n + 1))
 
 
 @routing_evidence("all-routes", "all routes are")
 def check_all_routes(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """The optimum of the first level, as far as rounding lets it be told, or that there is no answer; nothing of ``data`` is read.
+    """The optimum of the first level, up to rounding, or infinity where there is no answer; nothing of ``data`` is read.
 
-    Up to 12 customers are looked at by sets of them where their orders are too many (``MOST_ORDERS``), which proves as much where all that
-    counts adds up along a route, and where routes share a risk of the team. Nothing is proved of more, or where the objective mixes the
-    largest of all routes with other terms, or has terms that are neither.
+    Nothing is proved of more than 12 customers, or where the objective mixes the largest of all routes with other terms.
     """
     level, sign = problem.objective.levels()[0].terms, 1.0 if problem.sense == "min" else -1.0
     terms, peak = terms_of(problem), any(term.name in PEAKS for _, term in level)
@@ -240,7 +235,7 @@ def check_all_routes(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
 
 
 def _walked(problem: RoutingProblem, terms: Terms, peak: bool) -> float:
-    """The bound from every order of customers; each route may take all of the team's risk."""
+    """The bound from every order of customers, in the sense of the problem; each route may take all of the team's risk."""
     level, least = problem.objective.levels()[0].terms, problem.sense == "min"
     doubt, n = 0.0, len(problem.sites.customers)
     idle = min(departure(problem, v) for v in problem.fleet) if "latest-return" in terms.peaks else 0.0
@@ -273,7 +268,7 @@ def _walked(problem: RoutingProblem, terms: Terms, peak: bool) -> float:
 
 
 def _by_sets(problem: RoutingProblem, terms: Terms) -> float:
-    """The same of more customers, by sets of them: less than the optimum where somebody waits or loads on the way."""
+    """The bound from sets of customers: less than the optimum where somebody waits or loads on the way."""
     sites, n = problem.sites, len(problem.sites.customers)
     most = min(n, sum(n if v.count is None else v.count for v in problem.fleet))
     risk = math.inf if problem.team_risk is None else -math.log1p(-problem.team_risk) * (1.0 + 1e-8)
@@ -301,7 +296,7 @@ def _keep(ways: dict[Any, float], way: Any, value: float, least: bool) -> None:
 
 
 def _routes(problem: RoutingProblem, limits: Limits, vehicle: VehicleType) -> tuple[dict[int, float], float]:
-    """By set of customers, a mask, what the best route through it adds to the objective, and by how much that may be off."""
+    """Value in the objective of the best route through each set of customers, a mask, and by how much that may be off."""
     sites, terms = problem.sites, {term.name: weight for weight, term in problem.objective.levels()[0].terms}
     at = np.concatenate([[vehicle.start], sites.customers, [vehicle.end]])
     far, reward, penalty = own_moves(problem, vehicle)[0][np.ix_(at, at)], sites.reward[at].copy(), sites.penalty[at].tolist()

@@ -1,11 +1,11 @@
-"""Evidence ``customer-sets``: the cheapest route of each type of vehicle through each set of a few customers, and the best of all ways to
+"""Evidence ``customer-sets``: the cheapest route of each type of vehicle through each set of a few customers, and the best of all ways
+to
 divide the customers among routes.
 
 Routes are relaxed one limit at a time: a set is ruled out where the least level of some resource, over all orders of its members, breaks
-a limit, and its cost is the least over all orders that no level by itself rules out. Pickups come before their deliveries on the same
-route, alternatives exclude each other, and each vehicle is of its own type. Where the objective weighs the largest of all routes with
-other terms, limits on the largest route divide the answers: of those whose largest route lies between two of them, it costs the lower at
-least, and no route is beyond the upper.
+a limit, and its cost is the least over all orders that no level by itself rules out. Where the objective weighs the largest of all routes
+with other terms, limits on the largest route divide the answers: of those whose largest route lies between two of them, it costs the
+lower at least, and no route is beyond the upper. docs/formulations/routing.md#customer-sets.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ _EPS = float(np.finfo(np.float64).eps)
 
 
 def joined_peak(terms: Terms) -> str:
-    """The maximum that is told set by set, none if empty."""
+    """The maximum that is counted set by set; empty if there is none."""
     return next((name for name in JOINED if name in terms.peaks), "")
 
 
@@ -59,22 +59,11 @@ def joined_peak(terms: Terms) -> str:
 class CustomerSets:
     """What routes through sets of customers cost; sets are masks over the customers in site order.
 
-    Parameters
-    ----------
-    types : list of (sets, values, peaks, count)
-        One entry a type of vehicle, and how many of it there are; what each set adds to the objective at least, and its least length or
-        duration, by which the largest route is told.
-    ends : array of int
-        Sets that an answer may visit in all.
-    fewest : int
-        Routes of an answer at least.
-    fixed : float
-        What routes do not change.
-    weight, least : float
-        Of the largest route in the objective, and a bound on it.
-    error, blur : float
-        What sums of values, and one peak, may be wrong by.
-    customers : int
+    ``types`` has for each type of vehicle its sets, what each adds to the objective at least, its least length or duration (by which the
+    largest route is told), and the number of vehicles. ``ends`` are the sets that an answer may visit in all, ``fewest`` its least number
+    of
+    routes, ``fixed`` what routes do not change, ``weight`` and ``least`` those of the largest route in the objective; sums of values are
+    wrong by ``error`` at most, one peak by ``blur``.
     """
 
     types: list[tuple[Masks, Floats, Floats, int]]
@@ -136,8 +125,7 @@ class CustomerSets:
         return cls(types, np.flatnonzero(ends), problem.min_vehicles, fixed, weight, least, rounding * size, rounding * largest, n)
 
     def cheapest(self, limit: float = math.inf, work: float = WORK) -> tuple[float, float]:
-        """Least value without that of the largest route, where none is beyond ``limit``, and the work it took; infinite if there is no
-        answer, NaN where it was stopped or is too much work."""
+        """Least value without the largest route, where none is beyond ``limit``, and the work it took; NaN where that is too much."""
         from .customer_set_kernels import with_route
 
         best = np.full((self.fewest + 1, 1 << self.customers), math.inf)
@@ -161,7 +149,7 @@ class CustomerSets:
         return float(best[-1, self.ends].min(initial=math.inf)), done
 
     def bound(self, limits: Sequence[float]) -> float:
-        """What holds of every answer, of a minimisation, divided by ``limits`` on the largest route, in ascending order."""
+        """Bound of a minimisation whose answers are divided by ``limits`` on the largest route, in ascending order."""
         left, found = float(WORK), math.inf
         for low, high in zip([self.least, *limits], [*limits, math.inf], strict=True):
             value, done = self.cheapest(high, left)
@@ -195,7 +183,7 @@ def _values(alone: RoutingProblem, terms: Terms, peak: str, before: Masks) -> tu
 
 
 def _work_of_trips(n: int, vehicle: VehicleType) -> float:
-    """Sets that are joined for a vehicle that reloads."""
+    """Number of sets that are joined for a vehicle that reloads."""
     stops = set(vehicle.reloads)
     return len(stops | {vehicle.start, vehicle.end}) * len(stops | {vehicle.end}) * (n + 1) * 3.0**n if stops else 0.0
 
@@ -206,8 +194,10 @@ def _opens_at_once(problem: RoutingProblem, vehicle: VehicleType) -> bool:
 
 
 def _of_trips(problem: RoutingProblem, vehicle: VehicleType, terms: Terms, peak: str) -> tuple[Floats, Floats]:
-    """The same of a vehicle that reloads on its way: as many trips between depots as it may make, each with its own load. What is carried
-    over a stop may be delivered on a later trip."""
+    """``_values`` of a vehicle that reloads: as many trips between depots as it may make, each with its own load.
+
+    What is carried over a stop may be delivered on a later trip.
+    """
     from .customer_set_kernels import with_route
 
     n = len(problem.sites.customers)
@@ -254,30 +244,11 @@ def _of_trips(problem: RoutingProblem, vehicle: VehicleType, terms: Terms, peak:
 
 @routing_evidence("customer-sets", "customer-sets are")
 def check_customer_sets(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the first level of the objective, or infinity where no answer is left.
+    """Bound on the first level of the objective; minus infinity beyond 16 customers, or where it is too much work.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        With any features and any terms; several loads, windows and risks count as far as ``known_features`` says.
-    data : dict
-        ``longest-route`` or ``makespan``, optional: at most 64 numbers, limits on the largest route by which the
-        answers are divided.
+    ``data``: ``longest-route`` or ``makespan``, optional: at most 64 limits on the largest route by which the answers are divided.
 
-    Returns
-    -------
-    float
-        The bound, moved to the next multiple that the objective can take; minus infinity (of a minimisation) beyond 16 customers, or where
-        it is too much work.
-
-    Raises
-    ------
-    InputError
-        If limits are no finite numbers, or too many.
-
-    Notes
-    -----
-    Source: Held, Karp (1962) for the sets; docs/formulations/routing.md#customer-sets.
+    Source: Held, Karp (1962) for the sets.
     """
     terms = terms_of(problem)
     peak = "" if terms is None else joined_peak(terms)

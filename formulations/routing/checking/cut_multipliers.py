@@ -1,15 +1,7 @@
 """Evidence ``cut-multipliers``: a Lagrangian bound from prices of sites, of limits that all vehicles share, and of cuts around sets.
 
-With x_ij in {0, 1} for each move of any route, y_i in {0, 1} for each visit and k for the number of routes, every answer obeys::
-
-    sum_h x_hi = y_i,  sum_j x_ij = y_i                     each customer i             (in_i, out_i)
-    sum_j x_0j = sum_i x_i0 = k,  fewest <= k <= most
-    sum_ij w_ij x_ij <= what all vehicles have              each limited resource       (mu >= 0)
-    x(into S) >= y_i and x(out of S) >= y_i                 sets S of customers, i in S (lambda >= 0)
-    x(into S) >= q(S) and x(out of S) >= q(S)               sets S of customers         (lambda >= 0)
-
-where q(S) routes at least serve the required customers of S: one if there are any, and as many as their loads take. At any prices the
-least of the Lagrangian over x, y and k is a bound; of the moves i-j and j-i an answer makes one at most.
+The rows are in docs/formulations/routing.md#cuts. At any prices the least of the Lagrangian over moves, visits and number of routes is a
+bound; of the moves i-j and j-i an answer makes one at most.
 """
 
 from __future__ import annotations
@@ -38,32 +30,17 @@ _EPS = float(np.finfo(np.float64).eps)
 
 @routing_evidence("cut-multipliers")
 def check_cut_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the first level of the objective that any prices prove (weak duality).
+    """Bound on the first level of the objective that any prices prove (weak duality); maxima count by the farthest round trip.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        With any features and any terms; maxima (makespan, ...) count by the farthest round trip.
-    data : dict
-        ``out`` and ``in``: lists with one number a site (entries of depots are ignored); ``rates``: the price of a unit of a resource
-        (``time, load, distance, duration, energy``) by its name; ``cuts``: objects with ``sites``, positions of customers, ``price``, and
-        ``of``, the position of that one of them whose visit is the right side, or null for what the required ones among them need.
-        Prices of resources and cuts that are negative are read as 0.
+    ``data``: ``out`` and ``in``, lists with one number a site (entries of depots are ignored); ``rates``, the price of a unit of a
+    resource by
+    its name; ``cuts``, objects with ``sites``, positions of customers, ``price``, and ``of``, the position of that one of them whose
+    visit is
+    the right side, or null for what the required ones among them need. Negative prices of resources and cuts are read as 0.
 
-    Returns
-    -------
-    float
-        The bound, moved to the next multiple that the objective can take; minus infinity (of a minimisation) where nothing is proved.
-
-    Raises
-    ------
-    InputError
-        If numbers are missing or not finite, a resource is unknown, or a cut names anything but customers.
-
-    Notes
-    -----
     Source: Fischetti, Salazar González, Toth (1998), "Solving the orienteering problem through branch-and-cut", for sets that hold a
-    visit; Laporte, Nobert, Desrochers (1985) for those that need vehicles; docs/formulations/routing.md#cuts.
+    visit;
+    Laporte, Nobert, Desrochers (1985) for those that need vehicles.
     """
     sites, customers = problem.sites, problem.sites.customers
     out, into = numbers(data, "out", len(sites)), numbers(data, "in", len(sites))
@@ -146,6 +123,6 @@ def _bound(
 
 
 def _least_ends(first: Floats, last: Floats, fewest: int, most: int) -> float:
-    """Least sum of k first and k last moves over all numbers k of routes; both come sorted."""
+    """Least sum of k first and k last moves, both sorted, over all numbers k of routes."""
     sums = np.concatenate([[0.0], np.cumsum(first + last)])[fewest : most + 1]
     return float(sums.min(initial=math.inf))

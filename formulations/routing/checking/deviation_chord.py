@@ -1,14 +1,9 @@
 """Evidence ``deviation-chord``: a bound on problems with risks, by one of certain durations that has every answer of theirs.
 
-The risk of the team is given to each route whole: no route of an answer overruns a limit more often than any of them does. So with r the
-lesser of a vehicle's risk and the team's, and z = Phi^-1(1 - r), the mean D and the variance V of every route keep D + z sqrt(V) <= B.
-The root is concave, so that it is no less than its chord from 0 to the largest deviation s that a route may have::
-
-    z sqrt(V) >= (z / s) V          for V <= s^2
-
-so that z / s times the variances are added to durations, and the limit stays. No move has more than ``ratio`` times its duration of
-variance, so V <= ratio D, and s is where s^2 / ratio + z s = B. Evidence on this problem, of any kind that knows routes, is evidence on the
-one with risks. Windows, and limits on time other than B, are left out.
+The risk of the team is given to each route whole. The deviation of a route is concave in its variance, so that it is no less than its
+chord from 0 to the largest deviation that a route may have: the slope of the chord times the variances is added to durations, and the
+limit stays. Evidence on that problem, of any kind that knows routes, is evidence on the one with risks. Windows, and limits on time other
+than the longest duration or the store, are left out. docs/formulations/routing.md#the-chord-of-the-deviation.
 """
 
 from __future__ import annotations
@@ -45,29 +40,7 @@ _NEAR = 1e-9
 
 @routing_evidence(KIND)
 def check_deviation_chord(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the first level of the objective.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-        With risks, and an objective of ``TERMS``.
-    data : dict
-        ``kind`` and ``data``: evidence on the problem of certain durations.
-
-    Returns
-    -------
-    float
-        Minus infinity (of a minimisation) where nothing is proved.
-
-    Raises
-    ------
-    InputError
-        If the evidence is malformed, or its own evidence is.
-
-    Notes
-    -----
-    Source: docs/formulations/routing.md#the-chord-of-the-deviation.
-    """
+    """Bound on the first level of the objective; ``data``: ``kind`` and ``data`` of evidence on the problem of certain durations."""
     kind, inner = data["kind"], data["data"]
     if not isinstance(kind, str) or kind == KIND or not isinstance(inner, Mapping):
         raise InputError(f"the evidence within {KIND} is malformed, or of the same kind", found=str(kind)[:80])
@@ -112,7 +85,7 @@ def _certain(problem: RoutingProblem, vehicle: VehicleType) -> VehicleType:
 
 
 def _largest_deviation(means: Floats, variances: Floats, deviations: float, limit: float) -> float:
-    """The largest root of the variance that a route within the limit may have."""
+    """Largest root of the variance that a route within the limit may have: s where s^2 / ratio + deviations s = limit."""
     m, v = means[:-1, 1:], variances[:-1, 1:]
     used = (v > 0.0) & (m + deviations * np.sqrt(v) <= limit * (1.0 + _NEAR))
     if not used.any() or limit <= 0.0 or not deviations > 0.0:

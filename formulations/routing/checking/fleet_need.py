@@ -50,7 +50,10 @@ SUBJECT = "a fleet too small is"
 
 
 def bins_needed(demand: list[float], capacity: float, k: float) -> int:
-    """The bound L2 on bins at a threshold: what is above ``capacity - k`` shares its bin with nothing of size ``k`` or more."""
+    """The bound L2 on bins at a threshold k: what is above ``capacity - k`` shares its bin with nothing of size k or more.
+
+    Source: Martello and Toth 1990, *Knapsack Problems*, section 8.3.
+    """
     huge = [d for d in demand if d > capacity - k]
     large = [d for d in demand if capacity / 2 < d <= capacity - k]
     small = [d for d in demand if k <= d <= capacity / 2]
@@ -70,7 +73,7 @@ def _types(problem: RoutingProblem) -> dict[VehicleType, int]:
 
 @routing_evidence("too-few-vehicles", SUBJECT)
 def check_too_few_vehicles(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Whether all vehicles together cannot carry the demand of the required sites; nothing of ``data`` is read."""
+    """Infinity if all vehicles together cannot carry the demand of the required sites; nothing of ``data`` is read."""
     if not summable(problem):
         return verdict(proved=False)
     total = math.fsum(problem.sites.demand[problem.sites.required])
@@ -80,18 +83,7 @@ def check_too_few_vehicles(problem: RoutingProblem, data: Mapping[str, Any]) -> 
 
 @routing_evidence("bin-packing", SUBJECT)
 def check_bin_packing(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Whether the required demands need more vehicles than the fleet has, by the bound L2, all as large as the largest.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-    data : dict
-        ``threshold``: a size k. Demands above capacity - k share no vehicle with one of k or more.
-
-    Notes
-    -----
-    Source: Martello and Toth 1990, *Knapsack Problems*, section 8.3.
-    """
+    """Infinity if the required demands need more vehicles than there are, by the bound L2 at ``data``'s ``threshold``."""
     k = data.get("threshold")
     if isinstance(k, bool) or not isinstance(k, int | float) or not math.isfinite(k):
         raise InputError("evidence of bin packing has no finite threshold", found=str(k)[:80])
@@ -104,13 +96,9 @@ def check_bin_packing(problem: RoutingProblem, data: Mapping[str, Any]) -> float
 
 @routing_evidence("too-little-range", SUBJECT)
 def check_too_little_range(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Whether the required sites use more of a resource, each counted with the shortest move to it, than the fleet has.
+    """Infinity if the required sites use more of ``resource``, each counted with the shortest move to it, than the fleet has.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    data : dict
-        ``resource``: ``travel`` (time on the move), ``duration`` (and service) or ``distance``.
+    ``data``: ``resource``, one of ``travel`` (time on the move), ``duration`` (and service) and ``distance``.
     """
     resource = data.get("resource")
     if resource not in RESOURCES:
@@ -139,15 +127,9 @@ def check_too_little_range(problem: RoutingProblem, data: Mapping[str, Any]) -> 
 
 @routing_evidence("too-little-time", SUBJECT)
 def check_too_little_time(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Whether the required ``sites`` can only be begun between two moments, and ask for more time than all vehicles have between them.
+    """Infinity if the required ``sites`` must be begun between ``from`` and ``until``, and ask for more time than there is.
 
     Of a vehicle's sites among them, all but the last are served, and all but the first driven to, before the last one begins.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-    data : dict
-        ``sites``; ``from``, ``until``: the two moments.
     """
     moments = [data.get("from"), data.get("until")]
     low, high = (float(x) if isinstance(x, int | float) and not isinstance(x, bool) else math.nan for x in moments)
@@ -178,7 +160,7 @@ def check_too_little_time(problem: RoutingProblem, data: Mapping[str, Any]) -> f
 
 @routing_evidence("sites-apart", SUBJECT)
 def check_sites_apart(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Whether no two of the required ``sites`` fit on one route, and fewer vehicles than sites can serve any of them."""
+    """Infinity if no two of the required ``sites`` fit on one route, and fewer vehicles than sites can serve any of them."""
     named = np.array(named_customers(problem, data.get("sites")))
     if not summable(problem) or len(named) > MOST_APART or not problem.sites.required[problem.sites.customers[named - 1]].all():
         return verdict(proved=False)
@@ -197,7 +179,7 @@ def check_sites_apart(problem: RoutingProblem, data: Mapping[str, Any]) -> float
 
 @routing_evidence("sites-beyond-fleet", SUBJECT)
 def check_sites_beyond_fleet(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Whether no choice of routes serves the few ``sites`` named; where all customers are, the least number of routes counts too."""
+    """Infinity if no choice of routes serves the few ``sites``; where all customers are named, ``min_vehicles`` counts too."""
     named, types = np.array(named_customers(problem, data.get("sites"))), _types(problem)
     if not summable(problem) or len(named) > 10 or math.factorial(len(named)) * len(types) > MOST_ORDERS:
         return verdict(proved=False)
@@ -245,25 +227,17 @@ def _can_cover(sets: list[list[int]], counts: list[int], required: list[bool], l
 
 @routing_evidence("too-few-sites", SUBJECT)
 def check_too_few_sites(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Whether more routes are asked for than sites can be visited; nothing of ``data`` is read."""
+    """Infinity if more routes are asked for than sites can be visited; nothing of ``data`` is read."""
     visitable = len(problem.sites.customers) - int(out_of_reach(problem).sum())
     return verdict(proved=problem.min_vehicles > visitable)
 
 
 @routing_evidence("vehicles-needed")
 def check_vehicles_needed(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on a level of the number of vehicles, costs, durations and maxima, of which only the vehicles and maxima count.
+    """Bound on a level of the number of vehicles and maxima, beside costs and durations, by bin packing.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    data : dict
-        ``threshold``: a size k of the bound L2. Demands above capacity - k share no vehicle with one of k or more; all vehicles are taken
-        for as large as the largest.
-
-    Notes
-    -----
-    Source: Martello and Toth (1990), *Knapsack Problems*, section 8.3; docs/formulations/routing.md#vehicles.
+    ``data``: ``threshold``, a size of the bound L2; all vehicles are taken for as large as the largest.
+    docs/formulations/routing.md#vehicles.
     """
     k, relaxed, terms = number(data, "threshold"), without_stops(problem), terms_of(problem)
     sites = problem.sites

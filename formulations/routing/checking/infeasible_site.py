@@ -1,8 +1,4 @@
-"""Evidence that there is no answer: ``infeasible-site``, no vehicle can serve a required site.
-
-The arithmetic is redone from the data for every vehicle type. The bound that proves infeasibility is infinity for ``min`` and minus
-infinity for ``max``.
-"""
+"""Evidence that there is no answer: ``infeasible-site``, no vehicle of any type can serve a required site."""
 
 from __future__ import annotations
 
@@ -27,19 +23,7 @@ MOST_DETOURS = 5_000
 
 @routing_evidence("infeasible-site", "an unreachable site is")
 def check_infeasible_site(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Infinity (``min``) or minus infinity (``max``) if no route of any vehicle can visit a required site; else nothing is proved.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-    data : dict
-        ``site``: the id of the site, as the file names it.
-
-    Raises
-    ------
-    InputError
-        If there is no such site.
-    """
+    """Infinity if no route of any vehicle can visit the required ``site`` (its id) of ``data``; else nothing is proved."""
     name = data.get("site")
     index = problem.sites.index()
     if not isinstance(name, str) or name not in index:
@@ -62,7 +46,7 @@ def out_of_reach(problem: RoutingProblem) -> NDArray[np.bool_]:
 
 
 def verdict(*, proved: bool) -> float:
-    """The bound of a proof that there is no answer, and of no proof."""
+    """Bound of a proof that there is no answer, and of no proof."""
     return math.inf if proved else -math.inf
 
 

@@ -1,11 +1,8 @@
 """Evidence ``knapsack``: what visits are worth at most, where each takes a part of what all routes have of one resource.
 
-A route has one move into each of its sites and one out of it, so that it takes at least::
-
-    half of the least first move  +  sum over its sites of w_i  +  half of the least last move,   w_i half of the least moves in and out
-
-and all routes together at most the limits of all vehicles. At any price mu >= 0 of the resource the visits of an answer are worth at most
-mu times what the vehicles have, and sum_i max(0, r_i - mu w_i): the dual of the fractional knapsack.
+At any price of the resource it is the dual of a fractional knapsack, in which a visit takes half of the least moves in and out of its
+site;
+docs/formulations/routing.md#knapsack.
 """
 
 from __future__ import annotations
@@ -32,8 +29,10 @@ _EPS = float(np.finfo(np.float64).eps)
 
 
 def needs(problem: RoutingProblem, name: str) -> tuple[Floats, float] | None:
-    """What each visit takes of a resource at least, and what all vehicles have without half of their first and last moves; None where it
-    is not limited. For a problem without stops on the way."""
+    """What each visit takes of a resource at least, and what all vehicles have without half of their first and last moves.
+
+    None where the resource is not limited. For a problem without stops on the way.
+    """
     terms, customers = terms_of(problem), problem.sites.customers
     assert terms is not None
     least, room = np.full(len(customers), math.inf), 0.0
@@ -55,15 +54,8 @@ def needs(problem: RoutingProblem, name: str) -> tuple[Floats, float] | None:
 def check_knapsack(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on an objective of rewards or penalties; costs beside them count as nothing.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    data : dict
-        ``resource``: ``time, load, distance, duration`` or ``energy``; ``rate``: the price of a unit of it, negative ones read as 0.
-
-    Notes
-    -----
-    Source: Dantzig (1957); Leifer and Rosenwein (1994) for orienteering; docs/formulations/routing.md#knapsack.
+    ``data``: ``resource``, and ``rate``, the price of a unit of it, negative ones read as 0.
+    Source: Dantzig (1957); Leifer and Rosenwein (1994) for orienteering.
     """
     name, rate = data.get("resource"), max(0.0, number(data, "rate"))
     refuse_unknown_resources([str(name)], RESOURCES, str(name))

@@ -1,15 +1,10 @@
 """Evidence ``load-shares`` and ``nearest-moves``: what each customer pays of the routes at least, which adds up site by site.
 
-``load-shares``: of a route through a customer, its load pays the part that it takes of the vehicle. A route goes to its farthest customer
-and comes back. The loads of its customers are no more than the vehicle holds, so that it costs::
-
-    A + max over its sites of r_i  >=  A + sum over its sites of (q_i / Q) r_i
-
-with the cost A of a vehicle, and the cost r_i of the way out to i and home.
-
-``nearest-moves``: each customer is entered and left by one move, and each route leaves a depot and comes back to one. Half of a move is
-paid by either end of it. A customer pays half of its two least moves, from two sites or a depot; the depots pay for as many routes as the
-loads need half of the least moves to, and from, as many customers.
+``load-shares``: the loads on a route are no more than the vehicle holds, so that the load of each customer pays its part of the vehicle
+and
+of the way out to it and home. ``nearest-moves``: half of a move is paid by either end of it, so that a customer pays half of its two
+least moves, from two sites or a depot, and the depots half of the least first and last moves of as many routes as loads need.
+Formulas: docs/formulations/routing.md#load-shares.
 """
 
 from __future__ import annotations
@@ -38,16 +33,9 @@ _EPS = float(np.finfo(np.float64).eps)
 
 @routing_evidence("load-shares")
 def check_load_shares(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the first level of the objective by loads alone; nothing of ``data`` is read.
+    """Bound on the first level of the objective by loads alone; nothing of ``data`` is read, and maxima count as nothing.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        Objective: cost, duration and vehicles, rewards and penalties; maxima beside them count as nothing.
-
-    Notes
-    -----
-    Source: Haimovich and Rinnooy Kan (1985), bounds for capacitated routing problems; docs/formulations/routing.md#load-shares.
+    Source: Haimovich and Rinnooy Kan (1985), bounds for capacitated routing problems.
     """
     relaxed, terms = relaxed_terms(problem)
     if terms is None or terms.vehicles < 0:
@@ -63,7 +51,7 @@ def _fixed(terms: Terms, vehicle: VehicleType) -> float:
 
 
 def _shares(problem: RoutingProblem, terms: Terms, vehicle: VehicleType, cheapest: float) -> Floats:
-    """What each customer pays of any route of a vehicle beyond the cost of the cheapest vehicle; infinite where it cannot serve it."""
+    """What each customer pays of any route of a vehicle beyond the cheapest vehicle; infinite where it cannot be served."""
     sites, at = problem.sites, problem.sites.customers
     load, room = sites.demand[at], allowed(vehicle.capacity)
     part = load / room if 0.0 < room < math.inf else np.where((load > 0.0) & (room <= 0.0), math.inf, 0.0)
@@ -74,12 +62,12 @@ def _shares(problem: RoutingProblem, terms: Terms, vehicle: VehicleType, cheapes
 
 
 def fewest_routes(problem: RoutingProblem) -> int:
-    """Routes that the loads of required sites need, or that are asked for."""
+    """Number of routes that the loads of required sites need, or that are asked for."""
     return max(problem.min_vehicles, int(needed_routes(problem, np.ones(len(problem.customers), dtype=bool))))
 
 
 def summed(problem: RoutingProblem, terms: Terms, paid: Floats, fixed: float) -> float:
-    """A bound from what each visit pays of the costs, all routes together ``fixed`` besides; minus infinity where it is no number."""
+    """Bound from what each visit pays of the costs, all routes together ``fixed`` besides; minus infinity where it is no number."""
     sites, at = problem.sites, problem.sites.customers
     worth = terms.reward * sites.reward[at] - terms.penalties * sites.penalty[at] + paid
     # No route is shorter than nothing, and none comes home before the first departure.
@@ -96,17 +84,8 @@ def summed(problem: RoutingProblem, terms: Terms, paid: Floats, fixed: float) ->
 
 @routing_evidence("nearest-moves")
 def check_nearest_moves(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the first level of the objective by the least moves at each site; nothing of ``data`` is read.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-        Objective: cost, duration and vehicles, rewards and penalties; maxima beside them count as nothing.
-
-    Notes
-    -----
-    docs/formulations/routing.md#load-shares.
-    """
+    """Bound on the first level of the objective by the least moves at each site; nothing of ``data`` is read, and maxima count as
+    nothing."""
     relaxed, terms = relaxed_terms(problem)
     if terms is None or terms.vehicles < 0:
         return -math.inf

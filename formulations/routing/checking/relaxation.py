@@ -1,9 +1,9 @@
-"""What every set of routes obeys, written down for the checkers: one depot, one kind of vehicle, arcs with costs and resources.
+"""What every set of routes obeys, for the checkers: one depot, one kind of vehicle, arcs with costs and resources.
 
 Depots are merged into one node, vehicle types into the best of all of them, which only adds routes and lowers costs: a bound for
 the merged fleet is one for the fleet. All limits are widened by what ``evaluate`` lets pass (``tolerance``), so that a bound holds for
-every answer that it accepts. Plain numpy over full matrices. Which levels and arcs are within reach is worked out here once more, apart
-from ``preparation`` and ``instances.routing.reach``: an arc that these drop by mistake is still priced here.
+every answer that it accepts. Which levels and arcs are within reach is worked out here once more, apart from ``preparation`` and
+``instances.routing.reach``: an arc that these drop by mistake is still priced here.
 """
 
 from __future__ import annotations
@@ -39,18 +39,11 @@ _LEAST_STEP = 1e-4
 class Resource:
     """Something that grows along a route; node 0 is the depot, the others are the customers in site order.
 
-    Parameters
-    ----------
-    weight : array of shape (nodes, nodes)
-        What the move i -> j adds at least; waiting may add more.
-    start : float
-        Level on leaving the depot.
-    lower, upper : arrays of shape (nodes,)
-        Levels at which a route of an accepted answer can stand at a node; ``upper[0]`` on return. After ``narrowed``: reachable levels.
-    slack : float
-        By how much a level may lie outside from rounding.
-    size : float
-        No level, limit or weight is larger than half of it.
+    ``weight`` is what each move adds at least, shape (nodes, nodes), ``start`` the level on leaving the depot, ``lower`` and ``upper``
+    the levels
+    at which a route of an accepted answer can stand at a node (``upper[0]`` on return); rounding may add ``slack``, and no level, limit
+    or
+    weight is larger than half of ``size``.
     """
 
     weight: Floats
@@ -65,20 +58,13 @@ class Resource:
 class Relaxation:
     """Arcs that some route may use, their costs, and how many routes there are.
 
-    Parameters
-    ----------
-    customers : array of int
-        Site index of nodes 1, 2, ...
-    cost : array of shape (nodes, nodes)
-        Share of an arc in the first level of the objective; infinite for an arc that no feasible route can use.
-    fewest, most : int
-        Number of routes of any feasible answer; ``fewest > most`` if there is none.
-    resources : dict
-        By name: ``time, load, distance, duration, energy``; only those that are limited, and ``time`` always.
-    grain : Grain or None
-        Of which the objective of every answer is a multiple.
-    first, last : bool arrays of shape (customers,)
-        Customers who can only be the first of their route, and only the last, for no arc joins them to another one.
+    ``customers`` are the sites of nodes 1, 2, ...; ``cost`` of shape (nodes, nodes) is the share of an arc in the first level of the
+    objective,
+    infinite for one that no feasible route can use; there is no answer if ``fewest > most``. ``resources`` are those that are limited,
+    and
+    ``time`` always; the objective of every answer is a multiple of ``grain``; ``first`` and ``last`` mark customers who can only be the
+    first
+    and the last of their route.
     """
 
     customers: NDArray[np.int64]
@@ -91,15 +77,15 @@ class Relaxation:
     last: Flags
 
     def cheapest_routes(self, depot: Floats, per_route: float, surely: Flags) -> float:
-        """Least sum of ``k`` of ``depot``, those of ``surely`` among them, plus ``k per_route`` over all numbers k of routes; infinite if
-        none fits."""
+        """Least sum of ``k`` of ``depot``, those of ``surely`` among them, plus ``k per_route`` over all numbers k of routes; infinite
+        if none fits."""
         least, rest = int(surely.sum()), np.sort(depot[~surely])
         fixed = depot[surely]
         return min(math.fsum([*fixed, *rest[: k - least]]) + per_route * k for k in range(self.fewest, self.most + 1))
 
 
 def relax(problem: RoutingProblem) -> Relaxation | None:
-    """The relaxation of ``problem``; None where its objective is no sum over arcs, where sites may be left out, or for unknown features."""
+    """The relaxation; None where the objective is no sum over arcs, where sites may be left out, or for unknown features."""
     problem = without_stops(problem)
     weights = None if unknown_features(problem) else _term_weights(problem)
     customers = problem.sites.customers
@@ -177,7 +163,7 @@ def first_move(problem: RoutingProblem, of: Callable[[VehicleType], Floats]) -> 
 
 
 def limited_resources(problem: RoutingProblem) -> dict[str, Resource]:
-    """What grows along a route and is limited: ``time`` always, the others where every vehicle has a limit on them."""
+    """Resources that are limited: ``time`` always, the others where every vehicle has a limit on them."""
     sites, fleet = problem.sites, problem.fleet
     at = sites.customers
     zeros, free = np.zeros(len(at) + 1), np.full(len(at) + 1, math.inf)
@@ -229,7 +215,7 @@ def limited_resources(problem: RoutingProblem) -> dict[str, Resource]:
 
 
 def order_resource(customers: int) -> Resource:
-    """Moves so far: a route that visits each of its customers once makes one more at most."""
+    """Number of moves so far: a route that visits each of its customers once makes one more at most."""
     n = customers + 1
     lower, upper = np.ones(n), np.full(n, float(customers))
     lower[0], upper[0] = 0.0, float(n)
@@ -252,9 +238,9 @@ def _widened_resource(
 ) -> Resource:
     """Limits widened by what a check lets pass; infinite ones are replaced by a level that no earliest schedule exceeds.
 
-    ``clock`` is the largest time at which a route starts, ``rounded`` the size of numbers from which the judge computes levels.
-    Where all data are multiples of 0.001 (and all that counts is looked at: ``alike``), levels are, and none can exceed a limit by as
-    little as what is let pass.
+    ``clock`` is the largest time at which a route starts, ``rounded`` the size of numbers from which the judge computes levels. Where all
+    data
+    are multiples of 0.001 (and all that counts is looked at: ``alike``), no level can exceed a limit by as little as what is let pass.
     """
     top = max(start, float(lower.max())) + float(weight.max(axis=1).sum())
     wider = widening(upper, clock)

@@ -35,17 +35,11 @@ _EPS = float(np.finfo(np.float64).eps)
 
 @routing_evidence("farthest-round-trip")
 def check_farthest_round_trip(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on a first level of maxima (makespan, longest route, latest return) that should be small; nothing of ``data`` is read.
+    """Bound on a minimised first level of maxima (makespan, longest route, latest return); nothing of ``data`` is read.
 
-    Returns
-    -------
-    float
-        Minus infinity where the level holds anything else.
-
-    Notes
-    -----
     Source: Frederickson, Hecht, Kim (1978), "Approximation algorithms for some routing problems"; ways lead over other sites and depots,
-    so that no triangle inequality is assumed; docs/formulations/routing.md#makespan.
+    so
+    that no triangle inequality is assumed; docs/formulations/routing.md#makespan.
     """
     level = problem.objective.levels()[0].terms
     relaxed = without_stops(problem)
@@ -55,7 +49,7 @@ def check_farthest_round_trip(problem: RoutingProblem, data: Mapping[str, Any]) 
 
 
 def least_peak(problem: RoutingProblem, name: str) -> float:
-    """A bound on the term ``name`` of any answer of a problem without stops on the way."""
+    """Bound on the term ``name`` of any answer of a problem without stops on the way."""
     sites, customers = problem.sites, problem.sites.customers
     clock = name == "latest-return"
     start = min(departure(problem, v) for v in problem.fleet) if clock else 0.0
@@ -116,17 +110,8 @@ def totals(problem: RoutingProblem) -> RoutingProblem | None:
 
 @routing_evidence("averaged-tour")
 def check_averaged_tour(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the makespan, the longest route or the latest return.
+    """Bound on the makespan, the longest route or the latest return; ``data``: ``kind`` and ``data`` of evidence of ``SUMS``.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    data : dict
-        ``kind`` and ``data`` of evidence for the sum of all routes: ``spanning-tree``, ``arc-multipliers``, ``set-partitioning-duals`` or
-        ``state-space``.
-
-    Notes
-    -----
     Source: Frederickson, Hecht, Kim (1978); docs/formulations/routing.md#makespan.
     """
     kind, given = data.get("kind"), data.get("data")

@@ -1,8 +1,10 @@
 """Which sites one vehicle can serve on one route at most: the arithmetic that every proof of infeasibility in routing rests on.
 
 Whatever is not shown to be impossible counts as possible. Visits that a proof does not name are free detours, so that the triangle
-inequality is never assumed, and every limit is widened by what ``evaluate`` lets pass. Shortest ways and earliest times are worked out here
-once more, apart from ``reachability`` and ``instances.routing.reach``, which only suspect: what is wrong there must not be confirmed here.
+inequality is never assumed, and every limit is widened by what ``evaluate`` lets pass. Shortest ways and earliest times are worked out
+here
+once more, apart from ``reachability`` and ``instances.routing.reach``, which only suspect: what is wrong there must not be confirmed
+here.
 """
 
 from __future__ import annotations
@@ -43,22 +45,14 @@ def summable(problem: RoutingProblem) -> bool:
 
 @dataclass(frozen=True)
 class Limits:
-    """One vehicle type over the nodes start (0), customers in site order (1 to n) and end (n + 1).
+    """Limits of one vehicle type, all widened, over the nodes start (0), customers in site order (1 to n) and end (n + 1).
 
-    Attributes
-    ----------
-    ready, due, demand : arrays of shape (nodes,)
-    busy : array of shape (nodes, nodes)
-        Service at the tail and the move.
-    budgets : list of (weights of shape (nodes, nodes), limit)
-        Sums along a route that are limited; the limits are widened for good.
-    spans : list of (rate, limit, fixed)
-        ``rate`` times the time to the return is limited: from the opening of the depot (``fixed``), or from the latest departure.
-        Widened too.
-    chances : list of (means, variances, deviations, limit)
-        Sums along a route of ``means``, and so many times the root of those of ``variances``, are limited together. Widened too.
-    capacity, horizon, rounding : float
-        ``horizon``: no earliest schedule runs longer; ``rounding``: what sums of times along any route may be wrong by.
+    ``busy`` is the service at the tail and the move, shape (nodes, nodes). ``budgets`` are weights of moves of which the sum along a
+    route is
+    limited, ``spans`` (rate, limit, fixed) limits on ``rate`` times the time to the return, from the opening of the depot (``fixed``) or
+    from the latest departure, ``chances`` (means, variances, deviations, limit) limits on a sum of means and so many times the root of
+    one
+    of variances. No earliest schedule runs longer than ``horizon``; sums of times along any route may be wrong by ``rounding``.
     """
 
     ready: Floats
@@ -89,7 +83,7 @@ class Limits:
 
 
 def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
-    """What ``vehicle`` must keep to."""
+    """The limits that ``vehicle`` must keep to."""
     sites = problem.sites
     at = np.concatenate([[vehicle.start], sites.customers, [vehicle.end]])
     grid = np.ix_(at, at)
@@ -272,13 +266,7 @@ def _ways(weight: Floats, nodes: Nodes, through: Nodes) -> Floats:
 
 
 def named_customers(problem: RoutingProblem, names: object) -> list[int]:
-    """Nodes of the customers that evidence names.
-
-    Raises
-    ------
-    InputError
-        If ``names`` is no list of different ids of customers.
-    """
+    """Nodes of the customers that evidence names; raises InputError if ``names`` is no list of different ids of customers."""
     index = problem.sites.index()
     if not isinstance(names, Sequence) or isinstance(names, str) or not names or not all(isinstance(x, str) and x in index for x in names):
         raise InputError("evidence names unknown sites", expected="a list of ids of sites", found=str(names)[:80])

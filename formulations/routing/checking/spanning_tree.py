@@ -1,11 +1,7 @@
 """Evidence ``spanning-tree``: a bound from node prices, in the manner of Held and Karp, for any number of routes.
 
-Take k routes through all customers and drop the closing arc of each. What is left is a spanning tree of depot and customers in
-which k edges touch the depot (the routes' first arcs); the k dropped arcs end in k different customers. Each customer has two
-ends in all of them, so for any prices lambda, and any price theta of a tree edge at the depot, the cost is at least::
-
-    min over k of  [ MST(c_ij + lambda_i + lambda_j, c_0j + lambda_j + theta)  -  k theta
-                     + the k smallest of (c_i0 + lambda_i) ]  -  2 sum lambda
+k routes through all customers without their closing arcs are a spanning tree of depot and customers in which k edges touch the depot, and
+the k dropped arcs end in k different customers; docs/formulations/routing.md#spanning-tree has the bound.
 """
 
 from __future__ import annotations
@@ -30,30 +26,12 @@ Floats = NDArray[np.float64]
 
 @routing_evidence("spanning-tree", "a spanning tree is")
 def check_spanning_tree(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the first level of the objective that any node prices prove.
+    """Bound on total cost, the number of vehicles, or a weighted sum of them, that any node prices prove.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        Objective: total cost, the number of vehicles, or a weighted sum of them; no optional sites.
-    data : dict
-        ``multipliers``: one number a site (entries of depots are ignored); ``depot``, optional: the price theta.
+    ``data``: ``multipliers``, one number a site (entries of depots are ignored); ``depot``, optional: the price of a tree edge at the
+    depot.
 
-    Returns
-    -------
-    float
-        The bound, rounded up to the granularity of the costs; minus infinity where nothing is proved, infinity where no tree of
-        usable arcs joins all customers.
-
-    Raises
-    ------
-    InputError
-        If the list is missing, too short or too long, or holds anything but finite numbers.
-
-    Notes
-    -----
-    Source: Held and Karp (1970, 1971) for one route; Christofides, Mingozzi, Toth (1981) for k-degree centre trees;
-    docs/formulations/routing.md#spanning-tree.
+    Source: Held and Karp (1970, 1971) for one route; Christofides, Mingozzi, Toth (1981) for k-degree centre trees.
     """
     prices, theta = numbers(data, "multipliers", len(problem.sites)), number(data, "depot", 0.0)
     relaxed = relax(problem)

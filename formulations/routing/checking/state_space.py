@@ -1,13 +1,9 @@
 """Evidence ``state-space``: a Lagrangian bound from one price a site, over the best walk of each type of vehicle at these prices.
 
-An answer is a set of routes; with prices u of visits, u_i <= 0 counted for a site that may be left out, it costs at least::
-
-    sum of u_i (required)  +  sum of min(0, u_i) (optional)  +  min over numbers k_v of routes of   sum_v k_v z_v
-
-with z_v at most the cost of any route of a vehicle of type v less the prices of its visits. Routes are relaxed to walks from the start to
-the end of the vehicle that never return straight to where they came from (no i-j-i), and on which one resource, such as time, load or
-distance, is counted in whole steps and within its limits. z_v is found by dynamic programming over steps and sites. The limits of
-other resources may be priced as well (``shares``): each route keeps them, so that a multiple of what it leaves over is no cost.
+Routes are relaxed to walks from the start to the end of the vehicle that never return straight to where they came from (no i-j-i), and on
+which one resource is counted in whole steps and within its limits, by dynamic programming over steps and sites. The limits of other
+resources may be priced as well (``shares``): each route keeps them, so that a multiple of what it leaves over is no cost.
+docs/formulations/routing.md#state-space.
 """
 
 from __future__ import annotations
@@ -47,32 +43,16 @@ _EPS = float(np.finfo(np.float64).eps)
 
 @routing_evidence("state-space")
 def check_state_space(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the first level of the objective that any prices of visits prove (weak duality).
+    """Bound on the first level of the objective that any prices of visits prove; maxima count by the farthest round trip.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        With any features and any terms; maxima (makespan, ...) count by the farthest round trip.
-    data : dict
-        ``prices``: one number a site (entries of depots are ignored); ``resource``: what is counted (``time, load, distance, duration,
-        energy``, or ``order``, the number of moves); ``step``: a positive number of its units; ``shares``, optional: non-negative prices
-        by the name of another resource.
+    ``data``: ``prices``, one number a site (entries of depots are ignored); ``resource``, which is counted (also ``order``, the number of
+    moves);
+    ``step``, a positive number of its units; ``shares``, optional: non-negative prices by the name of another resource. Nothing is proved
+    where
+    there are too many steps, or no walk at all.
 
-    Returns
-    -------
-    float
-        The bound, moved to the next multiple that the objective can take; minus infinity (of a minimisation) where nothing is proved,
-        because there are too many steps, or no walk at all.
-
-    Raises
-    ------
-    InputError
-        If numbers are missing or not finite, or a resource is unknown.
-
-    Notes
-    -----
     Source: Christofides, Mingozzi, Toth (1981), "State-space relaxation procedures"; Houck, Picard, Queyranne, Vemuganti (1980) for walks
-    without i-j-i; docs/formulations/routing.md#state-space.
+    without i-j-i.
     """
     prices, step, name = numbers(data, "prices", len(problem.sites)), number(data, "step"), data.get("resource")
     given = data.get("shares", {})

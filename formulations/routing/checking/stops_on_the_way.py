@@ -36,7 +36,7 @@ def explicit(distances: Floats, durations: Floats) -> Travel:
 
 
 def without_stops(problem: RoutingProblem) -> RoutingProblem:
-    """``problem`` itself where no vehicle stops on the way."""
+    """The problem without stops on the way; ``problem`` itself where no vehicle makes any."""
     if not any(v.reloads or v.stations for v in problem.fleet):
         return problem
     fleet = []

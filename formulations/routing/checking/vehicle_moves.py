@@ -38,7 +38,7 @@ class Terms:
 
 
 def terms_of(problem: RoutingProblem) -> Terms | None:
-    """None where less cost, duration or a smaller maximum would be worse: no bound of these is known."""
+    """Weights of the first level; None where less cost, duration or a smaller maximum would be worse: no bound of these is known."""
     sign = 1.0 if problem.sense == "min" else -1.0
     found: dict[str, float] = {}
     for weight, term in problem.objective.levels()[0].terms:
@@ -69,7 +69,7 @@ def alike(problem: RoutingProblem) -> dict[VehicleType, int]:
 
 
 def constants(problem: RoutingProblem, terms: Terms) -> list[float]:
-    """What adds up to no more than the part of the objective that routes and visits do not change."""
+    """Numbers that add up to no more than the part of the objective that routes and visits do not change."""
     sites, customers = problem.sites, problem.sites.customers
     parts = [w * least_peak(problem, peak) for peak, w in terms.peaks.items()]
     parts += (terms.penalties * sites.penalty[customers]).tolist()  # visits take it back, also those that must be
@@ -77,7 +77,7 @@ def constants(problem: RoutingProblem, terms: Terms) -> list[float]:
 
 
 def worth_of_visits(problem: RoutingProblem, prices: Floats) -> Floats:
-    """What the prices of an answer's visits add up to at least, site by site; of a group with one visit the least price, at its first."""
+    """Least sum of the prices of an answer's visits, site by site; of a group with one visit the least price, at its first site."""
     sites = problem.sites
     made = np.where(sites.required[sites.customers], prices, np.minimum(prices, 0.0))
     node = {site: k for k, site in enumerate(sites.customers.tolist())}
@@ -90,12 +90,7 @@ def worth_of_visits(problem: RoutingProblem, prices: Floats) -> Floats:
 
 
 def needed_routes(problem: RoutingProblem, members: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """How many routes at least serve the required customers among ``members``: one if there are any, and as many as their loads take.
-
-    Parameters
-    ----------
-    members : bool array of shape (..., customers)
-    """
+    """Least number of routes for the required customers among ``members``, of shape (..., customers): as many as their loads take."""
     sites, customers = problem.sites, problem.sites.customers
     required = sites.required[customers]
     loads = members @ np.where(required, sites.demand[customers], 0.0) * (1.0 - 4.0 * (len(customers) + 2) * _EPS)
@@ -106,7 +101,7 @@ def needed_routes(problem: RoutingProblem, members: NDArray[np.bool_]) -> NDArra
 
 
 def value_grain(problem: RoutingProblem, terms: Terms) -> Grain | None:
-    """Of what every value of the objective is a multiple."""
+    """The number of which every value of the objective is a multiple."""
     timed = {"duration-cost", "overtime", "vehicle-travel", "vehicle-speeds", "committed-vehicles"}
     if terms.peaks or terms.duration or (terms.cost and problem.features() & timed):
         return None
@@ -118,15 +113,11 @@ def value_grain(problem: RoutingProblem, terms: Terms) -> Grain | None:
 
 @dataclass(frozen=True, eq=False)
 class VehicleMoves:
-    """What a type of vehicle can do, over its depot (0: start and end) and the customers.
+    """Moves of a type of vehicle over its depot (0: start and end) and the customers.
 
-    Parameters
-    ----------
-    cost : array of shape (nodes, nodes)
-        Of moves less the prices of the sites they enter; infinite where there is no move.
-    resources : dict of Resource
-    size : float
-        Sum of the sizes of what the costs were added up from.
+    ``cost`` of shape (nodes, nodes) is less the prices of the sites that moves enter, infinite where there is no move; ``size`` is the
+    sum of
+    the sizes of what costs were added up from.
     """
 
     cost: Floats

@@ -40,13 +40,12 @@ def by_coordinates(problem: RoutingProblem) -> bool:
 
 
 def rates(terms: Terms, vehicle: VehicleType) -> tuple[float, float]:
-    """What a unit of distance, and one of time, of a vehicle cost in the first level of the objective."""
+    """Cost of a unit of distance, and of one of time, of a vehicle in the first level of the objective."""
     return terms.cost * vehicle.unit_cost, terms.cost * vehicle.unit_duration_cost + terms.duration
 
 
 def least_round_trips(problem: RoutingProblem, terms: Terms, vehicle: VehicleType) -> tuple[Floats, float]:
-    """What a route through each customer costs for its moves at least, shape (customers,), were each of its moves dearer by the second
-    number, which is what roundings take off it."""
+    """Least cost of the moves of a route through each customer, shape (customers,), and what roundings take off it at most."""
     travel, at = _travel(problem, vehicle), problem.sites.customers
     of_distance, of_time = rates(terms, vehicle)
     if _metric(travel):
@@ -59,8 +58,7 @@ def least_round_trips(problem: RoutingProblem, terms: Terms, vehicle: VehicleTyp
 
 
 def least_moves_at(problem: RoutingProblem, terms: Terms) -> tuple[Floats, Floats, Floats]:
-    """What the two moves at each customer cost at least together, and the least move from a depot to it and from it to a depot; shape
-    (customers,) each."""
+    """Least cost of the two moves at each customer together, and the least move from a depot to it and from it to a depot."""
     at, fleet = problem.sites.customers, problem.fleet
     none = np.full(len(at), np.inf)
     into, out, other, first, last = none, none, none, none, none
