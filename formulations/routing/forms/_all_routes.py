@@ -38,7 +38,7 @@ class Priced:
 
 
 def orders_of_stops(problem: RoutingProblem) -> int:
-    """How many orders of stops there may be: between two sites any choice of depots, none twice."""
+    """Number of orders of stops there may be: between two sites any choice of depots, none twice."""
     n, total = len(problem.customers), 0
     for vehicle in problem.fleet:
         depots = len({*vehicle.reloads, *vehicle.stations})
@@ -89,7 +89,7 @@ class Walk:
         yield from self._further((), frozenset())
 
     def _further(self, visits: tuple[int, ...], since: frozenset[int]) -> Iterator[Priced]:
-        """Routes that begin so; ``since`` are the depots since the last site."""
+        """Routes that begin with ``visits``; ``since`` are the depots since the last site."""
         for site in self.customers:
             if site not in visits and all(p in visits for p in self.needs.get(site, ())) and self.may_begin((*visits, site)):
                 found = self.priced((*visits, site))
@@ -124,7 +124,7 @@ class Walk:
     # -- one of them -------------------------------------------------------------------------------------------------
 
     def priced(self, visits: tuple[int, ...]) -> Priced | None:
-        """What the route adds up to; None where it breaks a limit."""
+        """Amounts that the route adds up to; None where it breaks a limit."""
         vehicle, stops = self.vehicle, (self.vehicle.start, *visits, self.vehicle.end)
         moves = list(pairwise(stops))
         distance = math.fsum(self.length[i][j] for i, j in moves)
@@ -148,7 +148,8 @@ class Walk:
         return Priced(self.kind, visits, distance, duration, finish, cost, reward, penalty, overrun)
 
     def _overrun(self, moves: list[tuple[int, int]], duration: float) -> float | None:
-        """How likely the route takes too long or draws too much, None where it is too likely. Nobody waits where durations are limited."""
+        """Probability that the route takes too long or draws too much; None where it is too large. Nobody waits where durations are
+        limited."""
         vehicle, energy = self.vehicle, self.vehicle.energy
         variance = 0.0 if self.spread is None else math.fsum(self.spread[i][j] for i, j in moves)
         if variance == 0.0:
@@ -186,11 +187,12 @@ class Walk:
         return clock
 
     def _departing(self, stops: tuple[int, ...], finish: float, size: float) -> tuple[float, float]:
-        """Time from departure to return, and the return, by the schedule that counts: of those that keep the limits the shortest one, or
-        where the latest return is asked for the one that returns first.
+        """Duration and return by the schedule that counts: the shortest within the limits, or the first to return where that is asked
+        for.
 
-        It departs as early as it may, or such that it meets the end of a window or a closing move, or where stops have several windows the
-        begin of one. Where no stop has, it delays nothing.
+        It departs as early as it may, or such that it meets the end of a window or a closing move, or where stops have several windows
+        the begin of
+        one. Where no stop has, it delays nothing.
         """
         busy = math.fsum(self.time[i][j] for i, j in pairwise(stops)) + math.fsum(self.service[k] for k in stops[1:-1])
         if finish - self.opens <= busy:
@@ -274,5 +276,5 @@ class Walk:
 
 
 def way_home(problem: RoutingProblem, kind: int) -> Priced | None:
-    """That of a committed vehicle which serves nobody; None where it breaks a limit."""
+    """The way straight home of a committed vehicle that serves nobody; None where it breaks a limit."""
     return Walk(problem, kind).priced(())

@@ -37,7 +37,7 @@ Weights = dict[str, float]
 
 
 def weights_of_levels(problem: RoutingProblem) -> list[Weights]:
-    """Of each level of the objective, those of the terms that some level holds: a term is written whichever level it decides."""
+    """Weights of each level of the objective, for the terms that any level holds: a term is written whichever level it decides."""
     found: list[Weights] = []
     for level in problem.objective.levels():
         found.append({})
@@ -53,7 +53,7 @@ def weights(problem: RoutingProblem) -> Weights:
 
 
 def _prices(weight: Weights, vehicle: VehicleType) -> tuple[float, float]:
-    """Of one unit of duration and of overtime."""
+    """Weights of one unit of duration and of overtime."""
     of_cost = weight.get("total-cost", 0.0)
     overtime = vehicle.unit_overtime_cost if math.isfinite(vehicle.regular_duration) else 0.0
     return of_cost * vehicle.unit_duration_cost + weight.get("total-duration", 0.0), of_cost * overtime
@@ -80,7 +80,7 @@ def adverse(problem: RoutingProblem) -> frozenset[str]:
 
 
 def idle_cost(problem: RoutingProblem, kind: VehicleColumns) -> float:
-    """What a committed vehicle costs on its way straight home, but for durations that have variables."""
+    """Cost of a committed vehicle on its way straight home, but for durations that have variables."""
     weight, vehicle = weights(problem), kind.vehicle
     paid = weight.get("total-cost", 0.0) * (vehicle.fixed_cost + vehicle.unit_cost * kind.idle_distance)
     return paid if waiting_is_possible(problem) else paid + _prices(weight, vehicle)[0] * kind.idle_duration
@@ -165,7 +165,7 @@ def _longest_route(made: Written, weight: float) -> None:
 
 
 def _farthest(kind: VehicleColumns, length: Floats) -> float:
-    """No route is longer than the longest moves out of all nodes together."""
+    """Bound on the length of a route: the longest moves out of all nodes together."""
     out = np.zeros(kind.prep.nodes)
     np.maximum.at(out, kind.tail, length)
     return float(out.sum())

@@ -23,13 +23,7 @@ def used(x: Floats) -> NDArray[np.bool_]:
 
 
 def routes_of(prep: Preparation, arcs: NDArray[np.integer], names: Sequence[str]) -> list[Route]:
-    """The routes that the given arcs make up.
-
-    Raises
-    ------
-    InputError
-        If a node is left twice, a route does not end, or arcs form a cycle without the depot.
-    """
+    """The routes that the given arcs make up; raises InputError where they make up none."""
     following: dict[int, int] = {}
     firsts: list[int] = []
     for tail, head in zip(prep.tail[arcs].tolist(), prep.head[arcs].tolist(), strict=True):
@@ -72,13 +66,7 @@ class ArcIndex:
         return np.where(self._keys[at] == keys, at, -1)
 
     def nodes_of(self, route: Route, names: Sequence[str], stops: dict[int, int] | None = None) -> NDArray[np.int64]:
-        """Nodes of a route, both ends included; of a depot on the way the first copy that is not among the ``stops`` counted so far.
-
-        Raises
-        ------
-        InputError
-            For a site that is no customer, or a depot without a copy left.
-        """
+        """Nodes of a route, both ends included; of a depot on the way the first copy that is not among the ``stops`` counted so far."""
         made, taken = [0], {} if stops is None else stops
         for site in route.visits:
             nodes = self._nodes.get(site)

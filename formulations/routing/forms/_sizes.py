@@ -26,10 +26,7 @@ MATRICES_OF_RESOURCE = 3
 
 
 def moves(problem: RoutingProblem, kind: int = 0) -> float:
-    """About how many moves some route of a type of vehicle can make: those that keep windows and capacity by themselves.
-
-    Routes can make fewer, never more but for the sites that were not looked at.
-    """
+    """Estimate of the moves that some route of a type of vehicle can make: those that keep windows and capacity by themselves."""
     vehicle, sites, at, travel = problem.fleet[kind], problem.sites, problem.customers, problem.travel_of(kind)
     n, further = len(at), len(copies(problem))
     some = at[np.unique(np.linspace(0, n - 1, min(SAMPLE, n)).astype(np.int64))] if n else at
@@ -49,7 +46,7 @@ def moves(problem: RoutingProblem, kind: int = 0) -> float:
 
 
 def resources(problem: RoutingProblem, kind: int = 0) -> list[str]:
-    """Names of what a type of vehicle has limits on."""
+    """Names of the resources of which a type of vehicle has limits."""
     vehicle, sites, at = problem.fleet[kind], problem.sites, problem.customers
     found = []
     last = min(float(sites.due[vehicle.end]), vehicle.shift[1])
@@ -71,7 +68,7 @@ def _work(problem: RoutingProblem, limited: int) -> float:
 
 
 def two_index(problem: RoutingProblem, flows: Callable[[str], bool], connected: bool = False) -> ProgramSize:
-    """Size of the programs of ``two_index``, which write resources as arc flows where ``flows`` says so, and as node levels elsewhere."""
+    """Size of the programs of ``two_index``; resources are arc flows where ``flows`` says so, and node levels elsewhere."""
     n, arcs, held = len(problem.customers), moves(problem), resources(problem)
     if connected or set(held) <= {"time"} or not held:
         held = [*held, "order"]

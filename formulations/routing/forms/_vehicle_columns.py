@@ -15,6 +15,7 @@ from ...programs.program import Floats, Rows, Variables
 from ...programs.rows import Ints, Part, rows
 from ...tolerance import widened
 from ..preparation import Preparation, prepare, waiting_is_possible
+from ._blocks import Blocks
 from ._objective import durations_count
 
 if TYPE_CHECKING:
@@ -112,27 +113,17 @@ class Drive:
     clock: Floats
 
 
-class Written:
+class Written(Blocks):
     """Columns and rows of a program, block after block, and how an answer fills what is beside arcs and times."""
 
     def __init__(self, problem: RoutingProblem, types: Sequence[VehicleColumns]) -> None:
-        self.problem, self.types = problem, types
+        super().__init__(problem)
+        self.types = types
         self.nodes = types[0].prep.nodes - 2
         self.names = types[0].names
-        self.variables: list[Variables] = []
-        self.rows: list[Rows] = []
         self.cones: list[Cones] = []
         self.columns = types[-1].end
         self.encoders: list[Callable[[Floats, list[Drive]], None]] = []
-
-    def add_columns(
-        self, name: str, keys: tuple[Ints, ...], labels: tuple[Any, ...], lower: Any, upper: Any, cost: Any = 0.0, integer: bool = False
-    ) -> int:
-        size, first = len(keys[0]) if keys else 1, self.columns
-        spread = [np.array(np.broadcast_to(np.asarray(v, dtype=np.float64), size)) for v in (lower, upper, cost)]
-        self.variables.append(Variables(name, keys, labels, lower=spread[0], upper=spread[1], cost=spread[2], integer=integer))
-        self.columns += size
-        return first
 
     def visits(self, nodes: Ints, types: Sequence[VehicleColumns] | None = None) -> list[Part]:
         """Entries of one row for each of ``nodes``: all arcs of ``types`` that leave it."""
@@ -155,7 +146,7 @@ class Written:
 
 
 def vehicle_columns(problem: RoutingProblem, number: int, first: int, before: int) -> VehicleColumns:
-    """Those of type ``number``, from column ``first`` on, after ``before`` vehicles of other types."""
+    """The columns of type ``number``, from column ``first`` on, after ``before`` vehicles of other types."""
     prep, vehicle = prepare(problem, number), problem.fleet[number]
     idle = int(np.searchsorted(prep.tail, 1))
     charge = vehicle.energy

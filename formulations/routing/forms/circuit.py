@@ -1,22 +1,12 @@
 """The circuit form, for solvers that know what a circuit is: routes are circuits through the depot, and no row has to join their arcs.
 
-Where all customers must be visited and one variable an arc says enough (the two-index forms can take the problem), start and end of
-routes are one node 0, and routes are several circuits that share it::
+Where all customers must be visited and the two-index forms can take the problem, one variable an arc says enough. Every other problem
+that
+the three-index form can take is written with its variables and rows, less ``depart``, ``flow`` and, without shipments, ``order``: the
+arcs with x_ijk = 1, the loops (i,i) with off_ik = 1, which leave a customer to the other vehicles, and (g,o), which is always used
+(back_k = 1), are one circuit. It has no linear relaxation. Rows: docs/formulations/routing.md#circuit-form.
 
-    min/max  sum c_ij x_ij,   x binary
-    circuit    the arcs with x_ij = 1 make up circuits that share node 0, through every customer once
-    fleet      K_min <= sum_j x_0j <= K
-    r[i,j], r-earliest[i], r-latest[i]     each limited resource r by node levels, as in ``two_index``
-
-Every other problem that the three-index form can take is written with its variables, one an arc and vehicle, and its rows, less
-``depart``, ``flow`` and, without shipments, ``order``. A loop leaves a customer to the other vehicles::
-
-    circuit[k]   the arcs with x_ijk = 1, the loops (i,i) with off_ik = 1, and (g,o), which is always used (back_k = 1), are one circuit
-
-so that an idle vehicle drives (o,g) and back. Resources are no sums along a circuit; their rows are those of the other forms, and the
-circuit takes the place of connectivity alone. Without it the rows say little: it has no linear relaxation.
-
-Source: Laurière (1978) for circuits as a constraint. docs/formulations/routing.md#circuit-form has more.
+Source: Laurière (1978) for circuits as a constraint.
 """
 
 from __future__ import annotations
@@ -33,7 +23,7 @@ from ...programs.program import CIRCUITS, INTEGERS, Floats
 from ...programs.size import ProgramSize
 from ..preparation import prepare
 from . import _sizes, three_index, two_index
-from ._priorities import with_levels
+from ._blocks import with_levels
 from ._vehicle_columns import Drive, Written
 
 if TYPE_CHECKING:
@@ -47,17 +37,12 @@ def arcs_say_enough(problem: RoutingProblem) -> bool:
 
 
 def refuses(problem: RoutingProblem) -> frozenset[str]:
-    """What the three-index form refuses, where that one is needed."""
+    """Features that the three-index form refuses, where that one is needed."""
     return frozenset() if arcs_say_enough(problem) else three_index.refuses(problem)
 
 
 def build(problem: RoutingProblem) -> Compiled:
-    """The program of the circuit form; see the module's text for its mathematics.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-    """
+    """The program of the circuit form."""
     if arcs_say_enough(problem):
         return with_levels(problem, _of_arcs)
     return with_levels(problem, partial(three_index.written, form="circuit", connect=_of_each_vehicle))

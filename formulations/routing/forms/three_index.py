@@ -1,41 +1,22 @@
 """The three-index form: one binary variable for each arc and vehicle, so that every vehicle may be of its own kind.
 
-For each vehicle k with its arcs A_k (those that some route of its type can use, and the idle arc (o,g) from start to end)::
+The rows of single vehicles are in docs/formulations/routing.md#three-index-form. Beside them::
 
-    min/max  sum_k sum_{(i,j) in A_k} c_ij x_ijk + terms of ``_objective``,   x binary
-    visit[i]       sum_k sum_j x_ijk = 1                                  required customers i (<= 1 for optional ones)
-    depart[k]      sum_j x_ojk = 1                                        each k; an idle vehicle uses (o,g)
-    flow[h,k]      sum_i x_ihk = sum_j x_hjk                              customers h, each k; with depart it implies the return
-    fleet          sum_k sum_{j != g} x_ojk >= K_min                      K_min from ``minimum_vehicles``
-    load[k]        sum_{(i,j)} q_i x_ijk <= Q_k                           each load dimension; pickup[k] with what is collected
-    time[i,j,k]    t_ik - t_jk + M_ij x_ijk <= M_ij - s_i - d_ij          (i,j) in A_k but (o,g);   a_i <= t_ik <= b_i
-                   M_ij = b_i + s_i + d_ij - a_j;  rows with M_ij <= 0 always hold and are dropped
     closing[i,j,k] t_ik + (b_i + s_i - e_ij) x_ijk <= b_i                 moves that must have begun by e_ij
-    distance[k]    sum distance_ij x_ijk <= max_distance
-    duration[k]    return_k - departure_k <= max_duration
-    energy[k]      ``travel``   rate sum d_ij x_ijk                           <= energy at departure
-                   ``windows``  rate sum max(s_i + d_ij, a_j - a_i) x_ijk     <= energy at departure   (a as given, s_i + d_ig on return)
-                   ``elapsed``  rate (return_k - departure_k)                 <= energy at departure
-                   ``elapsed-fixed-start`` is the due time a_o + energy / rate of the return
-    order[i,j,k]   u_i - u_j + n x_ijk <= n - 1,  1 <= u_i <= n           where cycles of (almost) no duration are left; with shipments all
-
-Here t_ok is departure_k and t_gk is return_k; departure is free within the depot's window and the vehicle's shift, s_i is the service at
-i (0 at start and end), and [a_i, b_i] is the window tightened by ``prepare``. d, e and distance are those of the vehicle's type. The
-time rows exclude cycles without the depot wherever durations are positive. One t_i for all vehicles would do where no type has windows
-of its own; it has fewer rows, and HiGHS was no faster with it.
-
-Depots where vehicles reload or recharge are nodes like customers, as many copies of each as an answer may need (``copies``), with::
-
     reloads[k]     sum of x_ijk into depots where k reloads <= max_reloads
     serves[k]      sum over customers i of sum_j x_ijk + x_ogk >= 1       nobody drives only to stop at depots
 
-Groups, shipments, several windows: ``_choices``. Loads that rise and fall, residual energy: ``_levels``. A committed vehicle
-that serves nobody drives (o,g), at its cost and within its limits.
+and the terms of ``_objective``, groups, shipments and several windows of ``_groups_and_windows``, loads that rise and fall and residual
+energy of ``_loads_and_energy``. Depots where vehicles reload or recharge are nodes like customers, as many copies of each as an answer
+may
+need (``copies``). A committed vehicle that serves nobody drives the idle arc (o,g), at its cost and within its limits.
 
-Vehicles of one type are alike, so they may be numbered by the first customer (in site order) that each visits, idle ones last: then
-the k-th visits none before the k-th, and x_ijk is fixed to 0 where i or j is a customer before the k-th of the type. With HiGHS and
-the first 15 or 25 customers of Solomon's files this was 2 to 12 times faster on C101, R101 and RC106, made no clear difference on
-C103 and RC104, and left a weaker bound on RC101. Rows that put idle vehicles last did not help.
+Departure is free within the depot's window and the vehicle's shift, and [a_i, b_i] is the window tightened by ``prepare``. One t_i for
+all
+vehicles would do where no type has windows of its own; it has fewer rows, and HiGHS was no faster with it. The numbering of vehicles of
+one type made HiGHS 2 to 12 times faster on the first 15 or 25 customers of Solomon's C101, R101 and RC106, no clear difference on C103
+and
+RC104, and left a weaker bound on RC101. Rows that put idle vehicles last did not help.
 
 Source: Mitchell (2020), CMU-RI-TR-20-52, (3.7)-(3.14), with demands and service times, (5.16) and (5.17)-(5.18); corrected as in
 docs/formulations/routing.md#errata.
@@ -55,14 +36,13 @@ from ...forms import FORMS, Form
 from ...programs.circuits import Circuit
 from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program
-from ...programs.reductions.units import scaled
 from ..preparation import leaves_cycles, offset
 from ..routes import Route, Routes
 from . import _sizes
-from ._choices import add_copies, add_groups, add_shipments, add_windows
-from ._levels import add_loads, add_residual_energy
+from ._blocks import point_of, with_levels
+from ._groups_and_windows import add_copies, add_groups, add_shipments, add_windows
+from ._loads_and_energy import add_loads, add_residual_energy
 from ._objective import add_objective, adverse, idle_cost, weights
-from ._priorities import with_levels
 from ._routes import ArcIndex, routes_of, used
 from ._vehicle_columns import Drive, VehicleColumns, Written, arc_and_time_columns, vehicle_columns
 from ._vehicle_rows import closing_rows, connecting_rows, fleet_rows, limits_rows, order_rows, time_rows, visits_rows
@@ -100,13 +80,7 @@ def refuses(problem: RoutingProblem) -> frozenset[str]:
 
 
 def build(problem: RoutingProblem) -> Compiled:
-    """The program of the three-index form; see the module's text for its mathematics.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-        An unlimited type counts as one vehicle a customer.
-    """
+    """The program of the three-index form; an unlimited type counts as one vehicle a customer."""
     return with_levels(problem, partial(written, form="three-index"))
 
 
@@ -116,8 +90,10 @@ def written(
     connect: Callable[[Written], tuple[Circuit, ...]] | None = None,
     further: Sequence[Callable[[Written], None]] = (),
 ) -> Compiled:
-    """The program for the first level of the objective; ``connect`` makes routes of arcs in place of rows of departure, flow and order,
-    ``further`` write what this form has not."""
+    """The program for the first level of the objective.
+
+    ``connect`` makes routes of arcs in place of rows of departure, flow and order, ``further`` write what this form has not.
+    """
     types: list[VehicleColumns] = []
     first = vehicle = 0
     for number in range(len(problem.fleet)):
@@ -174,10 +150,7 @@ def _encode(made: Written, program: Program, answer: Routes) -> Floats:
         x[kind.clock + d.nodes * count + d.number] = d.clock
     for fill in made.encoders:
         fill(x, drives)
-    excess = scaled(program).residual(x)
-    if excess > 1e-5:
-        raise InputError("the answer is no point of the program", found=f"a row exceeded by {excess:g}")
-    return x
+    return point_of(program, x)
 
 
 def _drives(made: Written, answer: Routes) -> Iterator[Drive]:

@@ -38,8 +38,7 @@ def add_groups(made: Written) -> None:
     parts: list[Part] = []
     for number in range(len(groups)):
         parts += [(np.full(len(r), number), c, v) for r, c, v in made.visits(members[of == number])]
-    least = np.array([float(g.required) for g in groups])
-    made.rows.append(rows("group", len(groups), parts, least, 1.0, (np.arange(1, len(groups) + 1),), (None,)))
+    made.add_groups(parts)
 
 
 def add_shipments(made: Written, order: int) -> None:
@@ -66,7 +65,7 @@ def add_shipments(made: Written, order: int) -> None:
 
 
 def add_windows(made: Written) -> None:
-    """Which of its windows a site is served in."""
+    """The window in which each site is served, of several."""
     windows = made.types[0].windows
     if not windows:
         return
@@ -129,7 +128,7 @@ def _outside(made: Written, kind: VehicleColumns, site: Ints, number: Ints, colu
 
 
 def add_copies(made: Written) -> None:
-    """Of the copies of one depot the first is used first."""
+    """Copies of one depot are used in order."""
     stops = copies(made.problem)
     node = np.nonzero(stops[1:] == stops[:-1])[0] + 1 + len(made.problem.customers)
     if len(node):

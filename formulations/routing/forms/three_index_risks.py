@@ -1,8 +1,17 @@
-"""Two three-index forms with uncertain durations in pieces: linear, so that every MILP solver takes risks, of routes and of the team.
+"""Three-index forms with uncertain durations: ``three-index-cones`` with a cone for each vehicle, and two linear ones in pieces.
 
-The variance of a route is linear in its moves, its deviation concave in that, the quantile of its risk convex in the part r_k of
--log(1 - team_risk) that it takes. To the rows of ``three_index``, for each vehicle k with a piece j for some intervals [a_j, b_j] of the
-deviation times some of the quantile::
+To the rows of ``three_index``, for each vehicle k whose routes may overrun a limit with probability r, z = Phi^-1(1 - r)::
+
+    deviation[k]  sigma_k >= || (sqrt(v_ij) x_ijk) ||                          second-order cone, over the moves of k
+    safe[k]       sum (s_i + d_ij) x_ijk + z sigma_k <= max_duration
+    lasting[k]    rate (sum d_ij x_ijk + z sigma_k) <= energy at departure     charge ``travel``; with the services ``elapsed``, and
+                                                                               ``elapsed-fixed-start``
+
+A binary is its own square, so that the norm is exact; relaxed, it is smaller than the root of the sum of the variances. No route waits
+where its duration is limited. A risk of the team is no convex row, for how it is split is what is asked. ``three-index-tangents`` and
+``three-index-chords`` take it: the deviation of a route is concave in its variance, the quantile of its risk convex in the part r_k of
+-log(1 - team_risk) that it takes. For each vehicle k with a piece j for some intervals [a_j, b_j] of the deviation times some of the
+quantile::
 
     one[k]       sum_j w_kj = 1,   w binary                                     which piece counts
     spread[k,j]  a_j^2 w_kj <= v_kj <= b_j^2 w_kj                               and within[k,j] for r_kj
@@ -14,13 +23,11 @@ deviation times some of the quantile::
 In ``three-index-tangents``, a restriction, p w + q v + f r is at least deviation times quantile, by the tangent of the deviation, the
 chord of the quantile, and McCormick's plane for the product of both; in ``three-index-chords``, a relaxation, it is at most that, by the
 chord of the deviation, the tangent of the quantile, and the plane below. Where each route has a risk of its own there is one quantile, and
-no r. The first piece is that of no variance.
+no r. The first piece is that of no variance. The optimum lies between the two.
 
-They differ by the widths of the pieces: the optimum lies between theirs. ``three-index-cones`` is exact for a risk of routes,
-``set-partitioning`` for both.
-
-Source: one binary a piece as in Croxton, Gendron and Magnanti (2003), "A comparison of mixed-integer programming models for nonconvex
-piecewise linear cost minimization problems"; planes of McCormick (1976); docs/formulations/routing.md#risk.
+Source: Charnes and Cooper (1959); Stewart and Golden (1983); with cones van de Panne and Popp (1963). One binary a piece as in Croxton,
+Gendron and Magnanti (2003), "A comparison of mixed-integer programming models for nonconvex piecewise linear cost minimization problems";
+planes of McCormick (1976); docs/formulations/routing.md#risk.
 """
 
 from __future__ import annotations
@@ -37,19 +44,25 @@ from ....instances.errors import InputError
 from ....instances.routing.features import RISKS
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
+from ...programs.cones import Cones
 from ...programs.exactness import Exactness
-from ...programs.program import Floats
-from ...programs.rows import Part, rows
+from ...programs.program import CONES, INTEGERS, Floats
+from ...programs.rows import Ints, Part, rows
 from ...programs.size import ProgramSize
 from ..overrun import quantile, tail
 from . import _sizes
-from ._priorities import with_levels
+from ._blocks import with_levels
 from ._vehicle_columns import Drive, VehicleColumns, Written
-from .three_index import refuses, written
-from .three_index_cones import KNOWN, limits, uncertain_moves
+from .three_index import FEATURES, refuses, written
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
+
+
+SECOND_ORDER = frozenset(kind for kind in CONES if kind.startswith("second-order"))
+
+KNOWN = (FEATURES | {"route-risk"}) - {"energy:windows", "recharging"}
+"""Data have no risk of a store that is filled or charged on the way."""
 
 Line = tuple[float, float]
 """Value at 0, and slope."""
@@ -70,18 +83,92 @@ ROUNDED = 1e-9
 """Part of margins and risks that either concedes to its own rounding."""
 
 
+def build(problem: RoutingProblem, form: str, add: Callable[[Written], None]) -> Compiled:
+    """The program of a form that ``add`` completes."""
+    return with_levels(problem, partial(written, form=form, further=(add,)))
+
+
+def _add_risks(made: Written) -> None:
+    for number, kind in enumerate(made.types):
+        risk, spread = kind.vehicle.risk, uncertain_moves(made.problem, number, kind)
+        if risk is not None and spread is not None and risk != 0.5:  # which has no margin
+            _add_deviations(made, kind, spread, quantile(risk))
+
+
+def uncertain_moves(problem: RoutingProblem, number: int, kind: VehicleColumns) -> Floats | None:
+    """Variances of the arcs of a type; None where nothing that is limited is uncertain."""
+    variances = problem.travel_of(number).variances
+    if variances is None:
+        return None
+    at = kind.prep.sites
+    spread = np.asarray(variances[at[kind.tail], at[kind.head]])
+    spread[kind.idle] *= float(kind.committed)
+    return spread if spread.any() and limits(kind) else None
+
+
+def limits(kind: VehicleColumns) -> list[tuple[str, Floats, float, float]]:
+    """Name, weights of arcs, rate of what the deviation adds, and limit."""
+    vehicle, prep, found = kind.vehicle, kind.prep, []
+    moving, busy = (kind.with_idle(weight, kind.idle_duration) for weight in (prep.duration, prep.time.weight))
+    if math.isfinite(vehicle.max_duration):
+        found.append(("safe", busy, 1.0, vehicle.max_duration))
+    energy = vehicle.energy
+    if energy is not None and math.isfinite(energy.at_departure):
+        weight = moving if energy.charge == "travel" else busy
+        found.append(("lasting", energy.rate * weight, energy.rate, energy.at_departure))
+    return found
+
+
+def _add_deviations(made: Written, kind: VehicleColumns, spread: Floats, deviations: float) -> None:
+    """Column, cone and rows of each vehicle of a type."""
+    count, every, held = kind.count, np.arange(len(kind.tail)), limits(kind)
+    most = min(math.sqrt(_largest_variance(kind, spread)), *(limit / (rate * deviations) for _, _, rate, limit in held))
+    first = made.add_columns("deviation", (kind.vehicles,), (kind.numbers,), 0.0, most)
+    for name, weight, rate, limit in held:
+        row = np.arange(count)
+        parts: list[Part] = [
+            (np.repeat(row, len(every)), kind.each(every), np.tile(weight, count)), (row, first + row, rate * deviations),
+        ]  # fmt: skip
+        made.rows.append(rows(name, count, parts, upper=limit, keys=(kind.vehicles,), labels=(kind.numbers,)))
+    uncertain = np.nonzero(spread)[0]
+    width = len(uncertain) + 1
+    columns = np.empty((count, width), dtype=np.int32)
+    columns[:, 0] = first + np.arange(count)
+    columns[:, 1:] = kind.each(uncertain).reshape(count, -1)
+    data = np.tile(np.append(1.0, np.sqrt(spread[uncertain])), count)
+    made.cones.append(
+        Cones(
+            "deviation", "second-order", width, np.arange(count * width + 1, dtype=np.int32), columns.ravel(), data, np.zeros(count * width)
+        )
+    )
+
+    def fill(x: Floats, drives: list[Drive]) -> None:
+        for drive in drives:
+            if drive.kind is kind:
+                x[first + drive.number] = math.sqrt(math.fsum(spread[_driven(drive)]))
+
+    made.encoders.append(fill)
+
+
+def _driven(drive: Drive) -> Ints:
+    """Arcs of a drive, the idle one among them."""
+    return drive.kind.arc_of[drive.arcs] if len(drive.arcs) else np.array([drive.kind.idle])
+
+
+def _largest_variance(kind: VehicleColumns, spread: Floats) -> float:
+    """No route has more variance than the largest of the moves out of all nodes together."""
+    largest = np.zeros(kind.prep.nodes)
+    np.maximum.at(largest, kind.tail, spread)
+    return math.fsum(largest)
+
+
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Of a type of vehicle; arrays of shape (pieces,).
+    """Pieces of a type of vehicle; arrays of shape (pieces,).
 
-    Attributes
-    ----------
-    constant, slope, fall : arrays
-        p, q and f.
-    least, most : arrays
-        Variances at the ends.
-    fewest, share : arrays
-        Least and largest part of the team's risk.
+    ``constant``, ``slope`` and ``fall`` are p, q and f, ``least`` and ``most`` the variances at the ends, ``fewest`` and ``share`` the
+    least and
+    largest part of the team's risk.
     """
 
     constant: Floats
@@ -91,20 +178,6 @@ class Pieces:
     most: Floats
     fewest: Floats
     share: Floats
-
-
-def build(problem: RoutingProblem, *, above: bool) -> Compiled:
-    """The program; see the module's text for its mathematics.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-        With a risk of routes, of the team, or both.
-    above : bool
-        Whether margins are at least what they should be (tangents), or at most (chords).
-    """
-    name = "three-index-tangents" if above else "three-index-chords"
-    return with_levels(problem, partial(written, form=name, further=(partial(_add_pieces, above=above),)))
 
 
 def _add_pieces(made: Written, *, above: bool) -> None:
@@ -124,9 +197,7 @@ def _add_pieces(made: Written, *, above: bool) -> None:
 
 def _pieces(kind: VehicleColumns, spread: Floats, risk: float, team: float | None, above: bool) -> Pieces:
     """All pieces of a type, that of no variance first."""
-    largest = np.zeros(kind.prep.nodes)
-    np.maximum.at(largest, kind.tail, spread)
-    farthest, found = math.sqrt(math.fsum(largest)), [tuple([np.zeros(1)] * 7)]
+    farthest, found = math.sqrt(_largest_variance(kind, spread)), [tuple([np.zeros(1)] * 7)]
     for low, high, chord, tangent, ends in _quantiles(risk, team, above):
         most = min([farthest, *(limit / (rate * low) for _, _, rate, limit in limits(kind) if low > 0.0)])
         if most <= 0.0:
@@ -205,7 +276,7 @@ def _filling(
         for drive in drives:
             if drive.kind is not kind:
                 continue
-            arcs = kind.arc_of[drive.arcs] if len(drive.arcs) else np.array([kind.idle])
+            arcs = _driven(drive)
             variance = math.fsum(spread[arcs])
             filled = np.maximum(variance, pieces.least)
             least, fits = pieces.fewest.copy(), filled <= pieces.most * (1.0 + ROUNDED)
@@ -225,8 +296,8 @@ def _filling(
     return fill
 
 
-def _refuses(problem: RoutingProblem) -> frozenset[str]:
-    return refuses(problem) | (frozenset() if RISKS & problem.features() else frozenset({"certain durations"}))
+def _refuses(problem: RoutingProblem, risks: frozenset[str]) -> frozenset[str]:
+    return refuses(problem) | (frozenset() if risks & problem.features() else frozenset({"certain durations"}))
 
 
 def _size(problem: RoutingProblem) -> ProgramSize:
@@ -234,17 +305,21 @@ def _size(problem: RoutingProblem) -> ProgramSize:
     return _sizes.three_index_pieces(problem, 1.0 + many * PIECES)
 
 
+def _makes(problem: RoutingProblem) -> frozenset[str]:
+    return INTEGERS | SECOND_ORDER
+
+
+FORMS.add(
+    "three-index-cones",
+    Form(
+        "three-index-cones", "routing", KNOWN, partial(build, form="three-index-cones", add=_add_risks),
+        refuses=partial(_refuses, risks=frozenset({"route-risk"})), makes=_makes, order=7, size=partial(_sizes.three_index, further=3.0),
+    ),
+)  # fmt: skip
+
 for _name, _exactness, _above in (
     ("three-index-tangents", Exactness.RESTRICTION, True), ("three-index-chords", Exactness.RELAXATION, False),
 ):  # fmt: skip
-    _form = Form(
-        _name,
-        "routing",
-        KNOWN | RISKS,
-        partial(build, above=_above),
-        _exactness,
-        refuses=_refuses,
-        order=8,
-        size=_size,
-    )
+    _build = partial(build, form=_name, add=partial(_add_pieces, above=_above))
+    _form = Form(_name, "routing", KNOWN | RISKS, _build, _exactness, refuses=partial(_refuses, risks=RISKS), order=8, size=_size)
     FORMS.add(_name, _form)
