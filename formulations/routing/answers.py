@@ -85,7 +85,7 @@ VISIT = ("vehicle", "position", "site", "arrival", "begin", "departure", "load",
 
 
 def _title(title: str) -> str:
-    """Of a column with an attribute of sites, beside those of visits."""
+    """Title of an attribute of sites beside the columns of visits."""
     return f"{title} (given)" if title in (*VISIT, "on_board", "energy") else title
 
 
@@ -98,8 +98,7 @@ def _dated(problem: RoutingProblem, frame: pd.DataFrame, columns: Sequence[str])
 
 
 def routes_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
-    """One row a route: vehicle, type, stops, load, distance, duration, departure, return, cost, and the
-    sites in order, from the depot on."""
+    """One row a route; ``sites`` are in order, from the depot on."""
     import pandas as pd
 
     ids, rows = problem.sites.ids, []
@@ -118,13 +117,7 @@ def routes_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
 
 
 class Visits(tuple[str, ...]):
-    """Ids of the sites of one route in order, without the depots at both ends.
-
-    Attributes
-    ----------
-    vehicle : str
-        Name of the vehicle, as tables have it.
-    """
+    """Ids of the sites of one route in order, without the depots at both ends; ``vehicle`` is its name in tables."""
 
     vehicle: str
 
@@ -169,7 +162,7 @@ def routes_lines(problem: RoutingProblem, answer: Routes) -> list[Line]:
 
 
 def _energy_left(problem: RoutingProblem, route: Route) -> list[float | None]:
-    """What the store holds on leaving each stop; None where the vehicle has none that is charged for travel."""
+    """Energy in the store on leaving each stop; None where the vehicle has no store that is charged for travel."""
     vehicle = problem.fleet[route.vehicle]
     if vehicle.energy is None or vehicle.energy.charge != "travel":
         return [None] * len(route.visits)
@@ -184,8 +177,7 @@ def _energy_left(problem: RoutingProblem, route: Route) -> list[float | None]:
 
 
 def answer_graph(problem: RoutingProblem, answer: Routes) -> Any:
-    """A ``networkx.MultiDiGraph``: every site a node, with its place, demand and attributes, every move of a route an edge from the one
-    to the other with ``vehicle, position, distance, duration``."""
+    """A ``networkx.MultiDiGraph``: a node a site, with its place, demand and attributes, and an edge a move of a route."""
     import networkx as nx
 
     sites = problem.sites
@@ -205,20 +197,10 @@ def answer_graph(problem: RoutingProblem, answer: Routes) -> Any:
 
 
 def answer_geojson(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
-    """A ``FeatureCollection``: a ``LineString`` a route, straight from stop to stop, then a ``Point`` a site, and one a stop at a depot on
-    the way.
+    """A ``FeatureCollection`` (RFC 7946): a line a route, straight from stop to stop, a point a site, and one a stop at a depot on the
+    way.
 
-    Properties of a line are those of ``routes_frame``, of a point the site's id and attributes, who visits it and when, or why nobody does.
-    Vehicles may stop at a depot often, so that each such stop is a point of its own, of kind ``stop``.
-
-    Raises
-    ------
-    UsageError
-        If sites have no latitude and longitude.
-
-    Notes
-    -----
-    RFC 7946: longitude before latitude, WGS 84.
+    Raises UsageError if sites have no latitude and longitude.
     """
     sites = problem.sites
     if sites.coordinates is None or not sites.geographic:

@@ -1,4 +1,4 @@
-"""What ``waybound info`` shows of a routing problem, and the hash of its data."""
+"""Facts of a routing problem for ``waybound info``, and the hash of its data."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def facts(problem: RoutingProblem) -> dict[str, Any]:
 
 
 def remarks(problem: RoutingProblem) -> tuple[str, ...]:
-    """What is told beside the notes: what the data hold that does not count, and what counts though nobody asked."""
+    """Data that do not count, and what counts though nobody asked."""
     s, at, aims = problem.sites, problem.customers, problem.objective.features()
     made = list(with_unused(problem.notes, s.attributes))
     aim = str(problem.objective)
@@ -100,7 +100,7 @@ def _unlimited(problem: RoutingProblem) -> list[str]:
 
 
 def _further(problem: RoutingProblem) -> dict[str, Any]:
-    """What most problems do not have."""
+    """Facts that most problems do not have."""
     s, at, held = problem.sites, problem.customers, features(problem)
     found: dict[str, Any] = {}
     if "demand-or-service-of-depots" in held:

@@ -1,6 +1,6 @@
 """Why a fleet is too small, or too many routes are asked for: arguments that need no solver, in the problem's words.
 
-What is found here are suspicions with their evidence; ``formulations.checking`` says which of them are proofs.
+They are suspicions with their evidence; ``formulations.checking`` says which of them are proofs.
 """
 
 from __future__ import annotations
@@ -44,20 +44,11 @@ def fleet_conflicts(
 ) -> Iterator[Evidence]:
     """Proofs that the fleet is too small for the required sites, or the number of routes asked for too large.
 
-    Each was checked, and is looked for only where none of the simpler kinds was found.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-    stopped : callable
-        Asked between arguments whether to give up.
-    most_enumerated : int
-        Sites of which every choice of routes is tried.
-
-    Notes
-    -----
-    Total load, the bin packing bound L2 (Martello and Toth 1990, *Knapsack Problems*, section 8.3), total range, a set of sites of which
-    no two fit on one route; then a few sites for which no choice of routes is left; then the time between two moments.
+    Each was checked, and is looked for only where no simpler kind was found: total load, the bin packing bound L2 (Martello and Toth
+    1990,
+    *Knapsack Problems*, section 8.3), total range, a set of sites of which no two fit on one route; then up to ``most_enumerated`` sites
+    for
+    which no choice of routes is left; then the time between two moments. ``stopped`` is asked between arguments whether to give up.
     """
     small_groups = partial(_small_groups, stopped=stopped, most=most_enumerated)
     for tier in ((_routes_asked_for, _loads, _ranges, _sites_apart), (small_groups,), (_hours,)):
@@ -88,7 +79,7 @@ def _evidence(problem: RoutingProblem, kind: str, why: str, **data: object) -> E
 
 
 def suspicions(problem: RoutingProblem) -> Iterator[Evidence]:
-    """All that the arguments find but for small groups, confirmed or not."""
+    """All arguments but that of small groups, confirmed or not."""
     for argue in (_routes_asked_for, _loads, _ranges, _sites_apart, _hours):
         yield from argue(problem)
 
@@ -228,7 +219,7 @@ def _named(problem: RoutingProblem, kinds: tuple[int, ...]) -> str:
 
 
 def bin_packing_bound(demand: Floats, capacity: float) -> tuple[int, float]:
-    """Bound L2 and its threshold ``k``: items above ``capacity - k`` keep a bin each, and share it with nothing of size ``k`` or more."""
+    """Bound L2 and its threshold ``k``: items above ``capacity - k`` share a bin with nothing of size ``k`` or more."""
     if capacity <= 0:
         return len(demand), 0.0
     if capacity == math.inf:

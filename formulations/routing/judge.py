@@ -111,8 +111,7 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
 
 
 def _least_sizes(problem: RoutingProblem) -> tuple[float, ...]:
-    """The scale of each level of the objective for an answer that adds up nothing: the least amount above 0 that one visit, or the move to
-    it, would add. Rounding puts a bound off by a small part of that."""
+    """The scale of each level of the objective for an answer that adds up nothing: the least amount that one visit would add."""
     sites, customers = problem.sites, problem.customers
     lengths, times, costs = [], [], []
     for kind, vehicle in enumerate(problem.fleet):
@@ -214,7 +213,7 @@ def _check_times(problem: RoutingProblem, name: str, route: Route, plan: Schedul
 
 
 def _check_timetable(problem: RoutingProblem, name: str, route: Route, plan: Schedule, judge: Checklist) -> None:
-    """That the vehicle departs when it may, and each stated time comes of the ones before it."""
+    """Stated times at which the vehicle may not depart, or that do not come of the ones before."""
     sites, vehicle = problem.sites, problem.fleet[route.vehicle]
     ids, opens = [sites.ids[k] for k in (vehicle.start, *route.visits, vehicle.end)], opening(problem, vehicle)
     latest = max(opens, float(sites.due[vehicle.start]))
@@ -279,7 +278,7 @@ def _check_shipments(problem: RoutingProblem, answer: Routes, judge: Checklist) 
 
 
 def _check_groups(problem: RoutingProblem, count: NDArray[np.int64], judge: Checklist) -> NDArray[np.int64]:
-    """Sites whose penalty is due."""
+    """Checks groups; returns the sites whose penalty is due."""
     sites = problem.sites
     for group in sites.groups:
         times = int((count[list(group.sites)] > 0).sum())

@@ -123,10 +123,7 @@ TERMS: dict[str, type[Term]] = {
 class Weighted(Composable):
     """A weighted sum of terms: one level of an objective. Its sense is that of its first term.
 
-    Raises
-    ------
-    UsageError
-        If there is no term, or a weight is zero or not finite.
+    Raises UsageError if there is no term, or a weight is zero or not finite.
     """
 
     terms: tuple[tuple[float, Term], ...]
@@ -244,18 +241,9 @@ _THEN = re.compile(r"\s*,?\s*\bthen\b\s*", re.IGNORECASE)
 
 
 def objective_from(text: str) -> Objective:
-    """The objective that a text says.
+    """The objective that a text says: levels with ``then`` between, each a sum of terms such as ``total-cost - 2*reward``.
 
-    Parameters
-    ----------
-    text : str
-        Levels in order of priority, with ``then`` between them. A level is a sum of terms (``TERMS``), each with a weight before it where
-        that is not 1: ``total-cost - 2*reward``. Its sense is that of its first term: costs are minimised, rewards maximised.
-
-    Raises
-    ------
-    UsageError
-        Naming what is wrong, and the term that may have been meant.
+    The sense of a level is that of its first term. Raises UsageError naming what is wrong, and the term that may have been meant.
     """
     return Objective(tuple(_level(part, text) for part in _THEN.split(text.strip())))
 
@@ -330,10 +318,11 @@ DEFAULT_OBJECTIVE: dict[str, Objective] = {
 
 
 def default_objective(problem: str, sites: Sites) -> Objective:
-    """The objective of a member where none is asked for.
+    """The objective of a named problem where none is asked for.
 
-    Total cost, where sites may be left out, with what that forgoes: the penalties of the sites left out are added, the rewards of those
-    visited subtracted. So it is for pairs too, whose fewest vehicles would be none at all.
+    Where sites may be left out, total cost comes with the penalties of the sites left out and less the rewards of those visited. So it is
+    for
+    pairs too, whose fewest vehicles would be none at all.
     """
     usual = DEFAULT_OBJECTIVE.get(problem, Objective())
     left = optional(sites)
@@ -346,7 +335,7 @@ def default_objective(problem: str, sites: Sites) -> Objective:
 
 
 def optional(sites: Sites) -> NDArray[np.bool_]:
-    """Which sites an answer may leave out, for they are neither depots nor required, nor alternatives of which one is."""
+    """Sites that an answer may leave out: neither depots nor required, nor alternatives of which one is."""
     free = ~(sites.depot | sites.required)
     for group in sites.groups:
         if group.required:
@@ -355,6 +344,6 @@ def optional(sites: Sites) -> NDArray[np.bool_]:
 
 
 def pointless(sites: Sites) -> int:
-    """How many sites may be left out, where nothing tells what a visit to any of them is worth."""
+    """Number of sites that may be left out, where nothing tells what a visit to any of them is worth."""
     left = optional(sites)
     return 0 if sites.reward[left].any() or sites.penalty[left].any() else int(left.sum())

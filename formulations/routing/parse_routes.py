@@ -36,18 +36,9 @@ are a nanosecond short."""
 def stated_times(clock: Clock | None, columns: Mapping[str, Sequence[Any]]) -> tuple[list[Moments], float]:
     """Rows of arrival, begin and departure, in units of the data, and what their last digit counts; no rows where nothing is stated.
 
-    Parameters
-    ----------
-    clock : Clock, optional
-        What times count, without which there are numbers alone.
-    columns : mapping
-        By the titles ``arrival, begin, departure``, any of them: one value a visit; None, NaN, NaT or an empty text where nothing is
-        stated.
-
-    Raises
-    ------
-    UsageError
-        For a value that is no time, or a moment where times have no origin.
+    ``columns`` has one value a visit by the titles ``arrival, begin, departure``; None, NaN, NaT or an empty text where nothing is
+    stated.
+    Raises UsageError for a value that is no time, or a moment where times have no origin.
     """
     numbers: list[float] = []
     spans: list[int] = []
@@ -107,7 +98,7 @@ def _read(clock: Clock | None, value: Any, title: str) -> float | int | None:
 
 
 def _since(clock: Clock | None, moment: pd.Timestamp, title: str) -> int:
-    """Of moments without a time zone it is that of the origin, which workbooks cannot hold."""
+    """Nanoseconds since time 0; a moment without a time zone, which workbooks cannot hold, is in that of the origin."""
     _need(clock, moment, title)
     start = None if clock is None else clock.midnight
     if start is None:
@@ -147,20 +138,11 @@ ORDER = ("position", "order", "sequence", "stop_number", "arrival", "begin")
 
 
 def routes_given(problem: RoutingProblem, given: Any) -> Routes:
-    """The routes that ``given`` stands for.
+    """The routes that a value stands for; see ``RoutingProblem.answer_of``.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    given : Routes, list, mapping or DataFrame
-        A list of routes, each a ``Route`` or a list of site indices or ids, with or without the depot at its ends; a mapping from the name
-        of a vehicle, or of its type, to such a list, or a list of such lists; a frame with one row a visit, whose times ``arrival, begin,
-        departure``, if it has any, are stated with the routes (``timetable``) unless they are those of the judge.
-
-    Raises
-    ------
-    UsageError
-        For anything else, and for lists that do not say which of several vehicle types drives.
+    Times ``arrival, begin, departure`` of a frame with one row a visit are stated with the routes (``timetable``) unless they are those
+    of the
+    judge. Raises UsageError for anything else, and for lists that do not say which of several vehicle types drives.
     """
     if isinstance(given, Routes):
         return given
@@ -227,7 +209,7 @@ def _of_frame(problem: RoutingProblem, frame: Any) -> Routes:
 
 
 def _type(problem: RoutingProblem, name: Any) -> int:
-    """Of a vehicle: the name of a type, with a number behind it or without, or its index."""
+    """Type of a vehicle: the name of a type, with a number behind it or without, or its index."""
     names = {v.name: k for k, v in enumerate(problem.fleet)}
     text = str(name)
     if text in names:

@@ -1,14 +1,8 @@
-"""What every arc-based form needs first: nodes, windows tightened, arcs that some route can use, and their costs.
+"""Nodes, tightened windows, arcs that some route can use, and their costs: what every arc-based form needs first.
 
 Nodes are the depot where routes start (0), the customers in site order (1 to n), copies of the depots where vehicles reload or
-recharge on their way, each for one stop (``copies``), and the depot where routes end. Whatever grows along a route is a *resource*:
-time, load, distance, duration, energy. A resource has a weight w_ij for each move i -> j and a range [lower_i, upper_i] of its level at
-each node. Ranges are tightened by shortest ways through the moves that are left, never by direct moves, which would cut off optimal
-routes where the triangle inequality fails; a move is dropped if lower_i + w_ij > upper_j for some resource. Both are repeated until
-nothing changes.
-
-Source: Desrosiers, Dumas, Solomon, Soumis (1995), section 4; docs/formulations/routing.md#preparation has the case that direct moves get
-wrong.
+recharge on their way, each for one stop (``copies``), and the depot where routes end. Resources and how their ranges are tightened:
+docs/formulations/routing.md#preparation. Source: Desrosiers, Dumas, Solomon, Soumis (1995), section 4.
 """
 
 from __future__ import annotations
@@ -42,16 +36,11 @@ _ROUNDS = 20
 class Resource:
     """Something that grows along a route.
 
-    Parameters
-    ----------
-    name : str
-        ``time, load, distance, duration`` or ``energy``.
-    weight : array of shape (nodes, nodes); of shape (arcs,) in a ``Preparation``
-        What a move adds: to time, the service at its tail and the move; to load, the demand at its head.
-    lower, upper : arrays of shape (nodes,)
-        Range of the level at each node: begin of service, load after it, ... All finite in a ``Preparation``.
-    waits : bool
-        Whether the level may be raised at will (waiting); where it may not, it is the sum of the weights.
+    ``weight`` is what a move adds, shape (nodes, nodes), in a ``Preparation`` (arcs,): to time, the service at its tail and the move; to
+    load,
+    the demand at its head. ``lower`` and ``upper`` are the range of the level at each node, all finite in a ``Preparation``. Where a
+    level
+    ``waits``, it may be raised at will; else it is the sum of the weights.
     """
 
     name: str
@@ -76,27 +65,13 @@ class Resource:
 class Preparation:
     """Arrays of a routing problem for one vehicle type.
 
-    Parameters
-    ----------
-    vehicle : int
-        Index of the vehicle type.
-    sites : array of int, shape (nodes,)
-        Site index of each node; both ends of a route are nodes of their own.
-    required : array of bool, shape (nodes,)
-        Customers that must be visited.
-    usable : array of bool, shape (nodes,)
-        Nodes that some route can visit.
-    tail, head : int32 arrays of shape (arcs,)
-        Moves that some route can make, in order of tail and head; the idle move from start to end is none of them.
-    distance, duration, cost : arrays of shape (arcs,)
-        ``cost`` is the arc's share in the first level of the objective.
-    demand, service : arrays of shape (nodes,)
-    resources : dict of Resource
-        By name; ``time`` always, the others where they are limited.
-    fleet : int
-        Largest number of routes.
-    whole : bool
-        Whether all moves that some route can make are there; with fewer, programs are restrictions.
+    Both ends of a route are nodes of their own. ``required`` and ``usable`` mark customers that must be visited and nodes that some route
+    can
+    visit; arcs are in order of ``tail`` and ``head``, without the idle move from start to end, ``cost`` being an arc's share in the first
+    level
+    of the objective. ``resources`` has ``time`` always, the others where they are limited; ``fleet`` is the largest number of routes.
+    Programs
+    are restrictions unless the moves are ``whole``.
     """
 
     vehicle: int
@@ -136,17 +111,7 @@ class Preparation:
 def prepare(problem: RoutingProblem, vehicle: int = 0) -> Preparation:
     """Prepare a routing problem for the routes of one vehicle type.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        First level of the objective: a weighted sum of total cost, number of vehicles and reward.
-    vehicle : int
-        Index of the vehicle type.
-
-    Returns
-    -------
-    Preparation
-        Customers that no route of this type can visit have no arcs, and ranges that are finite but mean nothing.
+    Customers that no route of this type can visit have no arcs, and ranges that are finite but mean nothing.
     """
     kind, sites, travel = problem.fleet[vehicle], problem.sites, problem.travel_of(vehicle)
     stops = copies(problem)
@@ -242,7 +207,7 @@ def _further_loads(problem: RoutingProblem, kind: VehicleType, at: NDArray[np.in
 
 
 def offset(problem: RoutingProblem) -> float:
-    """What the first level of the objective holds where no site is visited and no vehicle drives."""
+    """Value of the first level of the objective where no site is visited and no vehicle drives."""
     missed = math.fsum(problem.sites.penalty[problem.customers])
     return problem.constant + math.fsum(w * missed for w, t in problem.objective.levels()[0].terms if t.name == "penalties")
 
@@ -311,15 +276,7 @@ def limited_resources(
 ) -> dict[str, Resource]:  # fmt: skip
     """All limited resources with the ranges that the data give, infinite limits of time made finite.
 
-    Parameters
-    ----------
-    kind : VehicleType
-        Its limits count, not its depots.
-    ready, due, service, demand : arrays of shape (nodes,)
-        The first node is where routes start, the last where they end.
-    distance, duration : arrays of shape (nodes, nodes)
-    latest : array of shape (nodes,), optional
-        Where sites have several windows, when the last of each opens.
+    The first node is where routes start, the last where they end; ``latest`` is when the last of several windows opens.
     """
     n, opening = len(ready), ready
     busy = service[:, None] + duration

@@ -243,8 +243,8 @@ class RoutingProblem(Problem):
     ) -> RoutingProblem:
         """The problem that an instance stands for, or another that its data allow.
 
-        ``settings`` are those of ``--set`` (``vehicles``, ``vehicles-exactly``, ``customers``, ``capacity``, ``risk``, ``team-risk``)
-        and ``convention``.
+        ``settings`` are those of ``--set`` (``vehicles``, ``vehicles-exactly``, ``customers``, ``capacity``, ``risk``, ``team-risk``) and
+        ``convention``.
         """
         return cls(**parts_of(instance, problem, settings or {}))
 
@@ -300,7 +300,7 @@ class RoutingProblem(Problem):
 
     @property
     def constant(self) -> float:
-        """What the first level of the objective holds whatever is visited: the rewards of depots, which forms have no variable for."""
+        """Part of the first level of the objective that does not depend on visits: the rewards of depots."""
         depots = math.fsum(self.sites.reward[self.sites.depots])
         return math.fsum(w * depots for w, term in self.objective.levels()[0].terms if isinstance(term, Reward))
 
@@ -333,8 +333,10 @@ class RoutingProblem(Problem):
             raise InputError("not a statement on a move or on the number of routes", expected=expected, found=printable(str(statement), 80))
 
     def restricted(self, decisions: Sequence[Decision]) -> RoutingProblem:
-        """The same problem without moves: one that is not made, and those that are not made beside one that is, for a customer is left and
-        entered once. Of each type of vehicle there are as many as there are routes at most."""
+        """The same problem without moves: one that is not made, and those beside one that is, for a customer is left and entered once.
+
+        Of each type of vehicle there are as many as there are routes at most.
+        """
         moves = np.zeros((len(self.sites),) * 2, dtype=bool) if self.forbidden is None else self.forbidden.copy()
         depot, least, most = self.sites.depot, self.min_vehicles, len(self.sites)
         for statement, holds in decisions:
@@ -356,9 +358,14 @@ class RoutingProblem(Problem):
         return self.altered(forbidden=moves, min_vehicles=least, fleet=fleet if most < len(self.sites) else self.fleet)
 
     def given(self, values: Sequence[float]) -> RoutingProblem | None:
-        """The levels after those of ``values``. Where a level before counts vehicles alone, there are no more of them than its value
-        says; where it counts rewards or penalties alone, sites without whom its value is out of reach are required. Other levels restrict
-        nothing, so that bounds hold for more answers than they need to."""
+        """The levels after those of ``values``.
+
+        Where a level before counts vehicles alone, there are no more of them than its value says; where it counts rewards or penalties
+        alone,
+        sites without whom its value is out of reach are required. Other levels restrict nothing, so that bounds hold for more answers
+        than they
+        need to.
+        """
         levels = self.objective.levels()
         if not 0 < len(values) < len(levels):
             return None
@@ -420,8 +427,7 @@ class RoutingProblem(Problem):
         return continued(self, self.answer_of(getattr(plan, "answer", plan) if own else plan.routes), float(time))
 
     def vehicle_names(self, answer: Routes) -> list[str]:
-        """Name of the vehicle of each route: that of its type, and a number from 1 within the type; none is the name of a type, so that
-        whoever reads it knows the type."""
+        """Name of the vehicle of each route: that of its type, and a number from 1 within the type; none is the name of a type."""
         types = {v.name for v in self.fleet}
         numbers = [_numbered(v.name, types) for v in self.fleet]
         kinds = (route.vehicle if 0 <= route.vehicle < len(self.fleet) else 0 for route in answer)
@@ -541,8 +547,10 @@ class RoutingProblem(Problem):
 
 
 def _with_needed(sites: Sites, term: Reward | Penalties, value: float) -> Sites:
-    """``sites``, of which those are required whose loss alone is more than rewards, or penalties, of ``value`` leave; members of groups
-    are not, for a group may have another."""
+    """``sites``, of which those are required whose loss alone is more than rewards, or penalties, of ``value`` leave.
+
+    Members of groups are not, for a group may have another.
+    """
     worth = sites.reward if isinstance(term, Reward) else np.where(sites.required, 0.0, sites.penalty)
     total = math.fsum(worth)
     sizes = math.fsum(sites.reward if isinstance(term, Reward) else sites.penalty)

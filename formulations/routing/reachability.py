@@ -40,23 +40,13 @@ WORDS = {
 
 
 def unreachable(problem: RoutingProblem) -> dict[int, str]:
-    """Customers that no vehicle can serve, not even alone, and why.
+    """Customers that no vehicle can serve, not even alone, and why, by site index; with several vehicle types, the reason of each.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-
-    Returns
-    -------
-    dict
-        From site index to the reason, with its amounts; with several vehicle types, the reason of each. Ways are shortest ways
-        through any other customers, services on the way included, and over depots where the vehicle reloads or recharges; only sites are
-        named that the checker confirms to be out of reach.
-        Beyond ``MOST_DETOURS`` customers, only those whose demand is too large are looked for.
-
-    Notes
-    -----
-    The mathematics: docs/formulations/routing.md#proofs-that-there-is-no-answer.
+    Ways are shortest ways through any other customers, services on the way included, and over depots where the vehicle reloads or
+    recharges;
+    only sites are named that the checker confirms to be out of reach. Beyond ``MOST_DETOURS`` customers, only those whose demand is too
+    large
+    are looked for. The mathematics: docs/formulations/routing.md#proofs-that-there-is-no-answer.
     """
     from .checking.stops_on_the_way import without_stops
 
@@ -82,15 +72,10 @@ def unreachable(problem: RoutingProblem) -> dict[int, str]:
 
 
 def minimum_vehicles(problem: RoutingProblem) -> int:
-    """A lower bound on the number of routes of any feasible answer.
+    """A lower bound on the number of routes of any feasible answer; one more than the fleet has where it cannot carry the demands.
 
-    The largest vehicles together must carry all required demands, rounding and the checker's tolerance granted; every answer
-    has at least ``min_vehicles`` routes, and one if any customer is required. Where vehicles reload, loads tell nothing.
-
-    Returns
-    -------
-    int
-        One more than the fleet has where it cannot carry the demands at all.
+    The largest vehicles together must carry all required demands, rounding and the checker's tolerance granted; every answer has at least
+    ``min_vehicles`` routes, and one if any customer is required. Where vehicles reload, loads tell nothing.
     """
     sites, customers = problem.sites, problem.customers
     must = customers[sites.required[customers]]
@@ -147,7 +132,7 @@ def _reasons(problem: RoutingProblem, kind: int) -> list[str | None]:
 
 
 def _unable(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
-    """What a vehicle cannot serve wherever it is, or wherever it stops on the way, by number of the customer."""
+    """Customers, by their number, that a vehicle cannot serve wherever it is, or wherever it stops on the way, and why."""
     vehicle = problem.fleet[kind]
     sites, place = problem.sites, {site: k for k, site in enumerate(problem.customers.tolist())}
     for site, k in place.items() if sites.skills else ():
@@ -165,7 +150,7 @@ def _unable(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
 
 
 def _unloaded(problem: RoutingProblem, vehicle: VehicleType) -> Iterator[tuple[int, str]]:
-    """What is too large for an empty vehicle."""
+    """Customers whose load is too large for an empty vehicle."""
     sites, at = problem.sites, problem.customers
     for word, first, further in (("load", sites.demand, sites.further_demand), ("pickup", sites.pickup, sites.further_pickup)):
         for loads, capacity in zip(np.column_stack([first, further])[at].T, vehicle.capacities, strict=False):
@@ -174,7 +159,7 @@ def _unloaded(problem: RoutingProblem, vehicle: VehicleType) -> Iterator[tuple[i
 
 
 def _unlasting(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
-    """What lies too far from start and stations."""
+    """Customers that lie too far from start and stations."""
     vehicle, at, durations = problem.fleet[kind], problem.customers, problem.travel_of(kind).durations
     energy = vehicle.energy
     assert energy is not None
@@ -193,7 +178,7 @@ def _unlasting(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
 
 
 def _unsafe(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
-    """What no route serves that keeps the risk."""
+    """Customers that no route serves which keeps the risk."""
     if len(problem.customers) > MOST_DETOURS:
         return
     for detours in (False, True):

@@ -41,7 +41,7 @@ class UnderWay(NamedTuple):
 
 
 def continued(problem: RoutingProblem, plan: Routes, time: float) -> RoutingProblem:
-    """The problem that is left of ``problem`` at ``time``, if ``plan`` has been driven until then; see ``continue_from``."""
+    """The rest of ``problem`` at ``time``, if ``plan`` has been driven until then; see ``RoutingProblem.continue_from``."""
     if not math.isfinite(time):
         raise UsageError(f"a horizon begins at a moment, not at {time}")
     _refuse(problem, plan)
@@ -157,7 +157,7 @@ def _committed(problem: RoutingProblem, under_way: list[UnderWay]) -> list[Vehic
 
 
 def _left(energy: Energy, v: UnderWay) -> Energy:
-    """The store on leaving the next stop. Of a vehicle under way the departure is fixed, whatever it was charged for."""
+    """The store on leaving the next stop. The departure of a vehicle under way is fixed, whatever it was charged for."""
     if energy.charge == "travel":
         drawn = energy.rate * v.on_the_move
         filled = v.on_the_move == 0.0 and v.stop in energy.stations

@@ -37,14 +37,10 @@ class Astray(NamedTuple):
 class Timetable:
     """The stated times of one route; None where none are stated.
 
-    Parameters
-    ----------
-    arrival, begin, ends : tuple of float or None
-        One entry a stop between start and end: when it is reached, when service begins there, and when the vehicle leaves it.
-    departure, finish : float, optional
-        Of the start, and the return.
-    digit : float
-        What the last digit counts: each time may be off by half of it.
+    ``arrival``, ``begin`` and ``ends`` have one entry a stop between start and end: when it is reached, when service begins there, and
+    when the
+    vehicle leaves it; ``departure`` is from the start, ``finish`` the return. Each time may be off by half of what its last ``digit``
+    counts.
     """
 
     arrival: Moments
@@ -66,8 +62,10 @@ class Timetable:
         return all(abs(one.stated - one.found) <= slack for one in self._pairs(arrival, begin, ends))
 
     def astray(self, arrival: Floats, begin: Floats, ends: Floats) -> tuple[Astray, ...]:
-        """Times that differ from those of a route driven by this timetable by a whole last digit: half of one is the rounding of the time
-        itself, and less than half that of the one before."""
+        """Times that differ from those of a route driven by this timetable by a whole last digit.
+
+        Half of one is the rounding of the time itself, and less than half that of the one before.
+        """
         noise, most = self._noise(arrival), self.digit * (1.0 - 1e-9)
         return tuple(one for one in self._pairs(arrival, begin, ends) if not abs(one.stated - one.found) <= max(noise, most))
 
@@ -132,14 +130,17 @@ COLUMNS = {"arrival": "arrival", "begin": "begin", "departure": "ends"}
 
 
 def last_digit(times: Iterable[float | None]) -> float:
-    """What the last digit of any of these numbers counts, 1 at most."""
+    """Amount that the last digit of any of these numbers counts, 1 at most."""
     digits = [Decimal(repr(float(t))).normalize().as_tuple().exponent for t in times if t is not None]
     return 10.0 ** min([0, *(d for d in digits if isinstance(d, int))])
 
 
 def table(rows: Sequence[Moments], digit: float, first: int, last: int) -> Timetable | None:
-    """Of one route, from rows of arrival, begin and departure, one a visit and perhaps one a depot at its ends, the visits being those from
-    ``first`` up to ``last``; None where nothing is stated."""
+    """The timetable of one route; None where nothing is stated.
+
+    Rows hold arrival, begin and departure, one a visit and perhaps one a depot at its ends, the visits being those from ``first`` up to
+    ``last``.
+    """
     if all(moment is None for row in rows for moment in row):
         return None
     arrival, begin, ends = zip(*rows[first:last], strict=True)

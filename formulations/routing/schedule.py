@@ -1,4 +1,4 @@
-"""When a route is where, what it carries and what it draws, recomputed from the data alone: what every output shows.
+"""The schedule of a route, its loads and energy, recomputed from the data alone: what every output shows.
 
 Part of the judge: it walks each route stop by stop, knows no program and no solver, and shares no code with the forms.
 """
@@ -25,13 +25,16 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Schedule:
-    """When a route is where: the one schedule by which its limits and the objective are judged, and which every output shows.
+    """The one schedule by which a route's limits and the objective are judged, and which every output shows.
 
-    Arrays have one entry a stop between start and end, ``leaves`` and ``closing`` one a move: when it begins, and when it must have begun.
-    ``duration`` is that from ``departure`` to ``finish``. ``charged`` holds the time charged under each of the four ways, before it is
-    multiplied by the rate of the store, ``stretches`` the time on the move between recharging stops. ``load`` adds up the demands, of the
-    first load dimension; ``on_board`` of shape (load dimensions, stops + 1) is what the vehicle carries on leaving start and stops.
-    ``variance`` is that of the time on the move. ``astray`` lists what a stated timetable says that does not go with the data.
+    Arrays have one entry a stop between start and end, ``leaves`` and ``closing`` one a move: when it begins, and when it must have
+    begun.
+    ``charged`` holds the time charged under each of the four ways, before it is multiplied by the rate of the store, ``stretches`` the
+    time on
+    the move between recharging stops. ``load`` adds up the demands, of the first load dimension; ``on_board`` of shape (load dimensions,
+    stops + 1) is the load on leaving start and stops. ``variance`` is that of the time on the move, ``astray`` what a stated timetable
+    says
+    that does not go with the data.
     """
 
     arrival: Floats
@@ -54,7 +57,7 @@ class Schedule:
     astray: tuple[Astray, ...] = ()
 
     def cost(self, vehicle: VehicleType) -> float:
-        """What the route adds to the total cost."""
+        """Part of the total cost that is the route's."""
         paid = vehicle.fixed_cost + vehicle.unit_cost * self.total_distance
         if vehicle.unit_duration_cost or vehicle.unit_overtime_cost:
             over = max(0.0, self.duration - vehicle.regular_duration)
@@ -169,7 +172,7 @@ def schedule(problem: RoutingProblem, route: Route, departure: float | None = No
 
 
 class Departure(NamedTuple):
-    """How long a route takes from a moment on, and when it returns."""
+    """Duration of a route from a moment on, and its return."""
 
     duration: float
     finish: float
@@ -224,7 +227,7 @@ def _opens(windows: tuple[tuple[float, float], ...], arrival: float) -> float:
 def _departures(
     opens: float, ready: Floats, due: Floats, last: Floats, busy: Floats, several: dict[int, tuple[tuple[float, float], ...]]
 ) -> list[Departure]:
-    """Where sites have several windows: for each choice of windows the departure of least duration, which is one of first return too.
+    """Departures of least duration for each choice of several windows, which are those of first return too.
 
     Begin of service, as a function of the departure t, is max(c, t + w) on each of a few intervals of t, one for each choice of
     windows: (from, to, c, w). Who comes before a window is over begins in it, and is late for the next move if that closes before the
@@ -249,9 +252,10 @@ def _departures(
 
 
 def _on_board(problem: RoutingProblem, route: Route) -> Floats:
-    """What the vehicle carries on leaving its start and each stop, shape (load dimensions, stops + 1).
+    """Load on leaving the start and each stop, shape (load dimensions, stops + 1).
 
-    It leaves with what it delivers until it reloads or returns, and keeps what it picks up for as long; shipments stay on board from
+    A vehicle leaves with what it delivers until it reloads or returns, and keeps what it picks up for as long; shipments stay on board
+    from
     their pickup to their delivery.
     """
     sites, vehicle = problem.sites, problem.fleet[route.vehicle]

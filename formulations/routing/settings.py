@@ -19,20 +19,9 @@ KNOWN = ("vehicles", "vehicles-exactly", "capacity", "customers", "risk", "team-
 
 
 def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Arguments of ``RoutingProblem`` for the problem that an instance stands for, or another that its data allow.
+    """Arguments of ``RoutingProblem`` for an instance, read as ``problem``, with ``settings`` of ``KNOWN`` and ``convention``.
 
-    Parameters
-    ----------
-    instance : RoutingInstance
-    problem : str, optional
-        Name of the member of the family; that of the instance by default.
-    settings : mapping
-        Of ``KNOWN``, and ``convention``.
-
-    Raises
-    ------
-    UsageError
-        For a problem that the data do not allow, and a setting that is unknown, out of range or means nothing here.
+    Raises UsageError for a problem that the data do not allow, and a setting that is unknown, out of range or means nothing here.
     """
     name = problem or instance.problem
     if name not in instance.problems:

@@ -1,6 +1,7 @@
 """Why an answer leaves sites out.
 
-That no vehicle can serve a site, whatever else it does, is proved from the data (``reachability``, confirmed by ``checking``). All else is
+That no vehicle can serve a site, whatever else it does, is proved from the data (``reachability``, confirmed by ``checking``). All else
+is
 said of this answer: what each place for the site in its routes, as they are, would break or change.
 """
 
@@ -55,13 +56,6 @@ WORDS = {
 def left_out(problem: RoutingProblem, answer: Routes) -> tuple[LeftOut, ...]:
     """The customers that ``answer`` does not visit, in site order, each with the reason.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    answer : Routes
-
-    Notes
-    -----
     Wordings and what they claim: docs/formulations/routing.md#sites-left-out.
     """
     visited = {site for route in answer for site in route.visits}
@@ -115,7 +109,7 @@ class _Answer:
         return np.asarray(cost)
 
     def reasons(self, sites: Sequence[int]) -> Iterator[tuple[int, str]]:
-        """Of each site that is looked at, in the problem's words."""
+        """The reason of each site that is looked at, in the problem's words."""
         ends = {k for x in self.problem.sites.shipments for k in (x.pickup, x.delivery)}
         shipped = {k: self._with(k) for k in sites if k in ends}
         if is_plain(self.problem):
@@ -159,8 +153,7 @@ class _Answer:
             yield site, self._told(tally, k, (site,))
 
     def _changes(self, number: int, found: Places, sites: Indices) -> tuple[Floats, Floats]:
-        """By how much each level of the objective is worse at each place, shape (levels, sites, places), and what visits are worth there,
-        shape (levels, sites)."""
+        """By how much each level of the objective is worse at each place, shape (levels, sites, places), and the worth of visits there."""
         problem, old = self.problem, self.sums[number]
         s, others = problem.sites, np.delete(self.all_sums, number, axis=0)
         most = others.max(axis=0, initial=0.0)
@@ -227,7 +220,7 @@ def _by(name: str, amount: float) -> str:
 
 
 class _Tally:
-    """What was found at all places that were looked at, one entry a site."""
+    """Excess and changes at all places that were looked at, one entry a site."""
 
     def __init__(self, sites: int, levels: int) -> None:
         self.tried = np.zeros(sites)

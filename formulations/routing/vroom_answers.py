@@ -1,4 +1,4 @@
-"""Answers as VROOM's JSON: what ``vroom`` prints, and what can be shown where its output is."""
+"""Answers as VROOM's JSON: the output of ``vroom``, and answers written in its place."""
 
 from __future__ import annotations
 
@@ -32,15 +32,10 @@ def is_vroom_output(data: Mapping[str, Any]) -> bool:
 
 
 def routes_from_vroom(problem: RoutingProblem, data: Mapping[str, Any]) -> Routes:
-    """The routes of VROOM's output.
+    """The routes of VROOM's output; raises InputError if it is broken, tells of an error, or names an unknown task or vehicle.
 
     Jobs are sites with their number as id, shipments have sites ``pickup 3`` and ``delivery 3``, and vehicles the types that
     are named for their numbers; where there is one type alone, it drives all routes.
-
-    Raises
-    ------
-    InputError
-        If the document is broken, tells of an error, or names a task or a vehicle that does not exist.
     """
     code = integer(data.get("code", 0), "code", 0)
     if code:
