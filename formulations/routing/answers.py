@@ -57,7 +57,12 @@ def routes_from_json(problem: RoutingProblem, data: Any) -> Routes:
 
 
 def routes_to_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
-    """One row a stop; see ``RoutingProblem.answer_to_frame``."""
+    """One row a stop: vehicle, position, site, arrival, begin, departure, load, distance (cumulated).
+
+    ``on_board`` where loads are collected or shipped, ``energy`` where stores are filled on the way; then the attributes of sites. Times
+    are
+    moments where the problem was made of timestamps.
+    """
     import pandas as pd
 
     held, sites = problem.features(), problem.sites

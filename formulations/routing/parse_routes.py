@@ -138,11 +138,15 @@ ORDER = ("position", "order", "sequence", "stop_number", "arrival", "begin")
 
 
 def routes_given(problem: RoutingProblem, given: Any) -> Routes:
-    """The routes that a value stands for; see ``RoutingProblem.answer_of``.
+    """``Routes``, or what says clearly which.
 
-    Times ``arrival, begin, departure`` of a frame with one row a visit are stated with the routes (``timetable``) unless they are those
-    of the
-    judge. Raises UsageError for anything else, and for lists that do not say which of several vehicle types drives.
+    A list of routes, each a ``Route`` or a list of site indices or ids, with or without the depot at its ends; such a list, or several,
+    by the
+    name of each vehicle or of its type; or a frame with the columns ``vehicle`` and ``site``, one row a visit, whose times ``arrival,
+    begin,
+    departure`` are stated with the routes (``timetable``) unless they are those of the judge. Raises UsageError for anything else, and
+    for
+    lists that do not say which of several vehicle types drives.
     """
     if isinstance(given, Routes):
         return given
