@@ -1,4 +1,4 @@
-"""Statements on moves and the number of routes, and the problems without some of their moves: no evidence proves more than the best answer."""
+"""Statements on moves and on the number of routes: no evidence on what they leave proves more than the best answer."""
 
 from __future__ import annotations
 
