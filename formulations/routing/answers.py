@@ -65,12 +65,12 @@ def routes_to_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
     """
     import pandas as pd
 
-    held, sites = problem.features(), problem.sites
-    carried, filled = bool({"pickups", "shipments", "reloads"} & held), "recharging" in held
+    features, sites = problem.features(), problem.sites
+    carried, filled = bool({"pickups", "shipments", "reloads"} & features), "recharging" in features
     rows = []
     for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
         plan = schedule(problem, route)
-        left = _energy_left(problem, route) if filled else []
+        energy = _energy_left(problem, route) if filled else []
         for k, site in enumerate(route.visits):
             row: dict[str, Any] = {
                 "vehicle": name, "position": k + 1, "site": sites.ids[site],
@@ -80,7 +80,7 @@ def routes_to_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
             if carried:
                 row["on_board"] = float(plan.on_board[0, k + 1])
             if filled:
-                row["energy"] = left[k]
+                row["energy"] = energy[k]
             rows.append(row | {_title(title): values[site] for title, values in sites.attributes.items()})
     columns = [*VISIT, *(["on_board"] if carried else []), *(["energy"] if filled else []), *map(_title, sites.attributes)]
     return _dated(problem, pd.DataFrame(rows, columns=columns), ("arrival", "begin", "departure"))
@@ -128,9 +128,9 @@ class Visits(tuple[str, ...]):
 
     @classmethod
     def of(cls, ids: Iterable[str], vehicle: str) -> Visits:
-        made = cls(ids)
-        made.vehicle = vehicle
-        return made
+        visits = cls(ids)
+        visits.vehicle = vehicle
+        return visits
 
     def __repr__(self) -> str:
         return repr(list(self))
@@ -159,10 +159,10 @@ def routes_lines(problem: RoutingProblem, answer: Routes) -> list[Line]:
         lines.append(Line(name, f"{stops} (distance {plan.total_distance:.6g}{load})"))
     if len(answer) > SHOWN_ROUTES:
         lines.append(Line("", f"and {len(answer) - SHOWN_ROUTES} more routes; to_frame() and routes have all", "quiet"))
-    left = problem.left_out(answer)
-    lines += [Line("left out", f"{one.where}: {one.reason}") for one in left[:SHOWN_ROUTES]]
-    if len(left) > SHOWN_ROUTES:
-        lines.append(Line("", f"and {len(left) - SHOWN_ROUTES} more; left_out() has all", "quiet"))
+    unvisited = problem.left_out(answer)
+    lines += [Line("left out", f"{one.where}: {one.reason}") for one in unvisited[:SHOWN_ROUTES]]
+    if len(unvisited) > SHOWN_ROUTES:
+        lines.append(Line("", f"and {len(unvisited) - SHOWN_ROUTES} more; left_out() has all", "quiet"))
     return lines
 
 
@@ -173,12 +173,12 @@ def _energy_left(problem: RoutingProblem, route: Route) -> list[float | None]:
         return [None] * len(route.visits)
     stops = np.array([vehicle.start, *route.visits], dtype=np.int64)
     drawn = vehicle.energy.rate * problem.travel_of(route.vehicle).duration(stops[:-1], stops[1:])
-    left: list[float | None] = []
-    held = vehicle.energy.at_departure
+    levels: list[float | None] = []
+    level = vehicle.energy.at_departure
     for site, part in zip(route.visits, drawn.tolist(), strict=True):
-        held = vehicle.energy.capacity if site in vehicle.stations else held - part
-        left.append(held)
-    return left
+        level = vehicle.energy.capacity if site in vehicle.stations else level - part
+        levels.append(level)
+    return levels
 
 
 def answer_graph(problem: RoutingProblem, answer: Routes) -> Any:
@@ -196,8 +196,8 @@ def answer_graph(problem: RoutingProblem, answer: Routes) -> Any:
         stops, plan = (vehicle.start, *route.visits, vehicle.end), schedule(problem, route)
         ends = [0.0, *plan.distance.tolist(), plan.total_distance]
         for k, (tail, head) in enumerate(itertools.pairwise(stops)):
-            told = {"vehicle": name, "position": k + 1, "distance": ends[k + 1] - ends[k], "duration": float(travel.duration(tail, head))}
-            graph.add_edge(sites.ids[tail], sites.ids[head], **told)
+            length, duration = ends[k + 1] - ends[k], float(travel.duration(tail, head))
+            graph.add_edge(sites.ids[tail], sites.ids[head], vehicle=name, position=k + 1, distance=length, duration=duration)
     return graph
 
 
@@ -224,9 +224,9 @@ def answer_geojson(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
         kept = {title: values[k] for title, values in sites.attributes.items()}
         kind = "depot" if sites.depot[k] else "site"
         stops = visits.get(site, [])
-        told, further = (stops[0], stops[1:]) if stops and kind == "site" else ({}, stops)
-        left = {"left_out": reasons[site]} if site in reasons else {}
-        features.append(_feature("Point", places[k], {"kind": kind, "id": site, **kept, **told, **left}))
+        visit, further = (stops[0], stops[1:]) if stops and kind == "site" else ({}, stops)
+        omission = {"left_out": reasons[site]} if site in reasons else {}
+        features.append(_feature("Point", places[k], {"kind": kind, "id": site, **kept, **visit, **omission}))
         features += [_feature("Point", places[k], {"kind": "stop", "id": site, **kept, **each}) for each in further]
     return {"type": "FeatureCollection", "features": features}
 
@@ -245,5 +245,5 @@ def visits_of_geojson(data: Any) -> dict[str, list[str]] | None:
     features = data.get("features") if isinstance(data, dict) and data.get("type") == "FeatureCollection" else None
     if not isinstance(features, list):
         return None
-    told = [f["properties"] for f in features if isinstance(f, dict) and isinstance(f.get("properties"), dict)]
-    return {str(row["vehicle"]): row["visits"] for row in told if row.get("kind") == "route" and {"vehicle", "visits"} <= row.keys()}
+    rows = [f["properties"] for f in features if isinstance(f, dict) and isinstance(f.get("properties"), dict)]
+    return {str(row["vehicle"]): row["visits"] for row in rows if row.get("kind") == "route" and {"vehicle", "visits"} <= row.keys()}

@@ -52,15 +52,15 @@ def fleet_conflicts(
     """
     small_groups = partial(_small_groups, stopped=stopped, most=most_enumerated)
     for tier in ((_routes_asked_for, _loads, _ranges, _sites_apart), (small_groups,), (_hours,)):
-        found = False
+        proved = False
         for argue in tier:
             for evidence in argue(problem):
                 if proves(problem, evidence):
-                    found = True
+                    proved = True
                     yield evidence
             if stopped():
                 return
-        if found:
+        if proved:
             return
 
 
@@ -270,12 +270,12 @@ def _largest_clique(edges: Flags) -> Indices:
     for seed in np.argsort(-degree, kind="stable")[:_SEEDS].tolist():
         if degree[seed] < len(best):
             break
-        clique, left = [seed], edges[seed].copy()
-        while left.any():
-            inside = np.where(left, edges[:, left].sum(axis=1), -1)
+        clique, candidates = [seed], edges[seed].copy()
+        while candidates.any():
+            inside = np.where(candidates, edges[:, candidates].sum(axis=1), -1)
             node = int(np.argmax(inside))
             clique.append(node)
-            left &= edges[node]
+            candidates &= edges[node]
         if len(clique) > len(best):
             best = clique
     return np.sort(np.array(best, dtype=np.int64))

@@ -137,10 +137,10 @@ def judged(problem: RoutingProblem, routes: Sequence[Route]) -> Places:
     excess = {name: np.zeros((1, len(routes))) for name in LIMITS}
     sums = np.zeros((3, 1, len(routes)))
     for k, route in enumerate(routes):
-        found = Checklist()
-        plan = check_route(problem, "it", route, found)
+        checklist = Checklist()
+        plan = check_route(problem, "it", route, checklist)
         sums[:, 0, k] = plan.total_distance, plan.duration, plan.finish
-        for violation in found.violations:
+        for violation in checklist.violations:
             if violation.check in excess:
                 excess[violation.check][0, k] = max(excess[violation.check][0, k], violation.amount)
     return Places(excess, *sums)
@@ -149,10 +149,10 @@ def judged(problem: RoutingProblem, routes: Sequence[Route]) -> Places:
 def orders(visits: tuple[int, ...], sites: Sequence[int]) -> Iterator[tuple[int, ...]]:
     """All ways to put ``sites``, in this order, among the stops of a route."""
     for where in itertools.combinations_with_replacement(range(len(visits) + 1), len(sites)):
-        made = list(visits)
+        order = list(visits)
         for site, place in zip(reversed(sites), reversed(where), strict=True):
-            made.insert(place, site)
-        yield tuple(made)
+            order.insert(place, site)
+        yield tuple(order)
 
 
 class _Times:

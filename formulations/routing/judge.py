@@ -47,7 +47,7 @@ FURTHER_CHECKS = {
 def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     """Objective and violations of ``answer``; see ``RoutingProblem.evaluate``."""
     sites, fleet, judge = problem.sites, problem.fleet, Checklist()
-    held = problem.features()
+    features = problem.features()
     count, used = np.zeros(len(sites), dtype=np.int64), np.zeros(len(fleet), dtype=np.int64)
     cost, durations, distance, overtime, overruns, waiting = [], [], [], [], [], 0.0
     rewards = sites.reward[sites.depots].tolist()  # collected by staying at home
@@ -81,7 +81,7 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     total = int(used.sum())
     judge.test("fleet", float(problem.min_vehicles - total), f"{total} routes, at least {problem.min_vehicles} are asked for")
     _check_shipments(problem, answer, judge)
-    left = _check_groups(problem, count, judge)
+    unvisited = _check_groups(problem, count, judge)
     joint = joint_overrun(overruns)
     if problem.team_risk is not None:
         words = f"some route overruns a limit with probability {joint:.6g}, {problem.team_risk:g} at most"
@@ -90,7 +90,7 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     terms = {
         "total-cost": math.fsum(cost), "reward": math.fsum(rewards), "vehicles": float(total),
         "longest-route": max(distance, default=0.0), "makespan": max(durations, default=0.0), "total-duration": math.fsum(durations),
-        "latest-return": returns, "penalties": math.fsum(sites.penalty[left]),
+        "latest-return": returns, "penalties": math.fsum(sites.penalty[unvisited]),
     }  # fmt: skip
     values = tuple(math.fsum(w * terms[t.name] for w, t in level.terms) for level in problem.objective.levels())
     # Programs add up all penalties, and take away those of the sites that are visited.
@@ -99,13 +99,13 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     if 0.0 in sizes:
         sizes = tuple(size or least for size, least in zip(sizes, _least_sizes(problem), strict=True))
     quantities = {"distance": math.fsum(distance), "vehicles": float(total), "waiting": waiting, "reward": terms["reward"]}
-    if held & {"duration-cost", "overtime", "objective:total-duration"}:
+    if features & {"duration-cost", "overtime", "objective:total-duration"}:
         quantities |= {"duration": terms["total-duration"], "overtime": math.fsum(overtime)}
-    if held & {"route-risk", "team-risk"}:
+    if features & {"route-risk", "team-risk"}:
         quantities |= {"largest-route-overrun": max(overruns, default=0.0), "team-overrun": joint, "expected-overruns": math.fsum(overruns)}
     if sites.penalty.any():
         quantities["penalties"] = terms["penalties"]
-    names = (*CHECKS, *(check for feature, check in FURTHER_CHECKS.items() if feature in held))
+    names = (*CHECKS, *(check for feature, check in FURTHER_CHECKS.items() if feature in features))
     names += ("timetable",) if any(route.timetable is not None for route in answer) else ()
     return Evaluation(values, judge.checks(names), tuple(judge.violations), quantities, sizes)
 
@@ -256,8 +256,8 @@ def _check_limits(name: str, vehicle: VehicleType, plan: Schedule, judge: Checkl
         for one in uncertain(vehicle, plan):
             value, of = one.needed(vehicle.risk), 1.0 if one.name == "duration" or energy is None else energy.rate
             slack = float(widening(one.limit, value)) + rounding * of
-            found = f"{name} exceeds its limit of {one.name} of {one.limit:.10g} with probability {one.overrun():.6g}"
-            judge.test("route-risk", value - one.limit, f"{found}, {vehicle.risk:g} at most", allowed=slack, vehicle=name)
+            words = f"{name} exceeds its limit of {one.name} of {one.limit:.10g} with probability {one.overrun():.6g}"
+            judge.test("route-risk", value - one.limit, f"{words}, {vehicle.risk:g} at most", allowed=slack, vehicle=name)
 
 
 def _check_shipments(problem: RoutingProblem, answer: Routes, judge: Checklist) -> None:
@@ -285,5 +285,5 @@ def _check_groups(problem: RoutingProblem, count: NDArray[np.int64], judge: Chec
         names = ", ".join(sites.ids[k] for k in group.sites)
         lacking = float(times - 1 if times or not group.required else 1)
         judge.test("groups", lacking, f"{times} of these alternatives are visited: {names}", site=sites.ids[group.sites[0]])
-    left: NDArray[np.int64] = problem.customers[count[problem.customers] == 0]
-    return left
+    unvisited: NDArray[np.int64] = problem.customers[count[problem.customers] == 0]
+    return unvisited

@@ -155,18 +155,18 @@ def makespan_orienteering(
     -----
     Source: Mitchell (2020), section 5.5.4; where the printed weight fails: docs/formulations/routing.md#errata.
     """
-    made = _made("makespan-orienteering", _optional(sites), travel, vehicles, **limits)
+    problem = _made("makespan-orienteering", _optional(sites), travel, vehicles, **limits)
     if weight is None:
-        return made
+        return problem
     if weight == "printed":
         rewards = sites.reward[sites.reward > 0]
-        longest = max(_longest(v) for v in made.fleet)
+        longest = max(_longest(v) for v in problem.fleet)
         if not 0 < longest < math.inf:
             raise InputError("the printed weight needs a limit of duration", expected="max_duration, or energy charged for travel")
         weight = float(rewards.min()) / longest
     elif isinstance(weight, str):
         raise UsageError(f"unknown weight {weight!r}; give a number, printed, or none for an objective in order of priority")
-    return replace(made, objective=Objective.of(Reward() - float(weight) * Makespan()))
+    return replace(problem, objective=Objective.of(Reward() - float(weight) * Makespan()))
 
 
 def _longest(vehicle: VehicleType) -> float:
@@ -229,15 +229,15 @@ def _optional(sites: Sites) -> Sites:
     return replace(sites, required=np.zeros(len(sites), dtype=bool), groups=tuple(replace(g, required=False) for g in sites.groups))
 
 
-def _made(problem: str, sites: Sites, travel: Travel, vehicles: int | None, **given: Any) -> RoutingProblem:
-    objective: Composable = given.pop("objective", None) or default_objective(problem, sites)
-    least, name, fleet = given.pop("min_vehicles", 0), given.pop("name", problem), given.pop("fleet", None)
+def _made(problem: str, sites: Sites, travel: Travel, vehicles: int | None, **limits: Any) -> RoutingProblem:
+    objective: Composable = limits.pop("objective", None) or default_objective(problem, sites)
+    least, name, fleet = limits.pop("min_vehicles", 0), limits.pop("name", problem), limits.pop("fleet", None)
     if fleet is None:
         try:
-            fleet = equal_fleet(sites, count=vehicles, **given)
+            fleet = equal_fleet(sites, count=vehicles, **limits)
         except TypeError:
-            unknown = ", ".join(sorted(set(given) - set(VehicleType.__dataclass_fields__)))
+            unknown = ", ".join(sorted(set(limits) - set(VehicleType.__dataclass_fields__)))
             raise UsageError(f"{problem} does not know {unknown}; it takes what VehicleType takes") from None
-    elif vehicles not in (None, 1) or any(given[key] != math.inf for key in given):
-        raise UsageError(f"fleet tells the vehicles already; leave out {', '.join(['vehicles', *given])}")
+    elif vehicles not in (None, 1) or any(limits[key] != math.inf for key in limits):
+        raise UsageError(f"fleet tells the vehicles already; leave out {', '.join(['vehicles', *limits])}")
     return RoutingProblem(sites, travel, fleet, objective, least, name, problem)

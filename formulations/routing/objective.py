@@ -218,12 +218,12 @@ class Objective(Composable):
 
     def features(self) -> frozenset[str]:
         """``objective:<term>`` for each term, ``objective:priorities`` and ``objective:weights``."""
-        found = {f"objective:{term.name}" for level in self._levels for _, term in level.terms}
+        names = {f"objective:{term.name}" for level in self._levels for _, term in level.terms}
         if len(self._levels) > 1:
-            found.add("objective:priorities")
+            names.add("objective:priorities")
         if any(len(level.terms) > 1 or level.terms[0][0] != 1 for level in self._levels):
-            found.add("objective:weights")
-        return frozenset(found)
+            names.add("objective:weights")
+        return frozenset(names)
 
     @property
     def senses(self) -> tuple[str, ...]:
@@ -253,7 +253,7 @@ def _level(part: str, text: str) -> Weighted:
         raise UsageError(
             f"objective {_quoted(text)}: a level is empty; write terms such as {', '.join(list(TERMS)[:3])}, with then between levels"
         )
-    found: list[tuple[float, str]] = []
+    terms: list[tuple[float, str]] = []
     sign, weight, times, signed, leading = 1.0, None, False, True, True
     for kind, word in _parts(part):
         if kind == "sign" and (leading or not signed):
@@ -263,21 +263,21 @@ def _level(part: str, text: str) -> Weighted:
         elif kind == "times" and weight is not None and not times:
             times = True
         elif kind == "term" and signed:
-            found.append((sign * (1.0 if weight is None else weight), _known(word, text)))
+            terms.append((sign * (1.0 if weight is None else weight), _known(word, text)))
             sign, weight, times, signed = 1.0, None, False, False
         else:
             raise UsageError(f"objective {_quoted(text)}: {_quoted(word)} is not expected there; write sums such as total-cost - 2*reward")
         leading = False
     if signed or weight is not None:
         raise UsageError(f"objective {_quoted(text)}: {_quoted(part)} ends without a term")
-    names = [name for _, name in found]
+    names = [name for _, name in terms]
     for name in names:
         if names.count(name) > 1:
             raise UsageError(f"objective {_quoted(text)}: {name} stands twice in one level")
-    for weight, name in found:
+    for weight, name in terms:
         if weight == 0 or not math.isfinite(weight):
             raise UsageError(f"objective {_quoted(text)}: the weight of {name} must be finite and not zero")
-    return Weighted(tuple((weight, TERMS[name]()) for weight, name in found))
+    return Weighted(tuple((weight, TERMS[name]()) for weight, name in terms))
 
 
 def _parts(level: str) -> Iterator[tuple[str, str]]:
@@ -325,12 +325,12 @@ def default_objective(problem: str, sites: Sites) -> Objective:
     pairs too, whose fewest vehicles would be none at all.
     """
     usual = DEFAULT_OBJECTIVE.get(problem, Objective())
-    left = optional(sites)
-    if not left.any() or not any(isinstance(term, TotalCost) for level in usual.levels() for _, term in level.terms):
+    free = optional(sites)
+    if not free.any() or not any(isinstance(term, TotalCost) for level in usual.levels() for _, term in level.terms):
         return usual
     level = Weighted(((1.0, TotalCost()),))
-    level = level + Penalties() if sites.penalty[left].any() else level
-    level = level - Reward() if sites.reward[left].any() else level
+    level = level + Penalties() if sites.penalty[free].any() else level
+    level = level - Reward() if sites.reward[free].any() else level
     return usual if len(level.terms) == 1 else Objective.of(level)
 
 
@@ -345,5 +345,5 @@ def optional(sites: Sites) -> NDArray[np.bool_]:
 
 def pointless(sites: Sites) -> int:
     """Number of sites that may be left out, where nothing tells what a visit to any of them is worth."""
-    left = optional(sites)
-    return 0 if sites.reward[left].any() or sites.penalty[left].any() else int(left.sum())
+    free = optional(sites)
+    return 0 if sites.reward[free].any() or sites.penalty[free].any() else int(free.sum())

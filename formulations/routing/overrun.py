@@ -37,10 +37,10 @@ class Uncertain:
 def uncertain(vehicle: VehicleType, plan: Schedule) -> list[Uncertain]:
     """Limited quantities of a route that are uncertain."""
     deviation, energy = math.sqrt(plan.variance), vehicle.energy
-    found = [Uncertain("duration", plan.duration, deviation, vehicle.max_duration)]
+    quantities = [Uncertain("duration", plan.duration, deviation, vehicle.max_duration)]
     if energy is not None:
-        found.append(Uncertain("energy", energy.rate * plan.charged[energy.charge], energy.rate * deviation, energy.at_departure))
-    return [one for one in found if one.deviation > 0.0 and one.limit < math.inf]
+        quantities.append(Uncertain("energy", energy.rate * plan.charged[energy.charge], energy.rate * deviation, energy.at_departure))
+    return [one for one in quantities if one.deviation > 0.0 and one.limit < math.inf]
 
 
 def route_overrun(vehicle: VehicleType, plan: Schedule) -> float:

@@ -46,13 +46,13 @@ def stated_times(clock: Clock | None, columns: Mapping[str, Sequence[Any]]) -> t
     for title, values in columns.items():
         read: list[float | None] = []
         for value in values:
-            found = _read(clock, value, title)
-            if isinstance(found, float):
-                numbers.append(found)
-                read.append(found)
+            moment = _read(clock, value, title)
+            if isinstance(moment, float):
+                numbers.append(moment)
+                read.append(moment)
             else:
-                spans += [] if found is None else [found]
-                read.append(None if found is None or clock is None else found / 1e9 / clock.seconds)
+                spans += [] if moment is None else [moment]
+                read.append(None if moment is None or clock is None else moment / 1e9 / clock.seconds)
         listed[title] = read
     if not numbers and not spans:
         return [], 0.0
@@ -176,14 +176,14 @@ def _is_list(route: Any) -> bool:
     return isinstance(route, Sequence | np.ndarray) and not isinstance(route, str | bytes)
 
 
-def _of_mapping(problem: RoutingProblem, given: Mapping[Any, Any]) -> Routes:
+def _of_mapping(problem: RoutingProblem, routes_by_name: Mapping[Any, Any]) -> Routes:
     routes: list[tuple[int, Any]] = []
-    for name, held in given.items():
-        if not _is_list(held):
-            raise UsageError(f"the route of {printable(str(name), 40)} must be a list of sites, not {printable(repr(held), 60)}")
-        several = len(held) > 0 and all(_is_list(part) for part in held)
+    for name, listed in routes_by_name.items():
+        if not _is_list(listed):
+            raise UsageError(f"the route of {printable(str(name), 40)} must be a list of sites, not {printable(repr(listed), 60)}")
+        several = len(listed) > 0 and all(_is_list(part) for part in listed)
         kind = _type(problem, name)
-        routes += [(kind, part) for part in held] if several else [(kind, held)]
+        routes += [(kind, part) for part in listed] if several else [(kind, listed)]
     return _made(problem, routes)
 
 
@@ -202,14 +202,14 @@ def _of_frame(problem: RoutingProblem, frame: Any) -> Routes:
         raise UsageError(f"a table of visits has a row without {site} or {vehicle}")
     rows = frame if order is None else frame.sort_values([order], kind="stable")
     times, digit = stated_times(problem.clock, {title: rows[titles[title]].tolist() for title in COLUMNS if title in titles})
-    found: dict[Any, tuple[list[str], list[Moments]]] = {}
+    by_vehicle: dict[Any, tuple[list[str], list[Moments]]] = {}
     for at, (name, visit) in enumerate(zip(rows[vehicle].tolist(), rows[site].tolist(), strict=True)):
-        visits, stated = found.setdefault(name, ([], []))
+        visits, stated = by_vehicle.setdefault(name, ([], []))
         visits.append(str(int(visit)) if isinstance(visit, float) and visit.is_integer() else str(visit))
         stated.append(times[at] if times else (None, None, None))
     alike = len(problem.fleet) == 1
-    kinds = [0 if alike else _type(problem, name) for name in found]
-    return _made(problem, list(zip(kinds, (v for v, _ in found.values()), strict=True)), [s for _, s in found.values()], digit)
+    kinds = [0 if alike else _type(problem, name) for name in by_vehicle]
+    return _made(problem, list(zip(kinds, (v for v, _ in by_vehicle.values()), strict=True)), [s for _, s in by_vehicle.values()], digit)
 
 
 def _type(problem: RoutingProblem, name: Any) -> int:
@@ -234,7 +234,7 @@ def _made(
 ) -> Routes:
     named = [[str(v) if isinstance(v, np.str_) else v for v in route] for _, route in routes]
     sites = indices_of(itertools.chain.from_iterable(named), problem.sites.index(), "site")
-    ends, made = itertools.accumulate(map(len, named), initial=0), []
+    ends, parsed = itertools.accumulate(map(len, named), initial=0), []
     for number, ((kind, _), (first, last)) in enumerate(zip(routes, itertools.pairwise(ends), strict=True)):
         visits, vehicle = sites[first:last], problem.fleet[kind]
         begin, end = 0, len(visits)
@@ -243,8 +243,8 @@ def _made(
         while end > begin and visits[end - 1] == vehicle.end:
             end -= 1
         timetable = table(times[number], digit, begin, end) if times else None
-        made.append(untold(problem, Route(tuple(visits[begin:end]), kind, timetable)))
-    return Routes.of(made)
+        parsed.append(untold(problem, Route(tuple(visits[begin:end]), kind, timetable)))
+    return Routes.of(parsed)
 
 
 def untold(problem: RoutingProblem, route: Route) -> Route:

@@ -161,7 +161,7 @@ def copies(problem: RoutingProblem) -> NDArray[np.int64]:
     A stop at the same depot twice between two sites, or before the first and after the last of a route, is of no use, so that each depot
     needs one copy for each site and each route; fewer where reloads are limited.
     """
-    n, found = len(problem.customers), []
+    n, stops = len(problem.customers), []
     routes = min(n, sum(n if v.count is None else v.count for v in problem.fleet))
     for depot in sorted({site for v in problem.fleet for site in (*v.reloads, *v.stations)}):
         most = 0
@@ -170,8 +170,8 @@ def copies(problem: RoutingProblem) -> NDArray[np.int64]:
             if depot in v.reloads and depot not in v.stations and v.max_reloads is not None:
                 gaps = min(gaps, v.max_reloads * (n if v.count is None else v.count))
             most += gaps if depot in (*v.reloads, *v.stations) else 0
-        found += [depot] * min(most, n + routes)
-    return np.array(found, dtype=np.int64)
+        stops += [depot] * min(most, n + routes)
+    return np.array(stops, dtype=np.int64)
 
 
 def _possible(problem: RoutingProblem, kind: VehicleType, at: NDArray[np.int64], customers: int, duration: Floats) -> Flags:
@@ -195,15 +195,15 @@ def _possible(problem: RoutingProblem, kind: VehicleType, at: NDArray[np.int64],
 
 def _further_loads(problem: RoutingProblem, kind: VehicleType, at: NDArray[np.int64], served: Floats) -> dict[str, Resource]:
     """The other load dimensions, and what is collected: all of it is on board in the end."""
-    n, found = len(at), {}
+    n, loads = len(at), {}
     for k, capacity in enumerate(kind.capacities):
         demand = problem.sites.demand[at] if k == 0 else problem.sites.further_demand[at, k - 1]
         pickup = problem.sites.pickup[at] if k == 0 else problem.sites.further_pickup[at, k - 1]
         number = "" if k == 0 else f"-{k + 1}"
         for name, amount in ((f"load{number}", demand * served), (f"pickup{number}", pickup * served)):
             if name != "load" and amount.any() and math.isfinite(capacity):
-                found[name] = Resource(name, np.broadcast_to(amount, (n, n)), np.zeros(n), np.full(n, float(capacity)))
-    return found
+                loads[name] = Resource(name, np.broadcast_to(amount, (n, n)), np.zeros(n), np.full(n, float(capacity)))
+    return loads
 
 
 def offset(problem: RoutingProblem) -> float:
@@ -287,12 +287,12 @@ def limited_resources(
         due[-1] = min(due[-1], ready[0] + energy.at_departure / energy.rate)
     # No earliest schedule runs longer than to the last opening, and then through the longest move out of every node.
     horizon = max(float(ready.max()), float(ready.max() if latest is None else latest[:-1].max())) + float(busy[:-1, 1:].max(axis=1).sum())
-    found = {"time": Resource("time", busy, ready, np.minimum(due, max(horizon, float(ready.max()))), waits=True)}
+    resources = {"time": Resource("time", busy, ready, np.minimum(due, max(horizon, float(ready.max()))), waits=True)}
 
     def additive(name: str, weight: Floats, limit: float) -> None:
         if math.isfinite(limit):
             upper = np.full(n, float(limit))
-            found[name] = Resource(name, weight, np.zeros(n), upper)
+            resources[name] = Resource(name, weight, np.zeros(n), upper)
 
     if demand.any() and not kind.reloads:
         additive("load", np.broadcast_to(demand, (n, n)), kind.capacity)
@@ -304,7 +304,7 @@ def limited_resources(
             weight = busy.copy()
             weight[:, :-1] = np.maximum(busy[:, :-1], opening[None, :-1] - opening[:, None])
         additive("energy", energy.rate * weight, energy.at_departure)
-    return found
+    return resources
 
 
 def _on_arcs(r: Resource, allowed: Flags, ready: Floats, usable: Flags) -> Resource:
@@ -330,7 +330,7 @@ def _costs(
         "penalties": -(problem.sites.penalty[at] * served)[head],
         "total-duration": np.zeros(len(tail)) if waits else busy,
     }
-    made = np.zeros(len(tail))
+    costs = np.zeros(len(tail))
     for weight, term in problem.objective.levels()[0].terms:
-        made += weight * share.get(term.name, 0.0)
-    return made
+        costs += weight * share.get(term.name, 0.0)
+    return costs

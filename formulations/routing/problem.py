@@ -115,9 +115,9 @@ class RoutingProblem(Problem):
 
     def altered(self, **parts: Any) -> RoutingProblem:
         """A problem of other parts, which are not checked again. Nothing is kept that was derived from the former ones."""
-        made = object.__new__(type(self))
-        made.__dict__.update({field.name: getattr(self, field.name) for field in fields(self)} | parts)
-        return made
+        problem = object.__new__(type(self))
+        problem.__dict__.update({field.name: getattr(self, field.name) for field in fields(self)} | parts)
+        return problem
 
     # -- construction ------------------------------------------------------------------------------------------------
 
@@ -369,9 +369,9 @@ class RoutingProblem(Problem):
         for k, why in sites:
             yield Reason("site", ids[k], why, Evidence("infeasible-site", f"site {ids[k]}: {why}", none(self), {"site": ids[k]}))
         if not sites and not stopped():
-            for found in fleet_conflicts(self, stopped):
-                site = found.data.get("site")
-                yield Reason("fleet" if site is None else "site", "fleet" if site is None else site, found.source, found)
+            for evidence in fleet_conflicts(self, stopped):
+                site = evidence.data.get("site")
+                yield Reason("fleet" if site is None else "site", "fleet" if site is None else site, evidence.source, evidence)
 
     left_out = left_out
 
@@ -439,9 +439,9 @@ class RoutingProblem(Problem):
 
     def answer_from_text(self, text: str) -> tuple[Routes, float | None]:
         """From CVRPLIB's ``.sol`` or TSPLIB's ``.tour``."""
-        found = routes_from_text(text, self.sites)
+        file = routes_from_text(text, self.sites)
         self._need_one_type()
-        return Routes.of(found.routes), found.cost
+        return Routes.of(file.routes), file.cost
 
     def _need_one_type(self) -> None:
         if len(self.fleet) > 1:
@@ -455,4 +455,4 @@ class RoutingProblem(Problem):
 
 def _numbered(name: str, taken: Collection[str]) -> Iterator[str]:
     """The name with 1, 2, ... behind it, but for those that are taken."""
-    return (made for k in itertools.count(1) if (made := f"{name} {k}") not in taken)
+    return (numbered for k in itertools.count(1) if (numbered := f"{name} {k}") not in taken)

@@ -57,18 +57,18 @@ def unreachable(problem: RoutingProblem) -> dict[int, str]:
         for k, why in _unable(problem, kind):
             reasons[k] = reasons[k] or why
     customers = problem.customers
-    found = {}
+    reasons_by_site = {}
     for k, site in enumerate(customers.tolist()):
         reasons = [v[k] for v in verdicts]
         if all(r is not None for r in reasons):
             named = zip(problem.fleet, reasons, strict=True)
-            found[site] = str(reasons[0]) if len(reasons) == 1 else "; ".join(f"{kind.name}: {r}" for kind, r in named)
-    if not found:
+            reasons_by_site[site] = str(reasons[0]) if len(reasons) == 1 else "; ".join(f"{kind.name}: {r}" for kind, r in named)
+    if not reasons_by_site:
         return {}
     from .checking.infeasible_site import out_of_reach
 
     confirmed = out_of_reach(problem)
-    return {site: why for site, why in found.items() if confirmed[site]}
+    return {site: why for site, why in reasons_by_site.items() if confirmed[site]}
 
 
 def minimum_vehicles(problem: RoutingProblem) -> int:

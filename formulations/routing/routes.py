@@ -73,10 +73,10 @@ class Timetable:
         last = len(arrival) - 1
         if self.departure is not None:
             yield Astray(0, "leaves", self.departure, float(begin[0]))
-        for what, stated, found in (("reaches", self.arrival, arrival), ("begins at", self.begin, begin), ("leaves", self.ends, ends)):
+        for what, stated, times in (("reaches", self.arrival, arrival), ("begins at", self.begin, begin), ("leaves", self.ends, ends)):
             for k, moment in enumerate(stated, start=1):
                 if moment is not None:
-                    yield Astray(k, what, moment, float(found[k]))
+                    yield Astray(k, what, moment, float(times[k]))
         if self.finish is not None:
             yield Astray(last, "returns to", self.finish, float(arrival[last]))
 
@@ -86,9 +86,9 @@ class Timetable:
     def to_json(self) -> dict[str, Any]:
         """The keys that something is stated for, in units of the data."""
         data = {key: list(getattr(self, key)) for key in COLUMNS.values()}
-        told = {key: moments for key, moments in data.items() if any(moment is not None for moment in moments)}
+        columns = {key: moments for key, moments in data.items() if any(moment is not None for moment in moments)}
         ends = {key: moment for key in ("departure", "finish") if (moment := getattr(self, key)) is not None}
-        return {**ends, **told, "digit": self.digit}
+        return {**ends, **columns, "digit": self.digit}
 
     @classmethod
     def from_json(cls, data: Any, stops: int, path: str) -> Timetable:
@@ -180,8 +180,8 @@ class Routes:
     @classmethod
     def of(cls, routes: Iterable[Sequence[int] | Route]) -> Routes:
         """Routes from sequences of site indices; empty ones are dropped."""
-        made = (r if isinstance(r, Route) else Route(tuple(int(i) for i in r)) for r in routes)
-        return cls(tuple(r for r in made if r.visits))
+        parts = (r if isinstance(r, Route) else Route(tuple(int(i) for i in r)) for r in routes)
+        return cls(tuple(r for r in parts if r.visits))
 
     def __iter__(self) -> Iterator[Route]:
         return iter(self.routes)

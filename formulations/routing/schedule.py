@@ -123,8 +123,8 @@ def schedule(problem: RoutingProblem, route: Route, departure: float | None = No
     if departure is None:
         last = np.minimum(due[:-1], closes - service[:-1])  # begin of service that lets the next move begin in time
         if several:
-            found = _departures(opens, ready, due, last, service + np.append(time, 0.0), several)
-            chosen = _best(problem, vehicle, opens, found)
+            departures = _departures(opens, ready, due, last, service + np.append(time, 0.0), several)
+            chosen = _best(problem, vehicle, opens, departures)
         else:
             chosen = _latest(*clock[:2], last, due, busy)
         if chosen is not None:
@@ -205,15 +205,15 @@ def _best(problem: RoutingProblem, vehicle: VehicleType, opens: float, found: Se
     def within(value: float, limit: float, finish: float) -> bool:
         return value - limit <= float(widening(limit, max(abs(opens), abs(finish))))
 
-    left = [one for one in found if within(one.duration, longest, one.finish) and within(one.finish, latest, one.finish)] or found
-    if not left:
+    kept = [one for one in found if within(one.duration, longest, one.finish) and within(one.finish, latest, one.finish)] or found
+    if not kept:
         return None
     # What differs by rounding alone is the same.
     if "objective:latest-return" in problem.features():
-        first = min(one.finish for one in left)
-        return min(one for one in left if within(one.finish, first, one.finish))
-    least = min(one.duration for one in left)
-    return min((one for one in left if within(one.duration, least, one.finish)), key=lambda one: (one.finish, one.duration, one.departure))
+        first = min(one.finish for one in kept)
+        return min(one for one in kept if within(one.finish, first, one.finish))
+    least = min(one.duration for one in kept)
+    return min((one for one in kept if within(one.duration, least, one.finish)), key=lambda one: (one.finish, one.duration, one.departure))
 
 
 def _opens(windows: tuple[tuple[float, float], ...], arrival: float) -> float:
@@ -237,16 +237,16 @@ def _departures(
     for k in range(1, len(due)):
         step, returns = float(busy[k - 1]), k == len(due) - 1
         windows = several.get(k) or ((-math.inf if returns else float(ready[k]), float(due[k])),)
-        made = []
+        later = []
         for low, high, c, w in pieces:
             c, w, over = c + step, w + step, -math.inf
             for begins, ends in windows:
                 end, first = ends if returns else min(ends, float(last[k])), low if c > over else max(low, over - w)
                 begun = max(begins, c, first + w)
                 if first <= high and begun - end <= float(allowance(end, begun, abs(opens))):
-                    made.append((first, max(min(high, end - w), first), max(c, begins), w))
+                    later.append((first, max(min(high, end - w), first), max(c, begins), w))
                 over = ends
-        pieces = made
+        pieces = later
     # The longer it takes to leave, the less is waited for, until the end of the piece, or the first return without waiting.
     return [Departure(max(c - high, w), max(c, low + w), min(high, max(low, c - w))) for low, high, c, w in pieces]
 
@@ -267,9 +267,9 @@ def _on_board(problem: RoutingProblem, route: Route) -> Floats:
     aboard = np.zeros((len(delivered), len(visits) + 1))
     for low, high in zip([0, *(k + 1 for k in reloads)], [*reloads, len(visits)], strict=True):
         # Position 0 is the start; a trip from stop ``low`` on begins at position ``low``, which is its depot.
-        left = delivered[:, low:high]
-        aboard[:, low] = [math.fsum(row) for row in left]
-        aboard[:, low + 1 : high + 1] = left[:, ::-1].cumsum(axis=1)[:, ::-1] - left + collected[:, low:high].cumsum(axis=1)
+        undelivered = delivered[:, low:high]
+        aboard[:, low] = [math.fsum(row) for row in undelivered]
+        aboard[:, low + 1 : high + 1] = undelivered[:, ::-1].cumsum(axis=1)[:, ::-1] - undelivered + collected[:, low:high].cumsum(axis=1)
     place = {site: k for k, site in reversed(list(enumerate(route.visits, start=1)))}
     for shipment in sites.shipments:
         first, end = place.get(shipment.pickup), place.get(shipment.delivery)

@@ -27,9 +27,9 @@ def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[s
     if name not in instance.problems:
         allowed = ", ".join(instance.problems)
         raise UsageError(f"{instance.name} ({instance.format}) cannot be read as {name}; it allows {allowed}")
-    given = dict(settings)
-    convention = given.pop("convention", None)
-    customers = given.pop("customers", None)
+    rest = dict(settings)
+    convention = rest.pop("convention", None)
+    customers = rest.pop("customers", None)
     if customers is not None:
         instance = instance.with_customers(_whole("customers", customers))
     travel = instance.travel
@@ -38,31 +38,31 @@ def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[s
         known = convention_named(convention)
         travel = travel.with_convention(known)
         fleet = tuple(v if v.travel is None else replace(v, travel=v.travel.with_convention(known)) for v in fleet)
-    if "capacity" in given:
-        fleet = tuple(replace(v, capacity=_positive("capacity", given["capacity"])) for v in fleet)
-        del given["capacity"]
-    risks = {key: _positive(key, given.pop(key)) for key in ("risk", "team-risk") if key in given}
+    if "capacity" in rest:
+        fleet = tuple(replace(v, capacity=_positive("capacity", rest["capacity"])) for v in fleet)
+        del rest["capacity"]
+    risks = {key: _positive(key, rest.pop(key)) for key in ("risk", "team-risk") if key in rest}
     if risks and not any(t.uncertain for t in (travel, *(v.travel for v in fleet if v.travel is not None))):
         raise UsageError(f"durations of {instance.name} are certain, so that a risk limits nothing; its travel needs variances")
     if "risk" in risks:
         fleet = tuple(replace(v, risk=risks["risk"]) for v in fleet)
-    if {"vehicles", "vehicles-exactly"} <= given.keys():
+    if {"vehicles", "vehicles-exactly"} <= rest.keys():
         raise UsageError("set either vehicles or vehicles-exactly, not both")
     for key in ("vehicles", "vehicles-exactly"):
-        if key in given:
-            value = given.pop(key)
+        if key in rest:
+            value = rest.pop(key)
             if len(fleet) > 1:
                 raise UsageError(f"{key} can only be set for a fleet of one type; {instance.name} has {len(fleet)}")
             count = None if key == "vehicles" and value in ("unlimited", None) else _whole(key, value)
             fleet = (replace(fleet[0], count=count),)
             least = 0 if key == "vehicles" or count is None else count
             notes = ()
-    asked = given.pop("objective", None)
-    if given:
+    asked = rest.pop("objective", None)
+    if rest:
         read = FORMATS[instance.format].settings if instance.format in FORMATS.names() else ()
         keys = tuple(dict.fromkeys((*KNOWN, *read)))
-        known = f"{', '.join(keys)}{did_you_mean(min(given), keys)}"
-        raise UsageError(f"unknown setting {', '.join(sorted(given))}; routing problems take {known}")
+        known = f"{', '.join(keys)}{did_you_mean(min(rest), keys)}"
+        raise UsageError(f"unknown setting {', '.join(sorted(rest))}; routing problems take {known}")
     usual = objective = default_objective(name, instance.sites)
     if asked is not None:
         objective = Objective.of(asked)

@@ -59,22 +59,23 @@ def left_out(problem: RoutingProblem, answer: Routes) -> tuple[LeftOut, ...]:
     Wordings and what they claim: docs/formulations/routing.md#sites-left-out.
     """
     visited = {site for route in answer for site in route.visits}
-    left = [site for site in problem.customers.tolist() if site not in visited]
-    if not left:
+    unvisited = [site for site in problem.customers.tolist() if site not in visited]
+    if not unvisited:
         return ()
     ids, groups = problem.sites.ids, {site: group.sites for group in problem.sites.groups for site in group.sites}
-    reasons = dict.fromkeys(left, UNEXPLAINED)
+    reasons = dict.fromkeys(unvisited, UNEXPLAINED)
     beyond = {site: f"no vehicle can serve it: {why}" for site, why in unreachable(problem).items() if site in reasons}
-    chosen = {site: next((k for k in groups.get(site, ()) if k in visited), None) for site in left}
+    chosen = {site: next((k for k in groups.get(site, ()) if k in visited), None) for site in unvisited}
     reasons |= {site: f"its alternative {ids[k]} is visited" for site, k in chosen.items() if k is not None}
     reasons |= beyond
-    open_sites = [site for site in left if reasons[site] == UNEXPLAINED]
+    open_sites = [site for site in unvisited if reasons[site] == UNEXPLAINED]
     wrong = {violation.check for violation in problem.evaluate(answer).violations}
     if open_sites and wrong <= {"visits", "groups"} and "team-risk" not in problem.features():  # which places alone do not tell
         reasons |= dict(_Answer(problem, answer).reasons(open_sites))
-    required = problem.sites.required
-    told = {site: why.replace("optional", "required", 1) if required[site] and why == UNEXPLAINED else why for site, why in reasons.items()}
-    return tuple(LeftOut(ids[site], told[site], site in beyond) for site in left)
+    for site in unvisited:
+        if problem.sites.required[site] and reasons[site] == UNEXPLAINED:
+            reasons[site] = UNEXPLAINED.replace("optional", "required", 1)
+    return tuple(LeftOut(ids[site], reasons[site], site in beyond) for site in unvisited)
 
 
 class _Answer:
@@ -98,8 +99,8 @@ class _Answer:
 
     def _sums(self, route: Route) -> Floats:
         plan = schedule(self.problem, route)
-        found = np.array([plan.total_distance, plan.duration, plan.finish])
-        return np.append(found, self._cost(route.vehicle, found[0], found[1]))
+        amounts = np.array([plan.total_distance, plan.duration, plan.finish])
+        return np.append(amounts, self._cost(route.vehicle, amounts[0], amounts[1]))
 
     def _cost(self, kind: int, distance: Floats, duration: Floats) -> Floats:
         v = self.problem.fleet[kind]
@@ -126,19 +127,19 @@ class _Answer:
                 continue
             tally = _Tally(1, len(self.problem.senses))
             for number, route in enumerate(self.routes):
-                found = judged(self.problem, [Route(v, route.vehicle) for listed in lists for v in orders(route.visits, listed)])
-                tally.add(number, found, *self._changes(number, found, np.array(lists[:1])))
+                places = judged(self.problem, [Route(v, route.vehicle) for listed in lists for v in orders(route.visits, listed)])
+                tally.add(number, places, *self._changes(number, places, np.array(lists[:1])))
             companions = ", ".join(self.problem.sites.ids[k] for k in lists[0] if k != site)
             yield site, (f"with {companions}: " if companions else "") + self._told(tally, 0, lists[0])
 
     def _with(self, site: int) -> list[tuple[int, ...]]:
         """The sites that are visited with ``site`` or not at all, in each order of pickups before deliveries; none if they are many."""
-        shipments, found, grown = self.problem.sites.shipments, {site}, True
+        shipments, together, grown = self.problem.sites.shipments, {site}, True
         while grown:
-            more = {k for x in shipments for k in (x.pickup, x.delivery) if {x.pickup, x.delivery} & found}
-            grown, found = not more <= found, found | more
-        pairs = [(x.pickup, x.delivery) for x in shipments if x.pickup in found]
-        every = itertools.permutations(sorted(found)) if len(found) <= MOST_TOGETHER else iter(())
+            more = {k for x in shipments for k in (x.pickup, x.delivery) if {x.pickup, x.delivery} & together}
+            grown, together = not more <= together, together | more
+        pairs = [(x.pickup, x.delivery) for x in shipments if x.pickup in together]
+        every = itertools.permutations(sorted(together)) if len(together) <= MOST_TOGETHER else iter(())
         return [listed for listed in every if all(listed.index(p) < listed.index(d) for p, d in pairs)]
 
     def _plain(self, sites: Indices) -> Iterator[tuple[int, str]]:
@@ -147,12 +148,12 @@ class _Answer:
             places, step = Insertions(self.problem, route), max(1, STRIP // (len(route) + 1))
             for first in range(0, len(sites), step):
                 part = slice(first, first + step)
-                found = places.of(sites[part])
-                tally.add(number, found, *self._changes(number, found, sites[part, None]), part)
+                inserted = places.of(sites[part])
+                tally.add(number, inserted, *self._changes(number, inserted, sites[part, None]), part)
         for k, site in enumerate(sites.tolist()):
             yield site, self._told(tally, k, (site,))
 
-    def _changes(self, number: int, found: Places, sites: Indices) -> tuple[Floats, Floats]:
+    def _changes(self, number: int, places: Places, sites: Indices) -> tuple[Floats, Floats]:
         """By how much each level of the objective is worse at each place, shape (levels, sites, places), and the worth of visits there."""
         problem, old = self.problem, self.sums[number]
         s, others = problem.sites, np.delete(self.all_sums, number, axis=0)
@@ -160,19 +161,19 @@ class _Answer:
         most[2] = others[:, 2].max(initial=min(opening(problem, v) for v in problem.fleet))  # the latest return where nobody drives
         largest = np.maximum(most, old)
         changes = {
-            "total-cost": self._cost(self.routes[number].vehicle, found.distance, found.duration) - old[3],
-            "total-duration": found.duration - old[1],
-            "makespan": np.maximum(found.duration, most[1]) - largest[1],
-            "longest-route": np.maximum(found.distance, most[0]) - largest[0],
-            "latest-return": np.maximum(found.finish, most[2]) - largest[2],
-            "vehicles": np.full(found.distance.shape, float(not self.routes[number].visits)),
+            "total-cost": self._cost(self.routes[number].vehicle, places.distance, places.duration) - old[3],
+            "total-duration": places.duration - old[1],
+            "makespan": np.maximum(places.duration, most[1]) - largest[1],
+            "longest-route": np.maximum(places.distance, most[0]) - largest[0],
+            "latest-return": np.maximum(places.finish, most[2]) - largest[2],
+            "vehicles": np.full(places.distance.shape, float(not self.routes[number].visits)),
         }
         worth = {"reward": s.reward[sites].sum(axis=1), "penalties": -s.penalty[sites].sum(axis=1)}
         worse, prizes = [], []
         for level in problem.objective.levels():
             sign = 1.0 if level.sense == "min" else -1.0
             prizes.append(-sign * sum((w * worth[t.name] for w, t in level.terms if t.name in worth), start=np.zeros(len(sites))))
-            zero = np.zeros(found.distance.shape)
+            zero = np.zeros(places.distance.shape)
             worse.append(sign * sum((w * changes[t.name] for w, t in level.terms if t.name in changes), start=zero) - prizes[-1][:, None])
         return np.array(worse), np.array(prizes)
 
@@ -230,14 +231,14 @@ class _Tally:
         self.best, self.prize = np.full((levels, sites), math.inf), np.zeros((levels, sites))
         self.route, self.place = np.zeros(sites, dtype=np.int64), np.zeros(sites, dtype=np.int64)
 
-    def add(self, number: int, found: Places, worse: Floats, prize: Floats, part: slice = slice(None)) -> None:
+    def add(self, number: int, places: Places, worse: Floats, prize: Floats, part: slice = slice(None)) -> None:
         """Count the places of one route for the sites ``part``."""
-        sites, places = found.distance.shape
-        free = np.ones((sites, places), dtype=bool)
-        self.tried[part] += places
+        sites, count = places.distance.shape
+        free = np.ones((sites, count), dtype=bool)
+        self.tried[part] += count
         self.prize[:, part] = prize
         for name in LIMITS:
-            over = found.excess.get(name)
+            over = places.excess.get(name)
             if over is None:
                 self.least_everywhere[name][part] = 0.0
                 continue

@@ -62,13 +62,13 @@ def routes_from_vroom(problem: RoutingProblem, data: Mapping[str, Any]) -> Route
 
 def _types(problem: RoutingProblem) -> dict[int, int]:
     """Type of each vehicle number; empty where types do not have one number for each of their vehicles, so that names tell them."""
-    found: dict[int, int] = {}
+    types: dict[int, int] = {}
     for kind, vehicle in enumerate(problem.fleet):
         numbers = _numbers(problem, kind)
-        if vehicle.count is None or vehicle.count > len(numbers) or found.keys() & set(numbers):
+        if vehicle.count is None or vehicle.count > len(numbers) or types.keys() & set(numbers):
             return {}
-        found |= dict.fromkeys(numbers, kind)
-    return found
+        types |= dict.fromkeys(numbers, kind)
+    return types
 
 
 def _named(problem: RoutingProblem, description: Any, path: str) -> int:
@@ -161,6 +161,6 @@ def vroom_output(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
             }
         )
     visited = {site for route in answer for site in route.visits}
-    left = [tasks[k] for k in tasks if k not in visited]
-    summary = {"cost": math.fsum(route["cost"] for route in routes), "routes": len(routes), "unassigned": len(left)}
-    return {"code": 0, "summary": summary, "unassigned": left, "routes": routes}
+    unassigned = [tasks[k] for k in tasks if k not in visited]
+    summary = {"cost": math.fsum(route["cost"] for route in routes), "routes": len(routes), "unassigned": len(unassigned)}
+    return {"code": 0, "summary": summary, "unassigned": unassigned, "routes": routes}

@@ -59,7 +59,7 @@ def fronts(problem: RoutingProblem, vehicle: VehicleType, limits: Limits, terms:
     demand, capacity = limits.demand, allowed(limits.capacity)
     latest = limits.latest(float(limits.due[-1]))
     labels: dict[tuple[int, int], Floats] = {}
-    found: dict[int, Front] = {}
+    best: dict[int, Front] = {}
     size, stop = 0.0, current_stop()
     of_time = terms.cost * vehicle.unit_duration_cost + terms.duration
     team = problem.team_risk
@@ -112,9 +112,9 @@ def fronts(problem: RoutingProblem, vehicle: VehicleType, limits: Limits, terms:
                 risk, _overrun(read(total, first, members), read(total, first + 1, members), limit, _rate(vehicle, k, limits))
             )
         worth = np.column_stack([paid + gained + terms.vehicles, -np.log1p(-np.minimum(risk, 0.5)) * (1.0 - 1e-8)])
-        found[mask] = _front(worth)
+        best[mask] = _front(worth)
     by_time = (of_time + terms.cost * vehicle.unit_overtime_cost) * limits.rounding
-    return found, 16.0 * (len(at) + 2) * _EPS * size + by_time
+    return best, 16.0 * (len(at) + 2) * _EPS * size + by_time
 
 
 def _rate(vehicle: VehicleType, k: int, limits: Limits) -> float:
@@ -136,22 +136,22 @@ def _least(rows: Floats) -> Floats:
     rows = np.unique(rows, axis=0)
     if rows.shape[1] == 1:
         return rows[:1]
-    made: list[Floats] = []
+    kept: list[Floats] = []
     while len(rows):  # the first in this order is above none
-        made.append(rows[0])
+        kept.append(rows[0])
         rows = rows[(rows < rows[0]).any(axis=1)]
-    return np.array(made)
+    return np.array(kept)
 
 
 def _front(rows: Floats) -> Front:
     """Rows of least worth for ever less of the risk."""
     rows = rows[np.lexsort((rows[:, 1], rows[:, 0]))]
     before = np.minimum.accumulate(np.append(math.inf, rows[:-1, 1]))
-    made: Front = rows[rows[:, 1] < before]
-    return made
+    front: Front = rows[rows[:, 1] < before]
+    return front
 
 
-def put_together(found: list[dict[int, Front]], customers: int, fewest: int, most: int, risk: float) -> dict[tuple[int, int], float]:
+def put_together(routes: list[dict[int, Front]], customers: int, fewest: int, most: int, risk: float) -> dict[tuple[int, int], float]:
     """Least worth of routes that serve each set, by set and number of routes, all together within ``risk``.
 
     Numbers of routes are told apart where they count; 1 stands for any number where any will do.
@@ -159,7 +159,7 @@ def put_together(found: list[dict[int, Front]], customers: int, fewest: int, mos
     any_number = fewest <= 1 and most >= customers
     ways: dict[tuple[int, int], Front] = {(0, 0): np.zeros((1, 2))}
     of_set: dict[int, Front] = {}
-    for one in found:
+    for one in routes:
         for mask, front in one.items():
             of_set[mask] = _front(np.concatenate([of_set[mask], front])) if mask in of_set else front
     if risk == math.inf:
@@ -198,10 +198,10 @@ def _cheapest(of_set: dict[int, Front], customers: int, most: int, any_number: b
         fewer = parts[mask ^ top]
         parts[mask] = np.concatenate([fewer, fewer | top])
         others = parts[mask ^ low]
-        made = (best[others | low] + least[:, (mask ^ low) ^ others]).min(axis=1)
-        least[1:, mask] = made[:-1]
+        values = (best[others | low] + least[:, (mask ^ low) ^ others]).min(axis=1)
+        least[1:, mask] = values[:-1]
         if any_number:
-            least[1, mask] = min(made)
+            least[1, mask] = min(values)
     return {(mask, count): float(least[count, mask]) for count, mask in np.argwhere(np.isfinite(least)).tolist()}
 
 
@@ -256,14 +256,14 @@ def _walked(problem: RoutingProblem, terms: Terms, peak: bool) -> float:
                 _keep(ways, way, value, least)
             layer = more
     must = sum(1 << k for k, required in enumerate(problem.sites.required[problem.sites.customers].tolist()) if required)
-    found = [value for (done, count), value in ways.items() if done & must == must and count >= problem.min_vehicles]
-    if not found:
+    values = [value for (done, count), value in ways.items() if done & must == must and count >= problem.min_vehicles]
+    if not values:
         return math.inf if least else -math.inf
     weights = {name: math.fsum(weight for weight, term in level if term.name == name) for name in ("reward", "penalties")}
     sites = problem.sites
     fixed = weights["reward"] * math.fsum(sites.reward[sites.depots].tolist())
     fixed += weights["penalties"] * math.fsum(sites.penalty[~sites.depot].tolist())
-    best = min(found) - n * doubt if least else max(found) + n * doubt
+    best = min(values) - n * doubt if least else max(values) + n * doubt
     return best + fixed - (1.0 if least else -1.0) * 8.0 * _EPS * (abs(best) + abs(fixed)) if fixed else best
 
 
@@ -274,7 +274,7 @@ def _by_sets(problem: RoutingProblem, terms: Terms) -> float:
     risk = math.inf if problem.team_risk is None else -math.log1p(-problem.team_risk) * (1.0 + 1e-8)
     try:
         every = [fronts(problem, vehicle, limits_of(problem, vehicle), terms) for vehicle in problem.fleet]
-        ways = put_together([found for found, _ in every], n, problem.min_vehicles, most, risk)
+        ways = put_together([sets for sets, _ in every], n, problem.min_vehicles, most, risk)
     except Stopped:
         return verdict(proved=False)
     doubt = max(off for _, off in every)

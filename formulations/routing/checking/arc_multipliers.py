@@ -43,10 +43,10 @@ def check_arc_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     """
     sites = len(problem.sites)
     out, into, phi = numbers(data, "out", sites), numbers(data, "in", sites), number(data, "fleet", 0.0)
-    given = data.get("resources", {})
-    if not isinstance(given, Mapping) or not set(given) <= set(PRICED):
-        raise InputError("evidence 'resources' must be an object", expected=", ".join(PRICED), found=str(given)[:80])
-    prices = {str(name): np.maximum(numbers(given, name, sites), 0.0) for name in given}
+    lists = data.get("resources", {})
+    if not isinstance(lists, Mapping) or not set(lists) <= set(PRICED):
+        raise InputError("evidence 'resources' must be an object", expected=", ".join(PRICED), found=str(lists)[:80])
+    prices = {str(name): np.maximum(numbers(lists, name, sites), 0.0) for name in lists}
     ray = data.get("ray", False)
     if not isinstance(ray, bool):
         raise InputError("evidence 'ray' must be true or false", found=str(ray)[:80])
@@ -98,6 +98,6 @@ def _resource_cost(resource: Resource, mu: Floats, usable: NDArray[np.bool_]) ->
     high = np.minimum(resource.upper[:, None], resource.upper[None, :] - resource.weight) + resource.slack
     slope = mu[None, :] - mu[:, None]
     level = np.where(usable, np.where(slope > 0, low, high), 0.0)
-    made: Floats = mu[None, :] * resource.weight + slope * level
-    made[0] = mu * (resource.weight[0] + resource.start)
-    return made
+    cost: Floats = mu[None, :] * resource.weight + slope * level
+    cost[0] = mu * (resource.weight[0] + resource.start)
+    return cost

@@ -70,21 +70,21 @@ def with_route(flag, best, sets, values):  # type: ignore[no-untyped-def] # prag
     for
     all larger ones.
     """
-    made = best.copy()
+    joined = best.copy()
     last, full = len(best) - 1, best.shape[1] - 1
     for t in range(len(sets)):
         if asked(flag):
-            made[0, 0] = math.nan
-            return made
+            joined[0, 0] = math.nan
+            return joined
         mine, others = sets[t], full & ~sets[t]
         for k in range(last + 1):
             more = min(k + 1, last)
             rest = others
             while True:
                 value = best[k, rest] + values[t]
-                if value < made[more, rest | mine]:
-                    made[more, rest | mine] = value
+                if value < joined[more, rest | mine]:
+                    joined[more, rest | mine] = value
                 if rest == 0:
                     break
                 rest = (rest - 1) & others
-    return made
+    return joined

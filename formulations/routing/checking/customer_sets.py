@@ -105,14 +105,14 @@ class CustomerSets:
         types, size, largest = [], 0.0, 0.0
         for vehicle, count in kinds.items():
             alone = without_stops(with_fleet(problem, (vehicle,)))
-            found, sizes = _values(alone, others, peak, before)
+            values, sizes = _values(alone, others, peak, before)
             if vehicle.reloads:
                 trips, more = _of_trips(problem, vehicle, others, peak)
-                found, sizes = np.maximum(found, trips), np.maximum(sizes, more)
-            if np.isnan(found).any() or not np.isfinite(sizes).all():
+                values, sizes = np.maximum(values, trips), np.maximum(sizes, more)
+            if np.isnan(values).any() or not np.isfinite(sizes).all():
                 return None
-            kept = np.flatnonzero(np.isfinite(found[0]) & whole)
-            types.append((kept, found[0, kept], found[1, kept], min(count, n)))
+            kept = np.flatnonzero(np.isfinite(values[0]) & whole)
+            types.append((kept, values[0, kept], values[1, kept], min(count, n)))
             size, largest = max(size, float(sizes[0])), max(largest, float(sizes[1]))
         parts = constants(relaxed, others)
         size += max((abs(part) for part in parts), default=0.0)
@@ -150,15 +150,15 @@ class CustomerSets:
 
     def bound(self, limits: Sequence[float]) -> float:
         """Bound of a minimisation whose answers are divided by ``limits`` on the largest route, in ascending order."""
-        left, found = float(WORK), math.inf
+        work, least = float(WORK), math.inf
         for low, high in zip([self.least, *limits], [*limits, math.inf], strict=True):
-            value, done = self.cheapest(high, left)
+            value, done = self.cheapest(high, work)
             if math.isnan(value):
                 return -math.inf
-            left -= done
-            found = min(found, value + self.weight * max(low, self.least))
-        made = self.fixed + found
-        return made - self.error - 4.0 * _EPS * (abs(made) + abs(self.fixed)) if math.isfinite(made) else made
+            work -= done
+            least = min(least, value + self.weight * max(low, self.least))
+        total = self.fixed + least
+        return total - self.error - 4.0 * _EPS * (abs(total) + abs(self.fixed)) if math.isfinite(total) else total
 
 
 def _values(alone: RoutingProblem, terms: Terms, peak: str, before: Masks) -> tuple[Floats, Floats]:
@@ -173,13 +173,13 @@ def _values(alone: RoutingProblem, terms: Terms, peak: str, before: Masks) -> tu
     limits = [r for name, r in moves.resources.items() if name != "order"]
     usable = np.isfinite(moves.cost)
     nothing = np.where(usable, 0.0, math.inf)
-    found = set_values(
+    values = set_values(
         current_stop().flag, np.ascontiguousarray([moves.cost, np.where(usable, lengths, math.inf)]),
         np.ascontiguousarray([r.weight + nothing for r in limits]).reshape(len(limits), *usable.shape),
         np.array([r.start for r in limits]), np.ascontiguousarray([r.lower for r in limits]),
         np.ascontiguousarray([r.upper + r.slack for r in limits]), before,
     )  # fmt: skip
-    return found, np.array([moves.size, float(np.abs(lengths).max())])
+    return values, np.array([moves.size, float(np.abs(lengths).max())])
 
 
 def _work_of_trips(n: int, vehicle: VehicleType) -> float:
@@ -217,7 +217,7 @@ def _of_trips(problem: RoutingProblem, vehicle: VehicleType, terms: Terms, peak:
             sizes = np.maximum(sizes, size)
     far, move = (matrix[np.ix_(depots, depots)] for matrix in own_moves(problem, vehicle))
     paid = terms.cost * vehicle.unit_cost * far + (terms.cost * vehicle.unit_duration_cost + terms.duration) * move
-    found = np.full((2, 1 << n), math.inf)
+    least = np.full((2, 1 << n), math.inf)
     for c, between in enumerate((paid, move if peak == "makespan" else far)):
         sizes[c] = max(sizes[c], float(between.max()))
         at = np.full((len(depots), 1 << n), math.inf)  # least by where the next trip begins, and who was visited
@@ -226,20 +226,20 @@ def _of_trips(problem: RoutingProblem, vehicle: VehicleType, terms: Terms, peak:
             after = at.copy()
             for (a, b), (sets, values) in table.items():
                 i, k = depots.index(a), depots.index(b)
-                made = with_route(current_stop().flag, at[i][None, :], sets, np.ascontiguousarray(values[c]))[0]
-                if math.isnan(made[0]):
+                joined = with_route(current_stop().flag, at[i][None, :], sets, np.ascontiguousarray(values[c]))[0]
+                if math.isnan(joined[0]):
                     return np.full((2, 1 << n), math.nan), sizes
-                np.minimum(made, at[i] + between[i, k], out=made)  # a trip may visit nobody
+                np.minimum(joined, at[i] + between[i, k], out=joined)  # a trip may visit nobody
                 if b == vehicle.end:
-                    np.minimum(found[c], made, out=found[c])
+                    np.minimum(least[c], joined, out=least[c])
                 if b in stops:
-                    np.minimum(after[k], made, out=after[k])
+                    np.minimum(after[k], joined, out=after[k])
             if trips - 1 == vehicle.max_reloads or (after == at).all():
                 break
             at = after
-    found[0] += terms.cost * vehicle.fixed_cost + terms.vehicles
-    found[:, 0] = math.inf  # a route visits somebody
-    return found, sizes + abs(terms.cost * vehicle.fixed_cost + terms.vehicles)
+    least[0] += terms.cost * vehicle.fixed_cost + terms.vehicles
+    least[:, 0] = math.inf  # a route visits somebody
+    return least, sizes + abs(terms.cost * vehicle.fixed_cost + terms.vehicles)
 
 
 @routing_evidence("customer-sets", "customer-sets are")
@@ -252,12 +252,12 @@ def check_customer_sets(problem: RoutingProblem, data: Mapping[str, Any]) -> flo
     """
     terms = terms_of(problem)
     peak = "" if terms is None else joined_peak(terms)
-    given = data.get(peak, []) if peak else []
-    if not isinstance(given, list) or len(given) > LIMITS or any(isinstance(x, bool) or not isinstance(x, int | float) for x in given):
-        raise InputError("evidence 'limits' must be a list of numbers", expected=f"at most {LIMITS}", found=str(given)[:80])
-    limits = sorted(map(float, given))
+    stated = data.get(peak, []) if peak else []
+    if not isinstance(stated, list) or len(stated) > LIMITS or any(isinstance(x, bool) or not isinstance(x, int | float) for x in stated):
+        raise InputError("evidence 'limits' must be a list of numbers", expected=f"at most {LIMITS}", found=str(stated)[:80])
+    limits = sorted(map(float, stated))
     if not all(map(math.isfinite, limits)):
-        raise InputError("evidence 'limits' must be finite", found=str(given)[:80])
+        raise InputError("evidence 'limits' must be finite", found=str(stated)[:80])
     if terms is None or unknown_features(without_stops(problem)) or not 0 < len(problem.sites.customers) <= CUSTOMERS:
         return -math.inf
     with np.errstate(over="ignore", invalid="ignore"):

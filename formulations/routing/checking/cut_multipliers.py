@@ -44,9 +44,9 @@ def check_cut_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     """
     sites, customers = problem.sites, problem.sites.customers
     out, into = numbers(data, "out", len(sites)), numbers(data, "in", len(sites))
-    given = data.get("rates", {})
-    refuse_unknown_resources(given if isinstance(given, Mapping) else [repr(given)], RESOURCES, str(given))
-    rates = {str(name): max(0.0, number(given, name)) for name in given}
+    stated = data.get("rates", {})
+    refuse_unknown_resources(stated if isinstance(stated, Mapping) else [repr(stated)], RESOURCES, str(stated))
+    rates = {str(name): max(0.0, number(stated, name)) for name in stated}
     inside, of, prices = _cuts(problem, data.get("cuts", []))
     relaxed, terms = relaxed_terms(problem)
     if terms is None:
@@ -56,14 +56,14 @@ def check_cut_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     return lift(bound, "min", value_grain(problem, terms)) if bound > -math.inf else -math.inf
 
 
-def _cuts(problem: RoutingProblem, given: object) -> tuple[Flags, NDArray[np.int64], Floats]:
+def _cuts(problem: RoutingProblem, cuts: object) -> tuple[Flags, NDArray[np.int64], Floats]:
     """Which customers each set holds, shape (cuts, customers), whose visit is its right side (-1: nobody's), and its price."""
-    if not isinstance(given, list) or not all(isinstance(cut, Mapping) for cut in given):
-        raise InputError("evidence 'cuts' must be a list of objects", found=str(given)[:80])
+    if not isinstance(cuts, list) or not all(isinstance(cut, Mapping) for cut in cuts):
+        raise InputError("evidence 'cuts' must be a list of objects", found=str(cuts)[:80])
     node = {site: k for k, site in enumerate(problem.sites.customers.tolist())}
-    inside, of = np.zeros((len(given), len(node)), dtype=bool), np.full(len(given), -1, np.int64)
-    prices = np.array([max(0.0, number(cut, "price")) for cut in given], dtype=np.float64)
-    for k, cut in enumerate(given):
+    inside, of = np.zeros((len(cuts), len(node)), dtype=bool), np.full(len(cuts), -1, np.int64)
+    prices = np.array([max(0.0, number(cut, "price")) for cut in cuts], dtype=np.float64)
+    for k, cut in enumerate(cuts):
         members, visit = cut.get("sites"), cut.get("of")
         if not isinstance(members, list) or not members or not all(type(site) is int and site in node for site in members):
             raise InputError("a cut of the evidence must be around customers", found=str(members)[:80])

@@ -44,17 +44,17 @@ def check_deviation_chord(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     kind, inner = data["kind"], data["data"]
     if not isinstance(kind, str) or kind == KIND or not isinstance(inner, Mapping):
         raise InputError(f"the evidence within {KIND} is malformed, or of the same kind", found=str(kind)[:80])
-    made = without_risks(problem)
-    bound = math.nan if made is None else verified_bound(made, Evidence(kind, "", 0.0, dict(inner)))
+    certain = without_risks(problem)
+    bound = math.nan if certain is None else verified_bound(certain, Evidence(kind, "", 0.0, dict(inner)))
     return -math.inf if math.isnan(bound) else bound * (1.0 if problem.sense == "min" else -1.0)
 
 
 def lacks_chord(problem: RoutingProblem) -> frozenset[str]:
     """Features for which nothing is proved."""
-    held = problem.features()
-    found = (held & {"duration-cost", "overtime", "reloads", "recharging", "committed-vehicles"}) | unknown_features(problem)
-    found |= {f"objective:{term.name}" for _, term in problem.objective.levels()[0].terms if term.name not in TERMS}
-    return found if held & {"route-risk", "team-risk"} else found | {"certain durations"}
+    features = problem.features()
+    lacking = (features & {"duration-cost", "overtime", "reloads", "recharging", "committed-vehicles"}) | unknown_features(problem)
+    lacking |= {f"objective:{term.name}" for _, term in problem.objective.levels()[0].terms if term.name not in TERMS}
+    return lacking if features & {"route-risk", "team-risk"} else lacking | {"certain durations"}
 
 
 def without_risks(problem: RoutingProblem) -> RoutingProblem | None:
@@ -63,10 +63,10 @@ def without_risks(problem: RoutingProblem) -> RoutingProblem | None:
         return None
     sites = problem.sites
     fleet = [_certain(problem, vehicle) for vehicle in problem.fleet]
-    made = with_fleet(problem, fleet, replace(problem.travel, variances=None, closing=None))
+    certain = with_fleet(problem, fleet, replace(problem.travel, variances=None, closing=None))
     zeros = np.zeros(len(sites))
     timeless = replace(sites, ready=zeros, due=np.full(len(sites), math.inf), service=zeros, windows=())
-    return made.altered(sites=timeless, team_risk=None)
+    return certain.altered(sites=timeless, team_risk=None)
 
 
 def _certain(problem: RoutingProblem, vehicle: VehicleType) -> VehicleType:

@@ -64,11 +64,11 @@ def bins_needed(demand: list[float], capacity: float, k: float) -> int:
 def _types(problem: RoutingProblem) -> dict[VehicleType, int]:
     """Types of vehicle that differ in what they can do, and how many of each can be on a route at once."""
     n = len(problem.sites.customers)
-    found: dict[VehicleType, int] = {}
+    types: dict[VehicleType, int] = {}
     for v in problem.fleet:
         kind = replace(v, count=None, name="", fixed_cost=0.0, unit_cost=1.0, committed=False)
-        found[kind] = min(n, found.get(kind, 0) + (n if v.count is None else v.count))
-    return found
+        types[kind] = min(n, types.get(kind, 0) + (n if v.count is None else v.count))
+    return types
 
 
 @routing_evidence("too-few-vehicles", SUBJECT)

@@ -35,14 +35,14 @@ def check_infeasible_site(problem: RoutingProblem, data: Mapping[str, Any]) -> f
 
 def out_of_reach(problem: RoutingProblem) -> NDArray[np.bool_]:
     """Sites that are shown here to be on no route of any vehicle, required or not; shape (sites,)."""
-    found, customers, relaxed = np.zeros(len(problem.sites), dtype=bool), problem.sites.customers, without_stops(problem)
+    beyond, customers, relaxed = np.zeros(len(problem.sites), dtype=bool), problem.sites.customers, without_stops(problem)
     if unknown_features(relaxed):
-        return found
+        return beyond
     if len(customers) > MOST_DETOURS:  # no matrix of moves: the demand alone tells
-        found[customers] = problem.sites.demand[customers] > max(allowed(v.capacity) for v in problem.fleet)
+        beyond[customers] = problem.sites.demand[customers] > max(allowed(v.capacity) for v in problem.fleet)
     elif summable(relaxed):
-        found[customers] = ~np.any([near for _, near in _reached(problem, relaxed)], axis=0)
-    return found
+        beyond[customers] = ~np.any([near for _, near in _reached(problem, relaxed)], axis=0)
+    return beyond
 
 
 def verdict(*, proved: bool) -> float:

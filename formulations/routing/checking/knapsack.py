@@ -60,10 +60,10 @@ def check_knapsack(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     name, rate = data.get("resource"), max(0.0, number(data, "rate"))
     refuse_unknown_resources([str(name)], RESOURCES, str(name))
     sites, customers, (relaxed, terms) = problem.sites, problem.customers, relaxed_terms(problem)
-    found = None if terms is None or terms.vehicles < 0 else needs(relaxed, str(name))
-    if terms is None or found is None:
+    taken = None if terms is None or terms.vehicles < 0 else needs(relaxed, str(name))
+    if terms is None or taken is None:
         return -math.inf
-    least, room = found
+    least, room = taken
     worth = terms.reward * sites.reward[customers] - terms.penalties * sites.penalty[customers] + rate * least
     parts = np.concatenate([
         np.where(sites.required[customers], worth, np.minimum(worth, 0.0)),

@@ -70,10 +70,10 @@ def routing_evidence(kind: str, subject: str = "") -> Callable[[Check], Check]:
     return register
 
 
-def refuse_unknown_resources(names: Any, known: tuple[str, ...], found: str) -> None:
+def refuse_unknown_resources(names: Any, known: tuple[str, ...], shown: str) -> None:
     """Raise InputError for evidence that names a resource which is not known."""
     if not set(names) <= set(known):
-        raise InputError("evidence names an unknown resource", expected=", ".join(known), found=found[:80])
+        raise InputError("evidence names an unknown resource", expected=", ".join(known), found=shown[:80])
 
 
 def unknown_features(problem: RoutingProblem) -> frozenset[str]:

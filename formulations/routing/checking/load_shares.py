@@ -56,9 +56,9 @@ def _shares(problem: RoutingProblem, terms: Terms, vehicle: VehicleType, cheapes
     load, room = sites.demand[at], allowed(vehicle.capacity)
     part = load / room if 0.0 < room < math.inf else np.where((load > 0.0) & (room <= 0.0), math.inf, 0.0)
     trip, shortfall = least_round_trips(problem, terms, vehicle)
-    made = np.where(part > 0.0, part * np.maximum(0.0, trip - shortfall + _fixed(terms, vehicle) - cheapest), 0.0)
+    paid = np.where(part > 0.0, part * np.maximum(0.0, trip - shortfall + _fixed(terms, vehicle) - cheapest), 0.0)
     able = np.array([not sites.skills or sites.skills[k] <= vehicle.skills for k in at.tolist()])
-    return np.where(able, made - shortfall + rates(terms, vehicle)[1] * sites.service[at], math.inf)
+    return np.where(able, paid - shortfall + rates(terms, vehicle)[1] * sites.service[at], math.inf)
 
 
 def fewest_routes(problem: RoutingProblem) -> int:

@@ -126,14 +126,14 @@ def moves_left(problem: RoutingProblem) -> Flags:
 
 def _term_weights(problem: RoutingProblem) -> tuple[float, float] | None:
     """Weights of total cost and of the number of vehicles in the first level; None if it holds anything else."""
-    found = {"total-cost": 0.0, "vehicles": 0.0}
+    weights = {"total-cost": 0.0, "vehicles": 0.0}
     if problem.sense != "min":
         return None
     for weight, term in problem.objective.levels()[0].terms:
-        if term.name not in found or not 0 <= weight < math.inf:
+        if term.name not in weights or not 0 <= weight < math.inf:
             return None
-        found[term.name] += weight
-    return found["total-cost"], found["vehicles"]
+        weights[term.name] += weight
+    return weights["total-cost"], weights["vehicles"]
 
 
 def _fleet(problem: RoutingProblem) -> tuple[int, int]:
@@ -152,9 +152,9 @@ def _fleet(problem: RoutingProblem) -> tuple[int, int]:
 def merged(problem: RoutingProblem, matrix: Floats) -> Floats:
     """``matrix`` over the merged nodes: customers among themselves, row and column 0 left for the caller."""
     customers = problem.sites.customers
-    made = np.zeros((len(customers) + 1, len(customers) + 1))
-    made[1:, 1:] = matrix[np.ix_(customers, customers)]
-    return made
+    joined = np.zeros((len(customers) + 1, len(customers) + 1))
+    joined[1:, 1:] = matrix[np.ix_(customers, customers)]
+    return joined
 
 
 def first_move(problem: RoutingProblem, of: Callable[[VehicleType], Floats]) -> Floats:
@@ -186,18 +186,18 @@ def limited_resources(problem: RoutingProblem) -> dict[str, Resource]:
     # Where vehicles or windows that are merged differ, levels need not be sums of what is looked at here.
     alike = not problem.features() & {"vehicle-travel", "vehicle-speeds", "shifts", "several-windows"}
     widened = partial(_widened_resource, alike=alike)
-    found = {"time": widened(busy, start, ready, due, clock, rounded=clock)}
-    clock = found["time"].size  # what the judge computes elapsed time from
+    resources = {"time": widened(busy, start, ready, due, clock, rounded=clock)}
+    clock = resources["time"].size  # what the judge computes elapsed time from
 
     demand = np.concatenate([[0.0], sites.demand[at]])
     limits = {name: max(getattr(v, name) for v in fleet) for name in ("capacity", "max_distance", "max_duration")}
     if math.isfinite(limits["capacity"]):
         weight = np.tile(demand, (len(demand), 1))
-        found["load"] = widened(weight, 0.0, zeros, np.minimum(free, limits["capacity"]))
+        resources["load"] = widened(weight, 0.0, zeros, np.minimum(free, limits["capacity"]))
     if math.isfinite(limits["max_distance"]):
-        found["distance"] = widened(driven, 0.0, zeros, np.minimum(free, limits["max_distance"]))
+        resources["distance"] = widened(driven, 0.0, zeros, np.minimum(free, limits["max_distance"]))
     if math.isfinite(limits["max_duration"]):
-        found["duration"] = widened(busy, 0.0, zeros, np.minimum(free, limits["max_duration"]), rounded=clock)
+        resources["duration"] = widened(busy, 0.0, zeros, np.minimum(free, limits["max_duration"]), rounded=clock)
     stores = [v.energy for v in fleet if v.energy is not None]
     if len(stores) == len(fleet):
         charges = {e.charge for e in stores}
@@ -210,8 +210,8 @@ def limited_resources(problem: RoutingProblem) -> dict[str, Resource]:
             first = 0 if len({departure(problem, v) for v in fleet}) == 1 else 1
             weight[first:, 1:] = np.maximum(busy[first:, 1:], ready[None, 1:] - ready[first:, None])
         rate, capacity = min(e.rate for e in stores), max(e.capacity for e in stores)
-        found["energy"] = widened(rate * weight, 0.0, zeros, np.minimum(free, capacity), rounded=max(e.rate for e in stores) * clock)
-    return found
+        resources["energy"] = widened(rate * weight, 0.0, zeros, np.minimum(free, capacity), rounded=max(e.rate for e in stores) * clock)
+    return resources
 
 
 def order_resource(customers: int) -> Resource:
@@ -225,12 +225,12 @@ def order_resource(customers: int) -> Resource:
 def with_depot(problem: RoutingProblem, matrix: Floats, before: Floats) -> Floats:
     """Merged matrix of ``before[i] + matrix[i, j]``; ``before`` has one entry a node."""
     at = problem.sites.customers
-    made = merged(problem, matrix)
-    made[0] = first_move(problem, lambda v: matrix[v.start, at])
-    made[1:, 0] = np.min([matrix[at, v.end] for v in problem.fleet], axis=0)
-    made += before[:, None]
-    made[0, 0] = 0.0
-    return made
+    joined = merged(problem, matrix)
+    joined[0] = first_move(problem, lambda v: matrix[v.start, at])
+    joined[1:, 0] = np.min([matrix[at, v.end] for v in problem.fleet], axis=0)
+    joined += before[:, None]
+    joined[0, 0] = 0.0
+    return joined
 
 
 def _widened_resource(
@@ -259,14 +259,14 @@ def narrowed(resources: dict[str, Resource], allowed: Flags) -> dict[str, Resour
     """Reachable levels of every resource; clears from ``allowed`` what no route can use, until nothing changes."""
     for _ in range(_ROUNDS):
         before = int(allowed.sum())
-        made = {}
+        reachable = {}
         for name, r in resources.items():
             earliest, latest = _earliest(r, allowed), _latest(r, allowed)
-            made[name] = replace(r, lower=earliest, upper=latest)
+            reachable[name] = replace(r, lower=earliest, upper=latest)
             allowed &= earliest[:, None] + r.weight <= latest[None, :] + r.slack
         if int(allowed.sum()) == before:
             break
-    return made
+    return reachable
 
 
 def _earliest(r: Resource, allowed: Flags) -> Floats:

@@ -114,13 +114,13 @@ def check_averaged_tour(problem: RoutingProblem, data: Mapping[str, Any]) -> flo
 
     Source: Frederickson, Hecht, Kim (1978); docs/formulations/routing.md#makespan.
     """
-    kind, given = data.get("kind"), data.get("data")
-    if kind not in SUMS or not isinstance(given, Mapping):
+    kind, inner = data.get("kind"), data.get("data")
+    if kind not in SUMS or not isinstance(inner, Mapping):
         raise InputError("evidence of an averaged tour lacks that of its sum", expected=", ".join(SUMS), found=str(kind)[:80])
     summed = totals(problem)
     if summed is None:
         return -math.inf
-    total = CHECKERS[kind](summed, given)
+    total = CHECKERS[kind](summed, inner)
     if math.isinf(total):
         return total
     counts = [len(problem.customers) if v.count is None else v.count for v in problem.fleet]

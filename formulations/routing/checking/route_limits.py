@@ -111,10 +111,10 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
     further = zip(vehicle.further_capacity, sites.further_demand.T, sites.further_pickup.T, strict=False)
     carried = [(vehicle.capacity, sites.pickup), *((limit, loads) for limit, *both in further for loads in both)]
     for limit, loads in carried if not vehicle.reloads else ():
-        held = loads[at].copy()
-        held[[0, -1]] = 0.0
-        if held.any():  # all that is delivered is on board at the start, all that is collected at the end
-            budgets.append((np.broadcast_to(held, far.shape), limit, ulps * float(held.sum())))
+        amounts = loads[at].copy()
+        amounts[[0, -1]] = 0.0
+        if amounts.any():  # all that is delivered is on board at the start, all that is collected at the end
+            budgets.append((np.broadcast_to(amounts, far.shape), limit, ulps * float(amounts.sum())))
     if problem.forbidden is not None:  # what lies beyond every limit is on no route
         shut = problem.forbidden[grid]
         busy, budgets = np.where(shut, math.inf, busy), [(np.where(shut, math.inf, w), x, wide) for w, x, wide in budgets]
@@ -134,11 +134,11 @@ def _chances(
         return []
     deviations = -NormalDist().inv_cdf(min(0.5, min(risks) * (1.0 + 1e-8))) * (1.0 - 1e-9)  # the quantile may be off by less
     spread, (move, busy), energy = own_variances(problem, vehicle)[np.ix_(at, at)], moves, vehicle.energy
-    found = [(busy, spread, deviations, allowed(vehicle.max_duration, 0.0, rounding))]
+    chances = [(busy, spread, deviations, allowed(vehicle.max_duration, 0.0, rounding))]
     if energy is not None:
         drawn = energy.rate * (move if energy.charge == "travel" else busy)
-        found.append((drawn, spread, energy.rate * deviations, allowed(energy.at_departure, 0.0, energy.rate * rounding)))
-    return [chance for chance in found if math.isfinite(chance[-1])]
+        chances.append((drawn, spread, energy.rate * deviations, allowed(energy.at_departure, 0.0, energy.rate * rounding)))
+    return [chance for chance in chances if math.isfinite(chance[-1])]
 
 
 def able(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.bool_]:
@@ -257,12 +257,12 @@ def walk_orders(
 
 def _ways(weight: Floats, nodes: Nodes, through: Nodes) -> Floats:
     """Weights of the shortest ways between ``nodes`` over nodes of ``through``, shape (nodes, nodes)."""
-    made = weight[np.ix_(nodes, nodes)].copy()
+    lengths = weight[np.ix_(nodes, nodes)].copy()
     if len(through):
         inner, last = weight[np.ix_(through, through)], weight[np.ix_(through, nodes)]
         for k, node in enumerate(nodes[:-1].tolist()):
-            made[k] = np.minimum(made[k], (earliest_levels(weight[node, through], inner)[:, None] + last).min(axis=0))
-    return made
+            lengths[k] = np.minimum(lengths[k], (earliest_levels(weight[node, through], inner)[:, None] + last).min(axis=0))
+    return lengths
 
 
 def named_customers(problem: RoutingProblem, names: object) -> list[int]:

@@ -55,11 +55,11 @@ def check_state_space(problem: RoutingProblem, data: Mapping[str, Any]) -> float
     without i-j-i.
     """
     prices, step, name = numbers(data, "prices", len(problem.sites)), number(data, "step"), data.get("resource")
-    given = data.get("shares", {})
-    refuse_unknown_resources([str(name), *(given if isinstance(given, Mapping) else [repr(given)])], COUNTED, f"{name} {given}")
+    stated = data.get("shares", {})
+    refuse_unknown_resources([str(name), *(stated if isinstance(stated, Mapping) else [repr(stated)])], COUNTED, f"{name} {stated}")
     if not step > 0:
         raise InputError("evidence 'step' must be positive", found=str(step))
-    shares = {str(r): max(0.0, number(given, r)) for r in given if r != name}
+    shares = {str(r): max(0.0, number(stated, r)) for r in stated if r != name}
     relaxed, terms = relaxed_terms(problem)
     if terms is None:
         return -math.inf
@@ -72,17 +72,17 @@ def _bound(problem: RoutingProblem, terms: Terms, prices: Floats, name: str, ste
     sites, customers = problem.sites, problem.sites.customers
     required = sites.required[customers]
     parts = [*worth_of_visits(problem, prices).tolist(), *constants(problem, terms)]
-    n, size, left = len(customers), 0.0, WORK
+    n, size, work = len(customers), 0.0, WORK
     slots: list[tuple[float, int]] = []
     for vehicle, count in alike(problem).items():
         moves = VehicleMoves.of(problem, vehicle, terms, prices, shares)
         if name not in moves.resources:
             return -math.inf
-        walk = _least_walk(moves, name, step, left)
+        walk = _least_walk(moves, name, step, work)
         if walk is None:
             return -math.inf
-        least, work = walk
-        left -= work
+        least, spent = walk
+        work -= spent
         size = max(size, moves.size)
         slots.append((least, min(n, count)))
     fewest = max(problem.min_vehicles, int(needed_routes(problem, required)))

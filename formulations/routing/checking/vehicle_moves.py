@@ -40,16 +40,16 @@ class Terms:
 def terms_of(problem: RoutingProblem) -> Terms | None:
     """Weights of the first level; None where less cost, duration or a smaller maximum would be worse: no bound of these is known."""
     sign = 1.0 if problem.sense == "min" else -1.0
-    found: dict[str, float] = {}
+    weights: dict[str, float] = {}
     for weight, term in problem.objective.levels()[0].terms:
-        found[term.name] = found.get(term.name, 0.0) + sign * weight
-    peaks = {name: found[name] for name in PEAKS if found.get(name)}
+        weights[term.name] = weights.get(term.name, 0.0) + sign * weight
+    peaks = {name: weights[name] for name in PEAKS if weights.get(name)}
     cost, duration, vehicles, reward, penalties = (
-        found.get(name, 0.0) for name in ("total-cost", "total-duration", "vehicles", "reward", "penalties")
+        weights.get(name, 0.0) for name in ("total-cost", "total-duration", "vehicles", "reward", "penalties")
     )
-    made = Terms(cost, duration, vehicles, reward, penalties, peaks)
+    terms = Terms(cost, duration, vehicles, reward, penalties, peaks)
     known = {"total-cost", "total-duration", "vehicles", "reward", "penalties", *PEAKS}
-    return made if set(found) <= known and min(made.cost, made.duration, *peaks.values(), 0.0) >= 0 else None
+    return terms if set(weights) <= known and min(terms.cost, terms.duration, *peaks.values(), 0.0) >= 0 else None
 
 
 def relaxed_terms(problem: RoutingProblem) -> tuple[RoutingProblem, Terms | None]:
@@ -61,11 +61,11 @@ def relaxed_terms(problem: RoutingProblem) -> tuple[RoutingProblem, Terms | None
 def alike(problem: RoutingProblem) -> dict[VehicleType, int]:
     """Types of vehicle, and how many of each can be on a route at once."""
     n = len(problem.sites.customers)
-    found: dict[VehicleType, int] = {}
+    types: dict[VehicleType, int] = {}
     for v in problem.fleet:
         kind = replace(v, count=1, name="")
-        found[kind] = found.get(kind, 0) + (n if v.count is None else v.count)
-    return found
+        types[kind] = types.get(kind, 0) + (n if v.count is None else v.count)
+    return types
 
 
 def constants(problem: RoutingProblem, terms: Terms) -> list[float]:
@@ -79,14 +79,14 @@ def constants(problem: RoutingProblem, terms: Terms) -> list[float]:
 def worth_of_visits(problem: RoutingProblem, prices: Floats) -> Floats:
     """Least sum of the prices of an answer's visits, site by site; of a group with one visit the least price, at its first site."""
     sites = problem.sites
-    made = np.where(sites.required[sites.customers], prices, np.minimum(prices, 0.0))
+    worth = np.where(sites.required[sites.customers], prices, np.minimum(prices, 0.0))
     node = {site: k for k, site in enumerate(sites.customers.tolist())}
     for group in sites.groups:
         members = [node[site] for site in group.sites]
         least = float(prices[members].min())
-        made[members] = 0.0
-        made[members[0]] = least if group.required else min(0.0, least)
-    return made
+        worth[members] = 0.0
+        worth[members[0]] = least if group.required else min(0.0, least)
+    return worth
 
 
 def needed_routes(problem: RoutingProblem, members: NDArray[np.bool_]) -> NDArray[np.int64]:
@@ -96,8 +96,8 @@ def needed_routes(problem: RoutingProblem, members: NDArray[np.bool_]) -> NDArra
     loads = members @ np.where(required, sites.demand[customers], 0.0) * (1.0 - 4.0 * (len(customers) + 2) * _EPS)
     largest = max(allowed(v.capacity) for v in problem.fleet)
     by_load = np.ceil(loads / largest) if 0.0 < largest < math.inf else np.zeros(loads.shape)
-    made: NDArray[np.int64] = np.maximum((members & required).any(axis=-1), by_load).astype(np.int64)
-    return made
+    routes: NDArray[np.int64] = np.maximum((members & required).any(axis=-1), by_load).astype(np.int64)
+    return routes
 
 
 def value_grain(problem: RoutingProblem, terms: Terms) -> Grain | None:

@@ -92,8 +92,8 @@ def _times(rate: float, distances: Floats) -> Floats:
 
 def _second(inner: Floats) -> Floats:
     """The second least entry of each row."""
-    made: Floats = np.partition(inner, 1, axis=1)[:, 1] if len(inner) > 1 else np.full(len(inner), np.inf)
-    return made
+    second: Floats = np.partition(inner, 1, axis=1)[:, 1] if len(inner) > 1 else np.full(len(inner), np.inf)
+    return second
 
 
 def _two_nearest(travel: Travel, at: NDArray[np.int64]) -> tuple[Floats, Floats]:
@@ -107,10 +107,10 @@ def _two_nearest(travel: Travel, at: NDArray[np.int64]) -> tuple[Floats, Floats]
         longitude, latitude = np.radians(points).T
         points = np.column_stack([np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude), np.sin(latitude)])
     count = min(3, len(at))
-    found = cKDTree(points).query(points, k=list(range(1, count + 1)), p=POWERS.get(travel.metric, 2.0))[1]
-    raw = travel.with_convention("exact").distance(at[:, None], at[found]) * (1.0 - _NEARLY) - _blur(travel)
+    nearest = cKDTree(points).query(points, k=list(range(1, count + 1)), p=POWERS.get(travel.metric, 2.0))[1]
+    raw = travel.with_convention("exact").distance(at[:, None], at[nearest]) * (1.0 - _NEARLY) - _blur(travel)
     # A customer whom the tree does not list for himself has that many others in the same place.
-    away = np.sort(np.where(found == every[:, None], np.inf, np.maximum(0.0, travel.rounded(raw))), axis=1)
+    away = np.sort(np.where(nearest == every[:, None], np.inf, np.maximum(0.0, travel.rounded(raw))), axis=1)
     away = np.column_stack([away, np.full((len(at), 2), np.inf)])
     return away[:, 0], away[:, 1]
 

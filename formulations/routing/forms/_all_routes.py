@@ -92,16 +92,16 @@ class Walk:
         """Routes that begin with ``visits``; ``since`` are the depots since the last site."""
         for site in self.customers:
             if site not in visits and all(p in visits for p in self.needs.get(site, ())) and self.may_begin((*visits, site)):
-                found = self.priced((*visits, site))
-                if found is not None:
-                    yield found
+                route = self.priced((*visits, site))
+                if route is not None:
+                    yield route
                 yield from self._further((*visits, site), frozenset())
         for depot in self.pauses:
             if depot not in since and self.may_begin((*visits, depot)):
                 if any(not self.sites.depot[k] for k in visits):
-                    found = self.priced((*visits, depot))
-                    if found is not None:
-                        yield found
+                    route = self.priced((*visits, depot))
+                    if route is not None:
+                        yield route
                 yield from self._further((*visits, depot), since | {depot})
 
     def may_begin(self, visits: tuple[int, ...]) -> bool:
@@ -198,16 +198,16 @@ class Walk:
         if finish - self.opens <= busy:
             return finish - self.opens, finish
         runs = [(finish - self.opens, finish)]
-        before, found = 0.0, {self.last_departure, self.home_by - busy}
+        before, departures = 0.0, {self.last_departure, self.home_by - busy}
         several = any(len(self.windows[k]) > 1 for k in stops[1:-1])
         for k, i in enumerate(stops[:-1]):
             service = self.service[i] if k else 0.0
             ends = [t for opens, closes in self.windows[i] for t in ((opens, closes) if several else (closes,))] if k else []
-            found |= {t - before for t in (*ends, self.closes[i][stops[k + 1]] - service)}
+            departures |= {t - before for t in (*ends, self.closes[i][stops[k + 1]] - service)}
             before += service + self.time[i][stops[k + 1]]
         # The latest departure that waits nowhere after it delays nothing.
-        found |= {finish - busy}
-        for departure in found:
+        departures |= {finish - busy}
+        for departure in departures:
             if self.opens < departure <= self.last_departure and math.isfinite(departure):
                 end = self._run(stops, departure)
                 runs += [] if end is None else [(max(end - departure, busy), end)]
@@ -218,9 +218,9 @@ class Walk:
             if _within(lasts, vehicle.max_duration, size)
             and (not self.timed_store or self._energy_lasts(stops, lasts, end - self.opens, size))
         ]
-        left, key, other = kept or runs, int(self.early), 1 - int(self.early)
-        least = min(run[key] for run in left)
-        return min((run for run in left if _within(run[key], least, size)), key=lambda run: run[other])
+        eligible, key, other = kept or runs, int(self.early), 1 - int(self.early)
+        least = min(run[key] for run in eligible)
+        return min((run for run in eligible if _within(run[key], least, size)), key=lambda run: run[other])
 
     def _carries(self, visits: tuple[int, ...]) -> bool:
         """Whether all that is on board fits in, wherever the route is."""
@@ -231,31 +231,31 @@ class Walk:
         for dimension, capacity in enumerate(self.vehicle.capacities):
             if math.isinf(capacity):
                 continue
-            left = [0.0] * (len(visits) + 1)  # to deliver on this trip, on leaving the start and each stop
+            undelivered = [0.0] * (len(visits) + 1)  # to deliver on this trip, on leaving the start and each stop
             for p in range(len(visits) - 1, -1, -1):
-                left[p] = 0.0 if visits[p] in self.vehicle.reloads else left[p + 1] + float(self.demand[visits[p], dimension])
+                undelivered[p] = 0.0 if visits[p] in self.vehicle.reloads else undelivered[p + 1] + float(self.demand[visits[p], dimension])
             collected = shipped = 0.0
-            if not _within(left[0], capacity):
+            if not _within(undelivered[0], capacity):
                 return False
             for p, k in enumerate(visits):
                 collected = 0.0 if k in self.vehicle.reloads else collected + float(self.pickup[k, dimension])
                 for s in self.sites.shipments:
                     load = s.load[dimension] if dimension < len(s.load) else 0.0
                     shipped += load * ((s.pickup == k) - (s.delivery == k))
-                if not _within(left[p + 1] + collected + shipped, capacity):
+                if not _within(undelivered[p + 1] + collected + shipped, capacity):
                     return False
         return True
 
     def _store_lasts(self, stops: tuple[int, ...]) -> bool:
         energy = self.vehicle.energy
         assert energy is not None
-        left, drawn = energy.at_departure, 0.0
+        store, drawn = energy.at_departure, 0.0
         for i, j in pairwise(stops):
             drawn += energy.rate * self.time[i][j]
-            if not _within(drawn, left):
+            if not _within(drawn, store):
                 return False
             if j in energy.stations:
-                left, drawn = energy.capacity, 0.0
+                store, drawn = energy.capacity, 0.0
         return True
 
     def _energy_lasts(self, stops: tuple[int, ...], duration: float, elapsed: float, size: float) -> bool:

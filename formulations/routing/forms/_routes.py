@@ -67,7 +67,7 @@ class ArcIndex:
 
     def nodes_of(self, route: Route, names: Sequence[str], stops: dict[int, int] | None = None) -> NDArray[np.int64]:
         """Nodes of a route, both ends included; of a depot on the way the first copy that is not among the ``stops`` counted so far."""
-        made, taken = [0], {} if stops is None else stops
+        path, taken = [0], {} if stops is None else stops
         for site in route.visits:
             nodes = self._nodes.get(site)
             if nodes is None:
@@ -76,8 +76,8 @@ class ArcIndex:
             if number >= len(nodes):
                 raise InputError(f"the answer stops at {names[site]} more often than any answer has to", found=str(number + 1))
             taken[site] = number + 1
-            made.append(nodes[number])
-        return np.array([*made, self.prep.end], dtype=np.int64)
+            path.append(nodes[number])
+        return np.array([*path, self.prep.end], dtype=np.int64)
 
     def arcs_of(self, nodes: NDArray[np.int64], names: Sequence[str]) -> NDArray[np.int64]:
         """Arcs along ``nodes``; raises InputError for one that no feasible route can use."""
@@ -91,8 +91,8 @@ class ArcIndex:
 
 def levels(resource: Resource, nodes: NDArray[np.int64], arcs: NDArray[np.int64], start: float | None = None) -> Floats:
     """Least level at each of ``nodes`` along ``arcs``, from ``start`` or the least level at departure."""
-    made = np.empty(len(nodes))
-    made[0] = resource.lower[0] if start is None else start
+    reached = np.empty(len(nodes))
+    reached[0] = resource.lower[0] if start is None else start
     for k, arc in enumerate(arcs.tolist(), start=1):
-        made[k] = max(float(resource.lower[nodes[k]]), made[k - 1] + float(resource.weight[arc]))
-    return made
+        reached[k] = max(float(resource.lower[nodes[k]]), reached[k - 1] + float(resource.weight[arc]))
+    return reached

@@ -113,7 +113,7 @@ class Drive:
     clock: Floats
 
 
-class Written(Blocks):
+class VehicleBlocks(Blocks):
     """Columns and rows of a program, block after block, and how an answer fills what is beside arcs and times."""
 
     def __init__(self, problem: RoutingProblem, types: Sequence[VehicleColumns]) -> None:
@@ -196,7 +196,7 @@ def arc_and_time_columns(kind: VehicleColumns, idle_cost: float) -> list[Variabl
     count, names, nodes = kind.count, kind.names, kind.prep.nodes
     arcs = len(kind.tail)
     node = np.arange(nodes, dtype=np.int32)
-    made = [
+    variables = [
         Variables(
             "x", (np.repeat(kind.tail, count), np.repeat(kind.head, count), np.tile(kind.vehicles, arcs)), (names, names, kind.numbers),
             lower=np.zeros(arcs * count), upper=_numbered(kind).ravel(),
@@ -208,19 +208,19 @@ def arc_and_time_columns(kind: VehicleColumns, idle_cost: float) -> list[Variabl
         labels: tuple[Any, ...] = (names, kind.numbers)
         if name != "t":
             keys, labels = keys[1:], labels[1:]
-        made.append(
+        variables.append(
             Variables(
                 name, keys, labels, lower=np.repeat(kind.lower[at], count), upper=np.repeat(kind.upper[at], count),
                 cost=np.zeros(len(at) * count),
             )
         )  # fmt: skip
-    return made
+    return variables
 
 
 def _numbered(kind: VehicleColumns) -> Floats:
     """Upper bounds of x, shape (arcs, vehicles): 0 where a vehicle would visit a customer before its own number."""
     most = kind.prep.nodes + kind.count
     lowest = np.minimum(np.where(kind.tail == 0, most, kind.tail), np.where(kind.head == kind.prep.end, most, kind.head))
-    made = (lowest[:, None] > np.arange(kind.count)).astype(np.float64)
-    made[kind.idle] = float(kind.may_idle)
-    return made
+    upper = (lowest[:, None] > np.arange(kind.count)).astype(np.float64)
+    upper[kind.idle] = float(kind.may_idle)
+    return upper

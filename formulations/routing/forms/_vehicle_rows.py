@@ -55,38 +55,38 @@ def limits_rows(problem: RoutingProblem, kind: VehicleColumns) -> list[Rows]:
     """Rows of single vehicles: loads, distance, duration and energy."""
     prep, vehicle = kind.prep, kind.vehicle
     every, inner = np.arange(len(kind.tail)), np.arange(kind.idle + 1, len(kind.tail))
-    made: list[Rows] = []
+    blocks: list[Rows] = []
     for name, resource in prep.resources.items():
         if name.startswith(("load", "pickup")):
             capacity = vehicle.capacities[int(name.partition("-")[2] or 1) - 1]
-            made.append(kind.over_arcs(name, inner, _at_head(kind, resource.weight)[kind.tail[inner]], -math.inf, capacity))
+            blocks.append(kind.over_arcs(name, inner, _at_head(kind, resource.weight)[kind.tail[inner]], -math.inf, capacity))
     if "distance" in prep.resources:
-        made.append(kind.over_arcs("distance", every, kind.with_idle(prep.distance, kind.idle_distance), -math.inf, vehicle.max_distance))
+        blocks.append(kind.over_arcs("distance", every, kind.with_idle(prep.distance, kind.idle_distance), -math.inf, vehicle.max_distance))
     if math.isfinite(vehicle.max_duration):
-        made.append(_elapsed(kind, "duration", 1.0, vehicle.max_duration))
+        blocks.append(_elapsed(kind, "duration", 1.0, vehicle.max_duration))
     energy = vehicle.energy
     if energy is not None and energy.charge == "elapsed":
-        made.append(_elapsed(kind, "energy", energy.rate, energy.at_departure))
+        blocks.append(_elapsed(kind, "energy", energy.rate, energy.at_departure))
     elif energy is not None and "energy" in prep.resources:
         weight = kind.with_idle(prep.resources["energy"].weight, energy.rate * kind.idle_duration)
-        made.append(kind.over_arcs("energy", every, weight, -math.inf, energy.at_departure))
+        blocks.append(kind.over_arcs("energy", every, weight, -math.inf, energy.at_departure))
     if vehicle.max_reloads is not None:
         into = np.nonzero(np.isin(prep.sites[kind.head], vehicle.reloads) & (kind.head != prep.end))[0]
-        made.append(kind.over_arcs("reloads", into, np.ones(len(into)), -math.inf, float(vehicle.max_reloads)))
+        blocks.append(kind.over_arcs("reloads", into, np.ones(len(into)), -math.inf, float(vehicle.max_reloads)))
     if (vehicle.reloads or vehicle.stations) and len(every) > 1:
         # Who only stops at depots serves no site.
         served = np.nonzero((kind.tail >= 1) & (kind.tail <= len(problem.customers)))[0]
         arcs = np.append(served, kind.idle)
-        made.append(kind.over_arcs("serves", arcs, np.ones(len(arcs)), 1.0, math.inf))
-    return made
+        blocks.append(kind.over_arcs("serves", arcs, np.ones(len(arcs)), 1.0, math.inf))
+    return blocks
 
 
 def _at_head(kind: VehicleColumns, weight: Floats) -> Floats:
     """A weight of arcs that depends on the head alone, by node."""
-    made = np.zeros(kind.prep.nodes)
-    made[kind.prep.head] = weight
-    made[-1] = 0.0
-    return made
+    weights = np.zeros(kind.prep.nodes)
+    weights[kind.prep.head] = weight
+    weights[-1] = 0.0
+    return weights
 
 
 def _elapsed(kind: VehicleColumns, name: str, rate: float, limit: float) -> Rows:
@@ -164,6 +164,6 @@ def order_rows(kind: VehicleColumns, first: int, every: bool) -> Rows:
 
 
 def _starts(sizes: Any) -> NDArray[np.int32]:
-    made = np.zeros(len(sizes) + 1, dtype=np.int32)
-    np.cumsum(sizes, out=made[1:])
-    return made
+    starts = np.zeros(len(sizes) + 1, dtype=np.int32)
+    np.cumsum(sizes, out=starts[1:])
+    return starts

@@ -24,7 +24,7 @@ from ...programs.size import ProgramSize
 from ..preparation import prepare
 from . import _sizes, three_index, two_index
 from ._blocks import with_levels
-from ._vehicle_columns import Drive, Written
+from ._vehicle_columns import Drive, VehicleBlocks
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
@@ -50,37 +50,37 @@ def build(problem: RoutingProblem) -> Compiled:
 
 def _of_arcs(problem: RoutingProblem) -> Compiled:
     prep = prepare(problem)
-    made = two_index.ArcColumns(problem, prep)
-    made.fleet()
+    blocks = two_index.ArcColumns(problem, prep)
+    blocks.fleet()
     for name, resource in two_index.needed_resources(problem, prep).items():
         if name != "order":
-            made.node_levels(resource)
+            blocks.node_levels(resource)
     head = np.where(prep.head == prep.end, 0, prep.head)
-    return two_index.written(made, "circuit", (Circuit("circuit", prep.end, prep.tail, head, made.arcs, several=True),))
+    return two_index.written(blocks, "circuit", (Circuit("circuit", prep.end, prep.tail, head, blocks.arcs, several=True),))
 
 
-def _of_each_vehicle(made: Written) -> tuple[Circuit, ...]:
+def _of_each_vehicle(blocks: VehicleBlocks) -> tuple[Circuit, ...]:
     """One circuit a vehicle, with its loops."""
-    nodes, found = np.arange(1, made.nodes + 1), []
-    for kind in made.types:
+    nodes, circuits = np.arange(1, blocks.nodes + 1), []
+    for kind in blocks.types:
         count, end = kind.count, kind.prep.end
-        keys = (np.repeat(nodes, count), np.tile(kind.vehicles, made.nodes))
-        off = made.add_columns("off", keys, (made.names, kind.numbers), 0.0, 1.0, integer=True)
-        back = made.add_columns("back", (kind.vehicles,), (kind.numbers,), 1.0, 1.0, integer=True)
+        keys = (np.repeat(nodes, count), np.tile(kind.vehicles, blocks.nodes))
+        off = blocks.add_columns("off", keys, (blocks.names, kind.numbers), 0.0, 1.0, integer=True)
+        back = blocks.add_columns("back", (kind.vehicles,), (kind.numbers,), 1.0, 1.0, integer=True)
         tail, head = np.concatenate([kind.tail, nodes, [end]]), np.concatenate([kind.head, nodes, [0]])
         arcs = kind.first + np.arange(len(kind.tail)) * count
         for k, vehicle in enumerate(kind.vehicles.tolist()):
             column = np.concatenate([arcs + k, off + (nodes - 1) * count + k, [back + k]])
-            found.append(Circuit(f"circuit[{kind.numbers[vehicle]}]", end + 1, tail, head, column))
+            circuits.append(Circuit(f"circuit[{kind.numbers[vehicle]}]", end + 1, tail, head, column))
 
         def encode(x: Floats, drives: list[Drive], first: int = off, of: object = kind, count: int = count) -> None:
-            x[first : first + made.nodes * count] = 1.0
+            x[first : first + blocks.nodes * count] = 1.0
             for d in drives:
                 if d.kind is of:
                     x[first + (d.nodes[1:-1] - 1) * count + d.number] = 0.0
 
-        made.encoders.append(encode)
-    return tuple(found)
+        blocks.encoders.append(encode)
+    return tuple(circuits)
 
 
 def _size(problem: RoutingProblem) -> ProgramSize:

@@ -54,13 +54,13 @@ MAXIMA = {"makespan": "duration", "longest-route": "distance", "latest-return": 
 def refuses(problem: RoutingProblem) -> frozenset[str]:
     """Problems with many routes, and maxima that should be large."""
     levels = zip(problem.senses, weights_of_levels(problem), strict=True)
-    found = {
+    features = {
         f"objective:{name}"
         for sense, level in levels for name, weight in level.items() if name in MAXIMA and weight * (1.0 if sense == "min" else -1.0) < 0
     }  # fmt: skip
     if orders_of_stops(problem) > MOST_ROUTES and not adds_up(problem):
-        found.add(f"more than {MOST_ROUTES} orders of stops")
-    return frozenset(found)
+        features.add(f"more than {MOST_ROUTES} orders of stops")
+    return frozenset(features)
 
 
 def build(problem: RoutingProblem) -> Compiled:
@@ -76,15 +76,15 @@ def build(problem: RoutingProblem) -> Compiled:
 def over(problem: RoutingProblem, routes: Iterable[Route]) -> Compiled:
     """The program over given routes, such as those of several answers; raises InputError for a route that breaks a limit."""
     walks = [Walk(problem, kind) for kind in range(len(problem.fleet))]
-    found = []
+    priced_routes = []
     for route in dict.fromkeys(routes):
         if not 0 <= route.vehicle < len(walks):
             raise InputError(f"a route uses vehicle type {route.vehicle}, which does not exist")
         priced = walks[route.vehicle].given(route.visits)
         if priced is None:
             raise InputError("a route breaks a limit", found=", ".join(map(str, route.visits)))
-        found.append(priced)
-    return with_levels(problem, lambda p: _Writing(p, found).compiled(Exactness.RESTRICTION))
+        priced_routes.append(priced)
+    return with_levels(problem, lambda p: _Writing(p, priced_routes).compiled(Exactness.RESTRICTION))
 
 
 class _Writing(Blocks):

@@ -44,7 +44,7 @@ from ._groups_and_windows import add_copies, add_groups, add_shipments, add_wind
 from ._loads_and_energy import add_loads, add_residual_energy
 from ._objective import add_objective, adverse, idle_cost, weights
 from ._routes import ArcIndex, routes_of, used
-from ._vehicle_columns import Drive, VehicleColumns, Written, arc_and_time_columns, vehicle_columns
+from ._vehicle_columns import Drive, VehicleBlocks, VehicleColumns, arc_and_time_columns, vehicle_columns
 from ._vehicle_rows import closing_rows, connecting_rows, fleet_rows, limits_rows, order_rows, time_rows, visits_rows
 
 if TYPE_CHECKING:
@@ -69,14 +69,14 @@ def refuses(problem: RoutingProblem) -> frozenset[str]:
 
     The latter may need two schedules of one route, and the form writes one.
     """
-    found = adverse(problem)
+    features = adverse(problem)
     if "several-windows" in problem.features():
-        terms, held = weights(problem).keys(), problem.features()
-        early = "latest-return" in terms or "energy:elapsed-fixed-start" in held
-        shortest = {"makespan", "total-duration"} & terms or held & {"max-duration", "energy:elapsed", "duration-cost", "overtime"}
+        terms, present = weights(problem).keys(), problem.features()
+        early = "latest-return" in terms or "energy:elapsed-fixed-start" in present
+        shortest = {"makespan", "total-duration"} & terms or present & {"max-duration", "energy:elapsed", "duration-cost", "overtime"}
         if early and shortest:
-            found |= {"several-windows"}
-    return found
+            features |= {"several-windows"}
+    return features
 
 
 def build(problem: RoutingProblem) -> Compiled:
@@ -87,8 +87,8 @@ def build(problem: RoutingProblem) -> Compiled:
 def written(
     problem: RoutingProblem,
     form: str,
-    connect: Callable[[Written], tuple[Circuit, ...]] | None = None,
-    further: Sequence[Callable[[Written], None]] = (),
+    connect: Callable[[VehicleBlocks], tuple[Circuit, ...]] | None = None,
+    further: Sequence[Callable[[VehicleBlocks], None]] = (),
 ) -> Compiled:
     """The program for the first level of the objective.
 
@@ -101,26 +101,26 @@ def written(
         types.append(kind)
         first, vehicle = kind.end, vehicle + kind.prep.fleet
     variables = [block for kind in types for block in arc_and_time_columns(kind, idle_cost(problem, kind))]
-    blocks = [visits_rows(types), fleet_rows(problem, types)]
+    row_blocks = [visits_rows(types), fleet_rows(problem, types)]
     for kind in types:
-        blocks += connecting_rows(kind) if connect is None else []
-        blocks += [*limits_rows(problem, kind), time_rows(kind), closing_rows(kind)]
-    made = Written(problem, types)
+        row_blocks += connecting_rows(kind) if connect is None else []
+        row_blocks += [*limits_rows(problem, kind), time_rows(kind), closing_rows(kind)]
+    blocks = VehicleBlocks(problem, types)
     ordered = bool(problem.sites.shipments)
     cyclic = [kind for kind in types if ordered or (connect is None and leaves_cycles(kind.prep, [kind.prep.time]))]
     if cyclic:
-        order = made.add_columns("u", (np.arange(1, made.nodes + 1),), (made.names,), 1.0, float(made.nodes))
-        made.rows += [order_rows(kind, order, ordered) for kind in cyclic]
-        made.encoders.append(partial(_number_visits, order, made.nodes))
-        add_shipments(made, order)
+        order = blocks.add_columns("u", (np.arange(1, blocks.nodes + 1),), (blocks.names,), 1.0, float(blocks.nodes))
+        blocks.rows += [order_rows(kind, order, ordered) for kind in cyclic]
+        blocks.encoders.append(partial(_number_visits, order, blocks.nodes))
+        add_shipments(blocks, order)
     for add in (add_groups, add_windows, add_copies, add_loads, add_residual_energy, *further, add_objective):
-        add(made)
-    circuits = () if connect is None else connect(made)
-    rows = tuple(b for b in (*blocks, *made.rows) if b.size)
+        add(blocks)
+    circuits = () if connect is None else connect(blocks)
+    rows = tuple(b for b in (*row_blocks, *blocks.rows) if b.size)
     bare = Program(
-        form, problem.sense, (*variables, *made.variables), rows, offset=offset(problem), circuits=circuits, cones=tuple(made.cones)
+        form, problem.sense, (*variables, *blocks.variables), rows, offset=offset(problem), circuits=circuits, cones=tuple(blocks.cones)
     )
-    return Compiled(bare, problem, partial(_decode, problem, types), partial(_encode, made, bare))
+    return Compiled(bare, problem, partial(_decode, problem, types), partial(_encode, blocks, bare))
 
 
 # -- answers ---------------------------------------------------------------------------------------------------------
@@ -137,25 +137,25 @@ def _decode(problem: RoutingProblem, types: list[VehicleColumns], x: Floats) -> 
     return Routes(tuple(routes))
 
 
-def _encode(made: Written, program: Program, answer: Routes) -> Floats:
+def _encode(blocks: VehicleBlocks, program: Program, answer: Routes) -> Floats:
     x = program.lower.copy()
-    for kind in made.types:
+    for kind in blocks.types:
         x[kind.first + kind.idle * kind.count + np.arange(kind.count)] = 1.0
-    drives = list(_drives(made, answer))
+    drives = list(_drives(blocks, answer))
     for d in drives:
         kind, count = d.kind, d.kind.count
         if len(d.arcs):
             x[kind.first + kind.idle * count + d.number] = 0.0
             x[kind.first + kind.arc_of[d.arcs] * count + d.number] = 1.0
         x[kind.clock + d.nodes * count + d.number] = d.clock
-    for fill in made.encoders:
+    for fill in blocks.encoders:
         fill(x, drives)
     return point_of(program, x)
 
 
-def _drives(made: Written, answer: Routes) -> Iterator[Drive]:
+def _drives(blocks: VehicleBlocks, answer: Routes) -> Iterator[Drive]:
     """What each vehicle drives; of one type they are numbered by the first customer that each visits."""
-    problem, types = made.problem, made.types
+    problem, types = blocks.problem, blocks.types
     taken, stops = [0] * len(types), dict[int, int]()
     names, depot = problem.sites.ids, problem.sites.depot
 
@@ -195,7 +195,7 @@ def _clock(kind: VehicleColumns, nodes: NDArray[np.int64], arcs: NDArray[np.int6
         return earliest
     busy = np.append(0.0, np.cumsum(kind.prep.time.weight[arcs]))
     several = any(node in kind.windows for node in nodes.tolist())
-    found = [earliest]
+    schedules = [earliest]
     for at, node in enumerate(nodes.tolist()):
         ends = [end for _, end in kind.windows.get(node, ())] + [
             float(kind.upper[node]),
@@ -206,21 +206,21 @@ def _clock(kind: VehicleColumns, nodes: NDArray[np.int64], arcs: NDArray[np.int6
         for end in ends:
             departure = end - busy[at]
             if kind.lower[0] < departure <= kind.upper[0]:
-                found.append(_times(kind, nodes, arcs, departure))
+                schedules.append(_times(kind, nodes, arcs, departure))
     size = 1e-9 * (1.0 + float(np.abs(earliest).max()))
-    kept = [t for t in found if _in_time(kind, nodes, arcs, t, size) and (several or t[-1] <= earliest[-1] + size)]
+    kept = [t for t in schedules if _in_time(kind, nodes, arcs, t, size) and (several or t[-1] <= earliest[-1] + size)]
     return min(kept, key=lambda t: t[-1] - t[0], default=earliest)
 
 
 def _times(kind: VehicleColumns, nodes: NDArray[np.int64], arcs: NDArray[np.int64], departure: float) -> Floats:
     """Begin of service at each node, as early as a departure allows."""
-    made = np.empty(len(nodes))
-    made[0] = departure
+    begins = np.empty(len(nodes))
+    begins[0] = departure
     for k, arc in enumerate(arcs.tolist(), start=1):
         node = int(nodes[k])
-        at = max(float(kind.lower[node]), made[k - 1] + float(kind.prep.time.weight[arc]))
-        made[k] = next((max(at, opens) for opens, closes in kind.windows.get(node, ()) if at <= closes + kind.prep.time.tolerance), at)
-    return made
+        at = max(float(kind.lower[node]), begins[k - 1] + float(kind.prep.time.weight[arc]))
+        begins[k] = next((max(at, opens) for opens, closes in kind.windows.get(node, ()) if at <= closes + kind.prep.time.tolerance), at)
+    return begins
 
 
 def _in_time(kind: VehicleColumns, nodes: NDArray[np.int64], arcs: NDArray[np.int64], times: Floats, slack: float) -> bool:

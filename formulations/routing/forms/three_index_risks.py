@@ -52,7 +52,7 @@ from ...programs.size import ProgramSize
 from ..overrun import quantile, tail
 from . import _sizes
 from ._blocks import with_levels
-from ._vehicle_columns import Drive, VehicleColumns, Written
+from ._vehicle_columns import Drive, VehicleBlocks, VehicleColumns
 from .three_index import FEATURES, refuses, written
 
 if TYPE_CHECKING:
@@ -83,16 +83,16 @@ ROUNDED = 1e-9
 """Part of margins and risks that either concedes to its own rounding."""
 
 
-def build(problem: RoutingProblem, form: str, add: Callable[[Written], None]) -> Compiled:
+def build(problem: RoutingProblem, form: str, add: Callable[[VehicleBlocks], None]) -> Compiled:
     """The program of a form that ``add`` completes."""
     return with_levels(problem, partial(written, form=form, further=(add,)))
 
 
-def _add_risks(made: Written) -> None:
-    for number, kind in enumerate(made.types):
-        risk, spread = kind.vehicle.risk, uncertain_moves(made.problem, number, kind)
+def _add_risks(blocks: VehicleBlocks) -> None:
+    for number, kind in enumerate(blocks.types):
+        risk, spread = kind.vehicle.risk, uncertain_moves(blocks.problem, number, kind)
         if risk is not None and spread is not None and risk != 0.5:  # which has no margin
-            _add_deviations(made, kind, spread, quantile(risk))
+            _add_deviations(blocks, kind, spread, quantile(risk))
 
 
 def uncertain_moves(problem: RoutingProblem, number: int, kind: VehicleColumns) -> Floats | None:
@@ -108,35 +108,35 @@ def uncertain_moves(problem: RoutingProblem, number: int, kind: VehicleColumns) 
 
 def limits(kind: VehicleColumns) -> list[tuple[str, Floats, float, float]]:
     """Name, weights of arcs, rate of what the deviation adds, and limit."""
-    vehicle, prep, found = kind.vehicle, kind.prep, []
+    vehicle, prep, limited = kind.vehicle, kind.prep, []
     moving, busy = (kind.with_idle(weight, kind.idle_duration) for weight in (prep.duration, prep.time.weight))
     if math.isfinite(vehicle.max_duration):
-        found.append(("safe", busy, 1.0, vehicle.max_duration))
+        limited.append(("safe", busy, 1.0, vehicle.max_duration))
     energy = vehicle.energy
     if energy is not None and math.isfinite(energy.at_departure):
         weight = moving if energy.charge == "travel" else busy
-        found.append(("lasting", energy.rate * weight, energy.rate, energy.at_departure))
-    return found
+        limited.append(("lasting", energy.rate * weight, energy.rate, energy.at_departure))
+    return limited
 
 
-def _add_deviations(made: Written, kind: VehicleColumns, spread: Floats, deviations: float) -> None:
+def _add_deviations(blocks: VehicleBlocks, kind: VehicleColumns, spread: Floats, deviations: float) -> None:
     """Column, cone and rows of each vehicle of a type."""
-    count, every, held = kind.count, np.arange(len(kind.tail)), limits(kind)
-    most = min(math.sqrt(_largest_variance(kind, spread)), *(limit / (rate * deviations) for _, _, rate, limit in held))
-    first = made.add_columns("deviation", (kind.vehicles,), (kind.numbers,), 0.0, most)
-    for name, weight, rate, limit in held:
+    count, every, limited = kind.count, np.arange(len(kind.tail)), limits(kind)
+    most = min(math.sqrt(_largest_variance(kind, spread)), *(limit / (rate * deviations) for _, _, rate, limit in limited))
+    first = blocks.add_columns("deviation", (kind.vehicles,), (kind.numbers,), 0.0, most)
+    for name, weight, rate, limit in limited:
         row = np.arange(count)
         parts: list[Part] = [
             (np.repeat(row, len(every)), kind.each(every), np.tile(weight, count)), (row, first + row, rate * deviations),
         ]  # fmt: skip
-        made.rows.append(rows(name, count, parts, upper=limit, keys=(kind.vehicles,), labels=(kind.numbers,)))
+        blocks.rows.append(rows(name, count, parts, upper=limit, keys=(kind.vehicles,), labels=(kind.numbers,)))
     uncertain = np.nonzero(spread)[0]
     width = len(uncertain) + 1
     columns = np.empty((count, width), dtype=np.int32)
     columns[:, 0] = first + np.arange(count)
     columns[:, 1:] = kind.each(uncertain).reshape(count, -1)
     data = np.tile(np.append(1.0, np.sqrt(spread[uncertain])), count)
-    made.cones.append(
+    blocks.cones.append(
         Cones(
             "deviation", "second-order", width, np.arange(count * width + 1, dtype=np.int32), columns.ravel(), data, np.zeros(count * width)
         )
@@ -147,7 +147,7 @@ def _add_deviations(made: Written, kind: VehicleColumns, spread: Floats, deviati
             if drive.kind is kind:
                 x[first + drive.number] = math.sqrt(math.fsum(spread[_driven(drive)]))
 
-    made.encoders.append(fill)
+    blocks.encoders.append(fill)
 
 
 def _driven(drive: Drive) -> Ints:
@@ -180,24 +180,24 @@ class Pieces:
     share: Floats
 
 
-def _add_pieces(made: Written, *, above: bool) -> None:
-    team, spent = made.problem.team_risk, list[Part]()
-    for number, kind in enumerate(made.types):
+def _add_pieces(blocks: VehicleBlocks, *, above: bool) -> None:
+    team, spent = blocks.problem.team_risk, list[Part]()
+    for number, kind in enumerate(blocks.types):
         risks = [risk for risk in (kind.vehicle.risk, team) if risk is not None]
-        spread = uncertain_moves(made.problem, number, kind)
+        spread = uncertain_moves(blocks.problem, number, kind)
         if not risks or spread is None or (team is None and min(risks) == 0.5):  # with no margin
             continue
         pieces = _pieces(kind, spread, min(risks), team, above)
-        first = _add_choice(made, kind, spread, pieces, above)  # of the parts r
+        first = _add_choice(blocks, kind, spread, pieces, above)  # of the parts r
         many = kind.count * len(pieces.share)
         spent.append((np.zeros(many, dtype=np.int64), first + np.arange(many), 1.0))
     if team is not None and spent:
-        made.rows.append(rows("risk", 1, spent, upper=1.0 if above else 1.0 + ROUNDED))
+        blocks.rows.append(rows("risk", 1, spent, upper=1.0 if above else 1.0 + ROUNDED))
 
 
 def _pieces(kind: VehicleColumns, spread: Floats, risk: float, team: float | None, above: bool) -> Pieces:
     """All pieces of a type, that of no variance first."""
-    farthest, found = math.sqrt(_largest_variance(kind, spread)), [tuple([np.zeros(1)] * 7)]
+    farthest, columns = math.sqrt(_largest_variance(kind, spread)), [tuple([np.zeros(1)] * 7)]
     for low, high, chord, tangent, ends in _quantiles(risk, team, above):
         most = min([farthest, *(limit / (rate * low) for _, _, rate, limit in limits(kind) if low > 0.0)])
         if most <= 0.0:
@@ -208,8 +208,8 @@ def _pieces(kind: VehicleColumns, spread: Floats, risk: float, team: float | Non
         bent = (a + b) / 4.0 if above else a * b / (a + b)  # the line of the deviation at no variance
         rounded = 1.0 + ROUNDED if above else 1.0 - ROUNDED
         parts = rounded * (z * bent + a * (at - z)), rounded * z / (a + b), a * fall, a * a, b * b
-        found.append((*parts, np.full(PIECES, ends[0]), np.full(PIECES, ends[1])))
-    return Pieces(*(np.concatenate(part) for part in zip(*found, strict=True)))
+        columns.append((*parts, np.full(PIECES, ends[0]), np.full(PIECES, ends[1])))
+    return Pieces(*(np.concatenate(part) for part in zip(*columns, strict=True)))
 
 
 def _quantiles(risk: float, team: float | None, above: bool) -> list[tuple[float, float, Line, Line, tuple[float, float]]]:
@@ -220,30 +220,30 @@ def _quantiles(risk: float, team: float | None, above: bool) -> list[tuple[float
     whole = -math.log1p(-team)
     every = np.linspace(largest, quantile(risk * FAINTEST), QUANTILES + 1).tolist()
     shares = [-math.log1p(-risk) / whole, *(-math.log1p(-tail(z)) / whole for z in every[1:])]
-    found = []
+    intervals = []
     for low, high, more, less in zip(every[:-1], every[1:], shares[:-1], shares[1:], strict=True):
         slope, middle = (low - high) / (more - less), tail(0.5 * (low + high))
         bend = -whole * (1.0 - middle) / math.exp(-0.125 * (low + high) ** 2) * math.sqrt(2.0 * math.pi)
         tangent = 0.5 * (low + high) + bend * math.log1p(-middle) / whole
-        found.append((low, high, (high - slope * less, slope), (tangent, bend), (less, more)))
+        intervals.append((low, high, (high - slope * less, slope), (tangent, bend), (less, more)))
     if not above:  # all fainter ones
-        found.append((every[-1], every[-1], (every[-1], 0.0), (every[-1], 0.0), (0.0, shares[-1])))
-    return found
+        intervals.append((every[-1], every[-1], (every[-1], 0.0), (every[-1], 0.0), (0.0, shares[-1])))
+    return intervals
 
 
-def _add_choice(made: Written, kind: VehicleColumns, spread: Floats, pieces: Pieces, above: bool) -> int:
+def _add_choice(blocks: VehicleBlocks, kind: VehicleColumns, spread: Floats, pieces: Pieces, above: bool) -> int:
     """Columns and rows of a type; the first column of its parts r."""
     count, many, moves = kind.count, len(pieces.share), np.nonzero(spread)[0]
     row, each = np.repeat(np.arange(count), many), np.arange(count * many)
     keys, labels = (np.repeat(kind.vehicles, many), np.tile(np.arange(many), count)), (kind.numbers, None)
-    chosen = made.add_columns("piece", keys, labels, 0.0, 1.0, integer=True)
-    used = made.add_columns("spread", keys, labels, 0.0, np.tile(pieces.most, count))
-    taken = made.add_columns("part", keys, labels, 0.0, np.tile(pieces.share, count))
+    chosen = blocks.add_columns("piece", keys, labels, 0.0, 1.0, integer=True)
+    used = blocks.add_columns("spread", keys, labels, 0.0, np.tile(pieces.most, count))
+    taken = blocks.add_columns("part", keys, labels, 0.0, np.tile(pieces.share, count))
     own, names = (kind.vehicles,), (kind.numbers,)
     variance: list[Part] = [
         (row, used + each, 1.0), (np.repeat(np.arange(count), len(moves)), kind.each(moves), -np.tile(spread[moves], count)),
     ]  # fmt: skip
-    made.rows += [
+    blocks.rows += [
         rows("one", count, [(row, chosen + each, 1.0)], 1.0, 1.0, own, names),
         rows("variance", count, variance, 0.0, keys=own, labels=names),
     ]
@@ -251,22 +251,22 @@ def _add_choice(made: Written, kind: VehicleColumns, spread: Floats, pieces: Pie
         for side, ends, lower, upper in (("least", least, 0.0, math.inf), ("most", most, -math.inf, 0.0)):
             at = np.nonzero(np.tile(ends if side == "least" else most, count) > 0.0)[0]
             within: list[Part] = [(np.arange(len(at)), column + at, 1.0), (np.arange(len(at)), chosen + at, -np.tile(ends, count)[at])]
-            made.rows.append(rows(f"{side}-{name}", len(at), within, lower, upper, tuple(key[at] for key in keys), labels))
+            blocks.rows.append(rows(f"{side}-{name}", len(at), within, lower, upper, tuple(key[at] for key in keys), labels))
     every = np.arange(len(kind.tail))
-    held = [(name, weight, rate, limit * (1.0 - SPARED) if above else limit) for name, weight, rate, limit in limits(kind)]
-    for name, weight, rate, limit in held:
+    limited = [(name, weight, rate, limit * (1.0 - SPARED) if above else limit) for name, weight, rate, limit in limits(kind)]
+    for name, weight, rate, limit in limited:
         parts: list[Part] = [
             (np.repeat(np.arange(count), len(every)), kind.each(every), np.tile(weight, count)),
             *((row, column + each, rate * np.tile(part, count))
               for column, part in ((chosen, pieces.constant), (used, pieces.slope), (taken, pieces.fall))),
         ]  # fmt: skip
-        made.rows.append(rows(name, count, parts, upper=limit, keys=own, labels=names))
-    made.encoders.append(_filling(kind, spread, pieces, held, (chosen, used, taken)))
+        blocks.rows.append(rows(name, count, parts, upper=limit, keys=own, labels=names))
+    blocks.encoders.append(_filling(kind, spread, pieces, limited, (chosen, used, taken)))
     return taken
 
 
 def _filling(
-    kind: VehicleColumns, spread: Floats, pieces: Pieces, held: list[tuple[str, Floats, float, float]], columns: tuple[int, int, int]
+    kind: VehicleColumns, spread: Floats, pieces: Pieces, limited: list[tuple[str, Floats, float, float]], columns: tuple[int, int, int]
 ) -> Callable[[Floats, list[Drive]], None]:
     chosen, used, taken = columns
     many = len(pieces.share)
@@ -280,7 +280,7 @@ def _filling(
             variance = math.fsum(spread[arcs])
             filled = np.maximum(variance, pieces.least)
             least, fits = pieces.fewest.copy(), filled <= pieces.most * (1.0 + ROUNDED)
-            for _, weight, rate, limit in held:  # the least part for which the margin fits
+            for _, weight, rate, limit in limited:  # the least part for which the margin fits
                 over = math.fsum(weight[arcs]) + rate * (pieces.constant + pieces.slope * filled) - limit * (1.0 + ROUNDED)
                 with np.errstate(divide="ignore", invalid="ignore"):
                     needed = np.where(over <= 0.0, 0.0, np.where(pieces.fall < 0.0, over / (-rate * pieces.fall), math.inf))

@@ -218,14 +218,14 @@ def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep
     ``prep`` are arcs to write down in place of all of ``prepare(problem)``: a restriction, for duals that are priced out over the rest.
     """
     prep = prepare(problem) if prep is None else prep
-    made = ArcColumns(problem, prep)
-    made.assignment()
+    blocks = ArcColumns(problem, prep)
+    blocks.assignment()
     for name, resource in needed_resources(problem, prep, connected=form == UNIT_FLOW).items():
         if flows(name):
-            made.arc_flows(resource)
+            blocks.arc_flows(resource)
         else:
-            made.node_levels(resource)
-    compiled = written(made, form)
+            blocks.node_levels(resource)
+    compiled = written(blocks, form)
     if not _has_evidence(problem, form):
         return compiled
 
@@ -233,31 +233,31 @@ def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep
         ends = prep.sites[prep.tail[column]], prep.sites[prep.head[column]]
         return {"arc": [problem.sites.ids[site] for site in ends]}, most >= 1
 
-    evidence = partial(_evidence, made, compiled.program)
-    return replace(compiled, dual_evidence=evidence, ray_evidence=partial(_ray_evidence, made), at_most=at_most)
+    evidence = partial(_evidence, blocks, compiled.program)
+    return replace(compiled, dual_evidence=evidence, ray_evidence=partial(_ray_evidence, blocks), at_most=at_most)
 
 
-def written(made: ArcColumns, form: str, circuits: tuple[Circuit, ...] = ()) -> Compiled:
+def written(blocks: ArcColumns, form: str, circuits: tuple[Circuit, ...] = ()) -> Compiled:
     """The program of all columns and rows, with the way from arcs to routes and back."""
-    problem, prep = made.problem, made.prep
+    problem, prep = blocks.problem, blocks.prep
     m, names, index = len(prep.tail), problem.sites.ids, ArcIndex(prep)
 
     def decode(x: Floats) -> Routes:
         return Routes(tuple(routes_of(prep, np.nonzero(used(x[:m]))[0], names)))
 
     def encode(answer: Routes) -> Floats:
-        x = np.zeros(made.columns)
-        for block, start in zip(made.variables, np.cumsum([0] + [b.size for b in made.variables]), strict=False):
+        x = np.zeros(blocks.columns)
+        for block, start in zip(blocks.variables, np.cumsum([0] + [b.size for b in blocks.variables]), strict=False):
             x[start : start + block.size] = block.lower
         for route in answer:
             nodes = index.nodes_of(route, names)
             arcs = index.arcs_of(nodes, names)
             x[arcs] += 1.0
-            for write in made.encoders:
+            for write in blocks.encoders:
                 write(x, nodes, arcs)
         return point_of(bare, x)
 
-    bare = Program(form, problem.sense, tuple(made.variables), tuple(made.rows), offset=offset(problem), circuits=circuits)
+    bare = Program(form, problem.sense, tuple(blocks.variables), tuple(blocks.rows), offset=offset(problem), circuits=circuits)
     return Compiled(bare, problem, decode, encode, exactness=Exactness.EXACT if prep.whole else Exactness.RESTRICTION)
 
 
@@ -265,31 +265,33 @@ def _has_evidence(problem: RoutingProblem, form: str) -> bool:
     return form == "two-index-time-flow" and problem.sense == "min" and problem.features() - {"objective:priorities"} <= EVIDENCED
 
 
-def _evidence(made: ArcColumns, program: Program, row_duals: Floats, of: Problem | None = None) -> Evidence:
+def _evidence(blocks: ArcColumns, program: Program, row_duals: Floats, of: Problem | None = None) -> Evidence:
     """The multipliers of visits, fleet and balances; none of ``of`` is needed."""
     value = dual_value(program, row_duals)
-    return Evidence("arc-multipliers", "LP relaxation of two-index-time-flow", value, _multipliers(made, row_duals))
+    return Evidence("arc-multipliers", "LP relaxation of two-index-time-flow", value, _multipliers(blocks, row_duals))
 
 
-def _ray_evidence(made: ArcColumns, ray: Floats) -> Evidence:
-    return Evidence("arc-multipliers", "a ray of two-index-time-flow", math.inf, {**_multipliers(made, ray), "ray": True})
+def _ray_evidence(blocks: ArcColumns, ray: Floats) -> Evidence:
+    return Evidence("arc-multipliers", "a ray of two-index-time-flow", math.inf, {**_multipliers(blocks, ray), "ray": True})
 
 
-def _multipliers(made: ArcColumns, row_duals: Floats) -> dict[str, Any]:
+def _multipliers(blocks: ArcColumns, row_duals: Floats) -> dict[str, Any]:
     """Multipliers of visits, fleet and balances in site order."""
     duals = np.asarray(row_duals, dtype=np.float64)
-    sites = made.prep.sites[1:-1]
+    sites = blocks.prep.sites[1:-1]
 
     def in_site_order(values: Floats) -> list[float]:
-        spread = np.zeros(len(made.problem.sites))
+        spread = np.zeros(len(blocks.problem.sites))
         spread[sites] = values
         return [float(v) for v in spread]
 
     return {
-        "out": in_site_order(made.prices["out"](duals)),
-        "in": in_site_order(made.prices["in"](duals)),
-        "fleet": float(made.prices["fleet"](duals).sum()),
-        "resources": {name: in_site_order(np.maximum(0.0, made.prices[name](duals))) for name in EVIDENCE_RESOURCES if name in made.prices},
+        "out": in_site_order(blocks.prices["out"](duals)),
+        "in": in_site_order(blocks.prices["in"](duals)),
+        "fleet": float(blocks.prices["fleet"](duals).sum()),
+        "resources": {
+            name: in_site_order(np.maximum(0.0, blocks.prices[name](duals))) for name in EVIDENCE_RESOURCES if name in blocks.prices
+        },
     }
 
 
