@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,11 +12,12 @@ from ...instances.errors import InputError, UsageError
 from ...instances.printable import printable
 from ..rendering import Line
 from .routes import Route, Routes, Timetable
-from .schedule import schedule
+from .schedule import Schedule, schedule
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from ...instances.routing.vehicle_type import VehicleType
     from .problem import RoutingProblem
 
 
@@ -56,42 +57,54 @@ def routes_from_json(problem: RoutingProblem, data: Any) -> Routes:
     return Routes.of(routes)
 
 
+class Run(NamedTuple):
+    """A route with the name of its vehicle, its type and its schedule."""
+
+    name: str
+    route: Route
+    vehicle: VehicleType
+    plan: Schedule
+
+    def stops(self, ids: Sequence[str]) -> list[str]:
+        """Ids of all sites in order, the depots at both ends among them."""
+        return [ids[k] for k in (self.vehicle.start, *self.route.visits, self.vehicle.end)]
+
+
+def runs(problem: RoutingProblem, answer: Routes) -> Iterator[Run]:
+    """Each route of an answer as it is driven."""
+    for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
+        yield Run(name, route, problem.fleet[route.vehicle], schedule(problem, route))
+
+
 def routes_to_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
     """One row a stop: vehicle, position, site, arrival, begin, departure, load, distance (cumulated).
 
-    ``on_board`` where loads are collected or shipped, ``energy`` where stores are filled on the way; then the attributes of sites. Times
-    are
-    moments where the problem was made of timestamps.
+    ``on_board`` where loads are collected or shipped, ``energy`` where stores are filled on the way; then the attributes of sites.
+    Times are moments where the problem was made of timestamps.
     """
     import pandas as pd
 
     features, sites = problem.features(), problem.sites
-    carried, filled = bool({"pickups", "shipments", "reloads"} & features), "recharging" in features
-    rows = []
-    for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
-        plan = schedule(problem, route)
-        energy = _energy_left(problem, route) if filled else []
-        for k, site in enumerate(route.visits):
-            row: dict[str, Any] = {
-                "vehicle": name, "position": k + 1, "site": sites.ids[site],
-                "arrival": plan.arrival[k], "begin": plan.begin[k], "departure": plan.ends[k],
-                "load": float(plan.load[k]), "distance": float(plan.distance[k]),
-            }  # fmt: skip
-            if carried:
-                row["on_board"] = float(plan.on_board[0, k + 1])
-            if filled:
-                row["energy"] = energy[k]
-            rows.append(row | {_title(title): values[site] for title, values in sites.attributes.items()})
-    columns = [*VISIT, *(["on_board"] if carried else []), *(["energy"] if filled else []), *map(_title, sites.attributes)]
-    return _dated(problem, pd.DataFrame(rows, columns=columns), ("arrival", "begin", "departure"))
-
-
-VISIT = ("vehicle", "position", "site", "arrival", "begin", "departure", "load", "distance")
-
-
-def _title(title: str) -> str:
-    """Title of an attribute of sites beside the columns of visits."""
-    return f"{title} (given)" if title in (*VISIT, "on_board", "energy") else title
+    driven = list(runs(problem, answer))
+    stops = [(run, k, site) for run in driven for k, site in enumerate(run.route.visits)]
+    columns = {
+        "vehicle": [run.name for run, _, _ in stops],
+        "position": [k + 1 for _, k, _ in stops],
+        "site": [sites.ids[site] for _, _, site in stops],
+        "arrival": [run.plan.arrival[k] for run, k, _ in stops],
+        "begin": [run.plan.begin[k] for run, k, _ in stops],
+        "departure": [run.plan.ends[k] for run, k, _ in stops],
+        "load": [float(run.plan.load[k]) for run, k, _ in stops],
+        "distance": [float(run.plan.distance[k]) for run, k, _ in stops],
+    }
+    if {"pickups", "shipments", "reloads"} & features:
+        columns["on_board"] = [float(run.plan.on_board[0, k + 1]) for run, k, _ in stops]
+    if "recharging" in features:
+        columns["energy"] = [level for run in driven for level in _energy_left(problem, run.route)]
+    taken = {*columns, "on_board", "energy"}
+    for title, values in sites.attributes.items():
+        columns[f"{title} (given)" if title in taken else title] = [values[site] for _, _, site in stops]
+    return _dated(problem, pd.DataFrame(columns), ("arrival", "begin", "departure"))
 
 
 def _dated(problem: RoutingProblem, frame: pd.DataFrame, columns: Sequence[str]) -> pd.DataFrame:
@@ -106,19 +119,20 @@ def routes_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
     """One row a route; ``sites`` are in order, from the depot on."""
     import pandas as pd
 
-    ids, rows = problem.sites.ids, []
-    for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
-        plan, vehicle = schedule(problem, route), problem.fleet[route.vehicle]
-        rows.append(
-            {
-                "vehicle": name, "type": vehicle.name, "stops": len(route), "load": plan.total_load, "distance": plan.total_distance,
-                "duration": plan.duration, "departure": plan.departure, "return": plan.finish,
-                "cost": plan.cost(vehicle),
-                "sites": " > ".join((ids[vehicle.start], *(ids[k] for k in route.visits), ids[vehicle.end])),
-            }
-        )  # fmt: skip
-    columns = ["vehicle", "type", "stops", "load", "distance", "duration", "departure", "return", "cost", "sites"]
-    return _dated(problem, pd.DataFrame(rows, columns=columns), ("departure", "return"))
+    driven = list(runs(problem, answer))
+    columns = {
+        "vehicle": [run.name for run in driven],
+        "type": [run.vehicle.name for run in driven],
+        "stops": [len(run.route) for run in driven],
+        "load": [run.plan.total_load for run in driven],
+        "distance": [run.plan.total_distance for run in driven],
+        "duration": [run.plan.duration for run in driven],
+        "departure": [run.plan.departure for run in driven],
+        "return": [run.plan.finish for run in driven],
+        "cost": [run.plan.cost(run.vehicle) for run in driven],
+        "sites": [" > ".join(run.stops(problem.sites.ids)) for run in driven],
+    }
+    return _dated(problem, pd.DataFrame(columns), ("departure", "return"))
 
 
 class Visits(tuple[str, ...]):
@@ -151,12 +165,10 @@ SHOWN_ROUTES = 20
 
 def routes_lines(problem: RoutingProblem, answer: Routes) -> list[Line]:
     """A line a route, and one a site that is left out, with the reason."""
-    ids, lines = problem.sites.ids, []
-    for name, route in itertools.islice(zip(problem.vehicle_names(answer), answer, strict=True), SHOWN_ROUTES):
-        plan, vehicle = schedule(problem, route), problem.fleet[route.vehicle]
-        stops = " > ".join((ids[vehicle.start], *(ids[k] for k in route.visits), ids[vehicle.end]))
-        load = f", load {plan.total_load:.6g}" if plan.total_load else ""
-        lines.append(Line(name, f"{stops} (distance {plan.total_distance:.6g}{load})"))
+    lines = []
+    for run in itertools.islice(runs(problem, answer), SHOWN_ROUTES):
+        load = f", load {run.plan.total_load:.6g}" if run.plan.total_load else ""
+        lines.append(Line(run.name, f"{' > '.join(run.stops(problem.sites.ids))} (distance {run.plan.total_distance:.6g}{load})"))
     if len(answer) > SHOWN_ROUTES:
         lines.append(Line("", f"and {len(answer) - SHOWN_ROUTES} more routes; to_frame() and routes have all", "quiet"))
     unvisited = problem.left_out(answer)
@@ -191,13 +203,12 @@ def answer_graph(problem: RoutingProblem, answer: Routes) -> Any:
         place = {} if sites.coordinates is None else {"pos": tuple(sites.coordinates[k].tolist())}
         kept = {title: values[k] for title, values in sites.attributes.items()}
         graph.add_node(site, **{**kept, **place, "depot": bool(sites.depot[k]), "demand": float(sites.demand[k])})
-    for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
-        vehicle, travel = problem.fleet[route.vehicle], problem.travel_of(route.vehicle)
-        stops, plan = (vehicle.start, *route.visits, vehicle.end), schedule(problem, route)
-        ends = [0.0, *plan.distance.tolist(), plan.total_distance]
+    for run in runs(problem, answer):
+        travel, stops = problem.travel_of(run.route.vehicle), (run.vehicle.start, *run.route.visits, run.vehicle.end)
+        ends = [0.0, *run.plan.distance.tolist(), run.plan.total_distance]
         for k, (tail, head) in enumerate(itertools.pairwise(stops)):
             length, duration = ends[k + 1] - ends[k], float(travel.duration(tail, head))
-            graph.add_edge(sites.ids[tail], sites.ids[head], vehicle=name, position=k + 1, distance=length, duration=duration)
+            graph.add_edge(sites.ids[tail], sites.ids[head], vehicle=run.name, position=k + 1, distance=length, duration=duration)
     return graph
 
 

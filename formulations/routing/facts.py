@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,13 +13,13 @@ from numpy.typing import NDArray
 from ...instances.instance import digest
 from ...instances.routing.features import features
 from ...instances.routing.geography import middle
-from ...instances.routing.sites import with_unused
+from ...instances.routing.sites import Sites, with_unused
 from ...instances.routing.travel import EXPLICIT
 from .objective import DEFAULT_OBJECTIVE, default_objective, pointless
 from .reachability import unreachable
+from .routes import Longs
 
 if TYPE_CHECKING:
-    from ...instances.routing.sites import Sites
     from ...instances.routing.travel import Travel
     from ...instances.routing.vehicle_type import VehicleType
     from .problem import RoutingProblem
@@ -29,7 +30,7 @@ FIRST = 10
 
 def facts(problem: RoutingProblem) -> dict[str, Any]:
     """Objective, sites, demand, service, windows, travel and fleet; loads, relations of sites and the like where there are any."""
-    s, at = problem.sites, problem.customers
+    s, at, held = problem.sites, problem.customers, features(problem)
     due = s.due[at][np.isfinite(s.due[at])]
     return {
         "objective": str(problem.objective),
@@ -53,7 +54,7 @@ def facts(problem: RoutingProblem) -> dict[str, Any]:
         "min_vehicles": problem.min_vehicles,
         **({} if problem.team_risk is None else {"team_risk": problem.team_risk}),
         **({"around": dataclasses.asdict(middle(s.coordinates))} if s.geographic and s.coordinates is not None else {}),
-        **_further(problem),
+        **{key: of(s, at) for feature, (key, of) in FURTHER.items() if feature in held},
     }
 
 
@@ -99,29 +100,22 @@ def _unlimited(problem: RoutingProblem) -> list[str]:
     return texts
 
 
-def _further(problem: RoutingProblem) -> dict[str, Any]:
-    """Facts that most problems do not have."""
-    s, at, held = problem.sites, problem.customers, features(problem)
-    facts: dict[str, Any] = {}
-    if "demand-or-service-of-depots" in held:
-        facts["at_depots"] = {name: math.fsum(getattr(s, name)[s.depots]) for name in ("demand", "service")}
-    if "several-loads" in held:
-        facts["further_demand"] = [_spread(column) for column in s.further_demand[at].T]
-    if "pickups" in held:
-        facts["pickup"] = _spread(s.pickup[at])
-    if "rewards" in held:
-        facts["reward"] = _spread(s.reward[at])
-    if "penalties" in held:
-        facts["penalty"] = _spread(s.penalty[at])
-    if "several-windows" in held:
-        facts["several_windows"] = {"sites": sum(1 for w in s.windows if w), "most": max(len(w) for w in s.windows)}
-    if "skills" in held:
-        facts["skills"] = {"sites": sum(1 for names in s.skills if names), "names": sorted(frozenset().union(*s.skills))}
-    if "shipments" in held:
-        facts["shipments"] = {"count": len(s.shipments), "load": math.fsum(x.load[0] for x in s.shipments)}
-    if "groups" in held:
-        facts["groups"] = {"count": len(s.groups), "required": sum(g.required for g in s.groups)}
-    return facts
+FURTHER: dict[str, tuple[str, Callable[[Sites, Longs], Any]]] = {
+    "demand-or-service-of-depots": (
+        "at_depots", lambda s, at: {name: math.fsum(getattr(s, name)[s.depots]) for name in ("demand", "service")}
+    ),
+    "several-loads": ("further_demand", lambda s, at: [_spread(column) for column in s.further_demand[at].T]),
+    "pickups": ("pickup", lambda s, at: _spread(s.pickup[at])),
+    "rewards": ("reward", lambda s, at: _spread(s.reward[at])),
+    "penalties": ("penalty", lambda s, at: _spread(s.penalty[at])),
+    "several-windows": (
+        "several_windows", lambda s, at: {"sites": sum(1 for w in s.windows if w), "most": max(len(w) for w in s.windows)}
+    ),
+    "skills": ("skills", lambda s, at: {"sites": sum(1 for names in s.skills if names), "names": sorted(frozenset().union(*s.skills))}),
+    "shipments": ("shipments", lambda s, at: {"count": len(s.shipments), "load": math.fsum(x.load[0] for x in s.shipments)}),
+    "groups": ("groups", lambda s, at: {"count": len(s.groups), "required": sum(g.required for g in s.groups)}),
+}  # fmt: skip
+"""Facts that most problems do not have, by feature: the key, and the value from sites and indices of the customers."""
 
 
 def _travel(travel: Travel, sites: Sites) -> dict[str, Any]:

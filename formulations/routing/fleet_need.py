@@ -13,7 +13,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.clock import moment_told
 from ...instances.routing.reach import Use, least_use, shortest_ways
@@ -21,13 +20,11 @@ from ..certificate import verified_bound
 from ..evidence import Evidence
 from ..tolerance import widened
 from .reachability import unreachable
+from .routes import Flags, Floats, Longs
 
 if TYPE_CHECKING:
     from .problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 
 LARGEST_CLIQUE_DATA = 1500
 """Sites up to which pairs are compared (all shortest paths take cubic time)."""
@@ -206,7 +203,7 @@ def _small_groups(problem: RoutingProblem, stopped: Callable[[], bool], most: in
     yield _evidence(problem, "sites-beyond-fleet", f"no choice of routes lets {who} serve {what}{least}: {', '.join(names)}", sites=names)
 
 
-def _beyond(problem: RoutingProblem, group: Indices) -> bool:
+def _beyond(problem: RoutingProblem, group: Longs) -> bool:
     return proves(problem, _evidence(problem, "sites-beyond-fleet", "", sites=[problem.sites.ids[k] for k in group]))
 
 
@@ -235,7 +232,7 @@ def bin_packing_bound(demand: Floats, capacity: float) -> tuple[int, float]:
     return best, at
 
 
-def _compatible(problem: RoutingProblem, wanted: Indices) -> tuple[Flags, Flags]:
+def _compatible(problem: RoutingProblem, wanted: Longs) -> tuple[Flags, Flags]:
     """Which vehicle type may serve each site, shape (types, wanted), and whether two sites may share a route of some vehicle.
 
     Times between sites are those of shortest ways without service on the way, so that no other visit can make a pair fit.
@@ -261,7 +258,7 @@ def _keeps(uses: Iterable[Use]) -> Flags:
     return functools.reduce(np.logical_and, (use.least <= widened(use.most) for use in uses))
 
 
-def _largest_clique(edges: Flags) -> Indices:
+def _largest_clique(edges: Flags) -> Longs:
     """A large set of which all pairs are joined: greedy from the nodes of highest degree."""
     edges = edges.copy()
     np.fill_diagonal(edges, False)

@@ -13,20 +13,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..evaluation import Checklist
 from ..tolerance import ROUNDING, allowance
 from .judge import check_route
-from .routes import Route
+from .routes import Floats, Longs, Route
 from .schedule import closing, opening, schedule
 
 if TYPE_CHECKING:
     from ...instances.routing.vehicle_type import Energy
     from .problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 LIMITS = ("skills", "moves", "load", "time-windows", "closing-moves", "distance", "duration", "energy", "route-risk")
 """Checks of the judge that a further site may break."""
@@ -65,7 +62,7 @@ class Insertions:
         self.gone = travel.duration(self.tail, self.head)
         self.times = _Times(ready, due, service, self.gone)
 
-    def of(self, sites: Indices) -> Places:
+    def of(self, sites: Longs) -> Places:
         """Routes with each of ``sites``, customers that it does not visit and that are in no shipment, from before the first stop to
         behind the last one."""
         problem, plan, tail, head, ready, gone = self.problem, self.plan, self.tail, self.head, self.ready, self.gone
@@ -114,7 +111,7 @@ class Insertions:
             drawn = elapsed
         return _beyond(energy.rate * drawn, store, rounding)
 
-    def _overload(self, sites: Indices) -> Floats:
+    def _overload(self, sites: Longs) -> Floats:
         """Excess of load: a delivery is on board from the begin of its trip, a pickup to its end."""
         s, vehicle, n = self.problem.sites, self.problem.fleet[self.route.vehicle], len(self.head)
         pauses = [0, *(k for k, stop in enumerate(self.route.visits, start=1) if stop in vehicle.reloads), n]

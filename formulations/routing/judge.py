@@ -17,7 +17,7 @@ from ...instances.clock import moment_told
 from ..evaluation import Checklist, Evaluation
 from ..tolerance import EQUAL, ROUNDING, allowance, widening
 from .overrun import joint_overrun, route_overrun, uncertain
-from .routes import Route, Routes
+from .routes import Floats, Route, Routes
 from .schedule import Schedule as Schedule
 from .schedule import closing, opening
 from .schedule import schedule as schedule
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from ...instances.routing.vehicle_type import VehicleType
     from .problem import RoutingProblem
 
-Floats = NDArray[np.float64]
 
 CHECKS = ("visits", "fleet", "load", "time-windows", "duration", "distance", "energy")
 """Of every answer."""
@@ -71,15 +70,8 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
         waiting += plan.waiting
         rewards.extend(sites.reward[[i for i in route.visits if not sites.depot[i]]].tolist())
 
-    for site in problem.customers.tolist():
-        times = int(count[site])
-        lacking = 1 - times if sites.required[site] and times == 0 else times - 1
-        judge.test("visits", float(lacking), f"{sites.ids[site]} is visited {times} times", site=sites.ids[site])
-    for kind, vehicle in enumerate(fleet):
-        limit = math.inf if vehicle.count is None else vehicle.count
-        judge.test("fleet", float(used[kind] - limit), f"{used[kind]} routes use {vehicle.name}, of which there are {limit:g}")
     total = int(used.sum())
-    judge.test("fleet", float(problem.min_vehicles - total), f"{total} routes, at least {problem.min_vehicles} are asked for")
+    _check_counts(problem, count, used, judge)
     _check_shipments(problem, answer, judge)
     unvisited = _check_groups(problem, count, judge)
     joint = joint_overrun(overruns)
@@ -258,6 +250,19 @@ def _check_limits(name: str, vehicle: VehicleType, plan: Schedule, judge: Checkl
             slack = float(widening(one.limit, value)) + rounding * of
             words = f"{name} exceeds its limit of {one.name} of {one.limit:.10g} with probability {one.overrun():.6g}"
             judge.test("route-risk", value - one.limit, f"{words}, {vehicle.risk:g} at most", allowed=slack, vehicle=name)
+
+
+def _check_counts(problem: RoutingProblem, count: NDArray[np.int64], used: NDArray[np.int64], judge: Checklist) -> None:
+    """Visits of each site, and routes of each type of vehicle."""
+    sites, total = problem.sites, int(used.sum())
+    for site in problem.customers.tolist():
+        times = int(count[site])
+        lacking = 1 - times if sites.required[site] and times == 0 else times - 1
+        judge.test("visits", float(lacking), f"{sites.ids[site]} is visited {times} times", site=sites.ids[site])
+    for kind, vehicle in enumerate(problem.fleet):
+        limit = math.inf if vehicle.count is None else vehicle.count
+        judge.test("fleet", float(used[kind] - limit), f"{used[kind]} routes use {vehicle.name}, of which there are {limit:g}")
+    judge.test("fleet", float(problem.min_vehicles - total), f"{total} routes, at least {problem.min_vehicles} are asked for")
 
 
 def _check_shipments(problem: RoutingProblem, answer: Routes, judge: Checklist) -> None:

@@ -17,13 +17,12 @@ from numpy.typing import NDArray
 
 from ...instances.routing.reach import least_levels
 from ..tolerance import LIMIT, widened
+from .routes import Flags, Floats
 
 if TYPE_CHECKING:
     from ...instances.routing.instance import VehicleType
     from .problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 Nodes = NDArray[np.int32]
 
 SHORT = 1e-5

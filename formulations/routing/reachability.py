@@ -7,19 +7,17 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.clock import moment_told
 from ...instances.routing.reach import Use, least_use, shortest_ways, ways_alone
 from ..tolerance import LIMIT, widened
 from .overrun import quantile
+from .routes import Flags, Floats
 
 if TYPE_CHECKING:
     from ...instances.routing.vehicle_type import VehicleType
     from .problem import RoutingProblem
 
-Flags = NDArray[np.bool_]
-Floats = NDArray[np.float64]
 
 MOST_DETOURS = 5_000
 """Customers up to which ways through others are looked at: each pass looks at all pairs."""

@@ -21,6 +21,8 @@ from ...instances.printable import printable
 from ..tolerance import ROUNDING
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Longs = NDArray[np.int64]
 Moments = tuple[float | None, ...]
 
 

@@ -11,16 +11,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..tolerance import allowance, widening
-from .routes import Astray, Route, Timetable
+from .routes import Astray, Floats, Route, Timetable
 
 if TYPE_CHECKING:
     from ...instances.routing.vehicle_type import VehicleType
     from .problem import RoutingProblem
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

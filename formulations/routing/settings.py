@@ -63,30 +63,30 @@ def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[s
         keys = tuple(dict.fromkeys((*KNOWN, *read)))
         known = f"{', '.join(keys)}{did_you_mean(min(rest), keys)}"
         raise UsageError(f"unknown setting {', '.join(sorted(rest))}; routing problems take {known}")
-    usual = objective = default_objective(name, instance.sites)
-    if asked is not None:
-        objective = Objective.of(asked)
-        _refuse_empty_terms(objective, instance)
-    elif instance.objective and (name == instance.problem or usual == Objective()):
-        objective = Objective.named(instance.objective)
-    elif not instance.min_vehicles and pointless(instance.sites) == len(instance.sites.customers):
-        raise InputError(
-            "all sites may be left out, and nothing tells what a visit is worth, so that none would be visited",
-            expected="a reward or a penalty, or the objective total-cost by name",
-        )
     return {
-        "sites": instance.sites, "travel": travel, "fleet": fleet, "objective": objective, "min_vehicles": least, "name": instance.name,
+        "sites": instance.sites, "travel": travel, "fleet": fleet, "objective": _objective(instance, name, asked), "min_vehicles": least, "name": instance.name,
         "problem": name, "notes": notes, "team_risk": risks.get("team-risk", instance.team_risk),
         "forbidden": instance.forbidden, "clock": instance.clock,
     }  # fmt: skip
 
 
-def _refuse_empty_terms(objective: Objective, instance: RoutingInstance) -> None:
-    """Raise UsageError for a term that is 0 for every answer, because the data hold nothing that it counts."""
-    sites = instance.sites
-    for name, values in (("reward", sites.reward), ("penalties", sites.penalty)):
-        if f"objective:{name}" in objective.features() and not values.any():
-            raise UsageError(f"objective {str(objective)!r}: no site of {instance.name} has any {name}, so that it would count nothing")
+def _objective(instance: RoutingInstance, name: str, asked: Any) -> Objective:
+    """The objective that is asked for, or that of the file, or the usual one of the problem."""
+    sites, usual = instance.sites, default_objective(name, instance.sites)
+    if asked is not None:
+        objective = Objective.of(asked)
+        for term, values in (("reward", sites.reward), ("penalties", sites.penalty)):
+            if f"objective:{term}" in objective.features() and not values.any():
+                raise UsageError(f"objective {str(objective)!r}: no site of {instance.name} has any {term}, so that it would count nothing")
+        return objective
+    if instance.objective and (name == instance.problem or usual == Objective()):
+        return Objective.named(instance.objective)
+    if not instance.min_vehicles and pointless(sites) == len(sites.customers):
+        raise InputError(
+            "all sites may be left out, and nothing tells what a visit is worth, so that none would be visited",
+            expected="a reward or a penalty, or the objective total-cost by name",
+        )
+    return usual
 
 
 def _whole(name: str, value: Any) -> int:

@@ -13,21 +13,18 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..evidence import LeftOut
 from ..tolerance import EQUAL
 from .insertion import LIMITS, Insertions, Places, is_plain, judged, orders
 from .objective import Penalties, Reward
 from .reachability import unreachable
-from .routes import Route, Routes
+from .routes import Floats, Longs, Route, Routes
 from .schedule import opening, schedule
 
 if TYPE_CHECKING:
     from .problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 MOST_JUDGED = 20_000
 """Routes that are judged one by one; sites for which more would be are only said to be left out."""
@@ -142,7 +139,7 @@ class _Answer:
         every = itertools.permutations(sorted(together)) if len(together) <= MOST_TOGETHER else iter(())
         return [listed for listed in every if all(listed.index(p) < listed.index(d) for p, d in pairs)]
 
-    def _plain(self, sites: Indices) -> Iterator[tuple[int, str]]:
+    def _plain(self, sites: Longs) -> Iterator[tuple[int, str]]:
         tally = _Tally(len(sites), len(self.problem.senses))
         for number, route in enumerate(self.routes):
             places, step = Insertions(self.problem, route), max(1, STRIP // (len(route) + 1))
@@ -153,7 +150,7 @@ class _Answer:
         for k, site in enumerate(sites.tolist()):
             yield site, self._told(tally, k, (site,))
 
-    def _changes(self, number: int, places: Places, sites: Indices) -> tuple[Floats, Floats]:
+    def _changes(self, number: int, places: Places, sites: Longs) -> tuple[Floats, Floats]:
         """By how much each level of the objective is worse at each place, shape (levels, sites, places), and the worth of visits there."""
         problem, old = self.problem, self.sums[number]
         s, others = problem.sites, np.delete(self.all_sums, number, axis=0)

@@ -13,11 +13,10 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...stop import Stopped, current_stop
 from .infeasible_site import verdict
-from .known_features import departure, own_moves, routing_evidence
+from .known_features import EPS, Flags, Floats, Longs, departure, own_moves, routing_evidence
 from .round_trips import PEAKS
 from .route_limits import Limits, able, allowed, limits_of, summable, walk_orders
 from .vehicle_moves import Terms, terms_of
@@ -27,15 +26,11 @@ if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
 
-Floats = NDArray[np.float64]
-
 MOST = 12
 """Customers of which all sets are looked at."""
 
-Front = NDArray[np.float64]
+Front = Floats
 """Shape (routes, 2): worth, and what the route takes of the team's risk; in order of worth, and ever less of the risk."""
-
-_EPS = float(np.finfo(np.float64).eps)
 
 
 def fronts(problem: RoutingProblem, vehicle: VehicleType, limits: Limits, terms: Terms) -> tuple[dict[int, Front], float]:
@@ -64,13 +59,13 @@ def fronts(problem: RoutingProblem, vehicle: VehicleType, limits: Limits, terms:
     of_time = terms.cost * vehicle.unit_duration_cost + terms.duration
     team = problem.team_risk
 
-    def read(total: Floats, k: int, members: NDArray[np.int64]) -> Floats:
+    def read(total: Floats, k: int, members: Longs) -> Floats:
         """The k-th of all sums, shape (labels,)."""
         return total[:, where[k]] if where[k] >= 0 else np.full(len(total), math.fsum(fixed[-1 - where[k]][members]))
 
-    def kept(total: Floats, members: NDArray[np.int64]) -> NDArray[np.bool_]:
+    def kept(total: Floats, members: Longs) -> Flags:
         busy = read(total, 1, members)
-        fits: NDArray[np.bool_] = np.isfinite(total).all(axis=1) & (limits.ready[0] + busy <= latest)
+        fits: Flags = np.isfinite(total).all(axis=1) & (limits.ready[0] + busy <= latest)
         for rate, limit, _ in limits.spans:
             fits &= rate * busy <= limit
         for k, (_, limit) in enumerate(limits.budgets):
@@ -114,7 +109,7 @@ def fronts(problem: RoutingProblem, vehicle: VehicleType, limits: Limits, terms:
         worth = np.column_stack([paid + gained + terms.vehicles, -np.log1p(-np.minimum(risk, 0.5)) * (1.0 - 1e-8)])
         best[mask] = _front(worth)
     by_time = (of_time + terms.cost * vehicle.unit_overtime_cost) * limits.rounding
-    return best, 16.0 * (len(at) + 2) * _EPS * size + by_time
+    return best, 16.0 * (len(at) + 2) * EPS * size + by_time
 
 
 def _rate(vehicle: VehicleType, k: int, limits: Limits) -> float:
@@ -264,7 +259,7 @@ def _walked(problem: RoutingProblem, terms: Terms, peak: bool) -> float:
     fixed = weights["reward"] * math.fsum(sites.reward[sites.depots].tolist())
     fixed += weights["penalties"] * math.fsum(sites.penalty[~sites.depot].tolist())
     best = min(values) - n * doubt if least else max(values) + n * doubt
-    return best + fixed - (1.0 if least else -1.0) * 8.0 * _EPS * (abs(best) + abs(fixed)) if fixed else best
+    return best + fixed - (1.0 if least else -1.0) * 8.0 * EPS * (abs(best) + abs(fixed)) if fixed else best
 
 
 def _by_sets(problem: RoutingProblem, terms: Terms) -> float:
@@ -286,7 +281,7 @@ def _by_sets(problem: RoutingProblem, terms: Terms) -> float:
         sites.penalty[~sites.depot].tolist()
     )
     best = min(values)
-    return best + fixed - n * doubt - 16.0 * _EPS * (abs(best) + abs(fixed))
+    return best + fixed - n * doubt - 16.0 * EPS * (abs(best) + abs(fixed))
 
 
 def _keep(ways: dict[Any, float], way: Any, value: float, least: bool) -> None:
@@ -321,4 +316,4 @@ def _routes(problem: RoutingProblem, limits: Limits, vehicle: VehicleType) -> tu
     walk_orders(limits, every, every[:0], len(every), ended, (far, np.broadcast_to(reward, far.shape)))
     by_time = math.fsum(abs(terms.get(name, 0.0)) for name in ("makespan", "total-duration", "latest-return"))
     by_time += abs(terms.get("total-cost", 0.0)) * (vehicle.unit_duration_cost + vehicle.unit_overtime_cost)
-    return best, 16.0 * (len(at) + 2) * _EPS * size + by_time * limits.rounding
+    return best, 16.0 * (len(at) + 2) * EPS * size + by_time * limits.rounding

@@ -13,18 +13,16 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
-from .known_features import RESOURCES, routing_evidence
+from .known_features import RESOURCES, Flags, Floats, routing_evidence
 from .relaxation import Relaxation, Resource, order_resource, relax
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
 
 PRICED = (*RESOURCES, "order")
 
@@ -92,7 +90,7 @@ def _bound(relaxed: Relaxation, out: Floats, into: Floats, phi: float, prices: d
     return math.fsum([*out, *into, max(bounds), -error]) if max(bounds) < math.inf else math.inf
 
 
-def _resource_cost(resource: Resource, mu: Floats, usable: NDArray[np.bool_]) -> Floats:
+def _resource_cost(resource: Resource, mu: Floats, usable: Flags) -> Floats:
     """``mu_j w_ij`` plus the least of ``(mu_j - mu_i) f`` over the levels at which a route may leave i for j."""
     low = resource.lower[:, None] - resource.slack
     high = np.minimum(resource.upper[:, None], resource.upper[None, :] - resource.weight) + resource.slack

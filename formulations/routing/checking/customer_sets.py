@@ -17,12 +17,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...checking.granularity import lift
 from ...stop import current_stop
-from .known_features import departure, own_moves, routing_evidence, unknown_features
+from .known_features import EPS, Floats, Longs, departure, own_moves, routing_evidence, unknown_features
 from .relaxation import with_depot
 from .round_trips import least_peak
 from .stops_on_the_way import with_fleet, without_stops
@@ -32,8 +31,6 @@ if TYPE_CHECKING:
     from ....instances.routing.vehicle_type import VehicleType
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Masks = NDArray[np.int64]
 
 CUSTOMERS = 16
 """More are not looked at: their sets are too many."""
@@ -46,8 +43,6 @@ LIMITS = 64
 
 JOINED = ("longest-route", "makespan")
 """Maxima that are told set by set."""
-
-_EPS = float(np.finfo(np.float64).eps)
 
 
 def joined_peak(terms: Terms) -> str:
@@ -66,8 +61,8 @@ class CustomerSets:
     wrong by ``error`` at most, one peak by ``blur``.
     """
 
-    types: list[tuple[Masks, Floats, Floats, int]]
-    ends: Masks
+    types: list[tuple[Longs, Floats, Floats, int]]
+    ends: Longs
     fewest: int
     fixed: float
     weight: float
@@ -117,7 +112,7 @@ class CustomerSets:
         parts = constants(relaxed, others)
         size += max((abs(part) for part in parts), default=0.0)
         # Each route is added up from its first move on, so that no sum is larger than nodes sizes; there are n routes at most.
-        rounding = 16.0 * _EPS * (n + 2) ** 2
+        rounding = 16.0 * EPS * (n + 2) ** 2
         weight, least = terms.peaks.get(peak, 0.0), least_peak(relaxed, peak) if peak else 0.0
         if not math.isfinite(64.0 * (n + 2) ** 2 * (size + largest) * max(1.0, abs(weight))):
             return None
@@ -158,10 +153,10 @@ class CustomerSets:
             work -= done
             least = min(least, value + self.weight * max(low, self.least))
         total = self.fixed + least
-        return total - self.error - 4.0 * _EPS * (abs(total) + abs(self.fixed)) if math.isfinite(total) else total
+        return total - self.error - 4.0 * EPS * (abs(total) + abs(self.fixed)) if math.isfinite(total) else total
 
 
-def _values(alone: RoutingProblem, terms: Terms, peak: str, before: Masks) -> tuple[Floats, Floats]:
+def _values(alone: RoutingProblem, terms: Terms, peak: str, before: Longs) -> tuple[Floats, Floats]:
     """Value, and length or duration, of the routes of a fleet of one through each set, and the sizes of what they are added up from."""
     from .customer_set_kernels import set_values
 
@@ -205,7 +200,7 @@ def _of_trips(problem: RoutingProblem, vehicle: VehicleType, terms: Terms, peak:
     free, sizes, energy = replace(terms, vehicles=0.0), np.zeros(2), vehicle.energy
     if energy and energy.charge == "elapsed-fixed-start":  # later trips begin later, where the store has lost nothing more
         energy = replace(energy, charge="elapsed")
-    table: dict[tuple[int, int], tuple[Masks, Floats]] = {}
+    table: dict[tuple[int, int], tuple[Longs, Floats]] = {}
     for a in depots:
         for b in stops | {vehicle.end}:
             trip = replace(vehicle, count=1, start=a, end=b, reloads=(), max_reloads=None, fixed_cost=0.0, energy=energy)

@@ -11,21 +11,15 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
-from .known_features import RESOURCES, refuse_unknown_resources, routing_evidence
+from .known_features import EPS, RESOURCES, Flags, Floats, Longs, refuse_unknown_resources, routing_evidence
 from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, relaxed_terms, value_grain, worth_of_visits
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-
-_EPS = float(np.finfo(np.float64).eps)
 
 
 @routing_evidence("cut-multipliers")
@@ -56,7 +50,7 @@ def check_cut_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     return lift(bound, "min", value_grain(problem, terms)) if bound > -math.inf else -math.inf
 
 
-def _cuts(problem: RoutingProblem, cuts: object) -> tuple[Flags, NDArray[np.int64], Floats]:
+def _cuts(problem: RoutingProblem, cuts: object) -> tuple[Flags, Longs, Floats]:
     """Which customers each set holds, shape (cuts, customers), whose visit is its right side (-1: nobody's), and its price."""
     if not isinstance(cuts, list) or not all(isinstance(cut, Mapping) for cut in cuts):
         raise InputError("evidence 'cuts' must be a list of objects", found=str(cuts)[:80])
@@ -75,7 +69,7 @@ def _cuts(problem: RoutingProblem, cuts: object) -> tuple[Flags, NDArray[np.int6
 
 
 def _bound(
-    problem: RoutingProblem, terms: Terms, out: Floats, into: Floats, rates: dict[str, float], inside: Flags, of: NDArray[np.int64],
+    problem: RoutingProblem, terms: Terms, out: Floats, into: Floats, rates: dict[str, float], inside: Flags, of: Longs,
     prices: Floats,
 ) -> float:  # fmt: skip
     n = len(out)
@@ -108,7 +102,7 @@ def _bound(
     visits = out + into + 2.0 * np.bincount(of[of >= 0], prices[of >= 0], minlength=n)
     parts = [*worth_of_visits(problem, visits).tolist(), *constants(problem, terms), *(-rate * rooms[name] for name, rate in rates.items())]
     parts += (2.0 * prices * needed_routes(problem, inside) * (of < 0)).tolist()
-    slip = 8.0 * _EPS * (len(prices) + 8) * size
+    slip = 8.0 * EPS * (len(prices) + 8) * size
     total = float(np.abs(parts).sum())
     if not math.isfinite(64.0 * (n + 2) ** 2 * (slip + size) + total):
         return -math.inf
@@ -118,7 +112,7 @@ def _bound(
     pairs = math.fsum(inner[np.triu(inner < 0.0, k=1)])
     fewest = max(problem.min_vehicles, int(needed_routes(problem, np.ones(n, dtype=bool))))
     ends = _least_ends(np.sort(reduced[0, 1:]), np.sort(reduced[1:, 0]), fewest, min(n, most))
-    bound = math.fsum([*parts, pairs, ends, -16.0 * _EPS * (total + abs(pairs) + (n + 1) ** 2 * size)])
+    bound = math.fsum([*parts, pairs, ends, -16.0 * EPS * (total + abs(pairs) + (n + 1) ** 2 * size)])
     return bound if math.isfinite(bound) else -math.inf
 
 

@@ -14,12 +14,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...certificate import verified_bound
 from ...evidence import Evidence
-from .known_features import own_moves, routing_evidence, unknown_features
+from .known_features import Floats, own_moves, routing_evidence, unknown_features
 from .route_limits import limits_of
 from .stops_on_the_way import explicit, with_fleet
 
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
 
 KIND = "deviation-chord"
 

@@ -19,14 +19,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import number
 from .infeasible_site import out_of_reach, verdict
-from .known_features import least_moves, routing_evidence, unknown_features
+from .known_features import Flags, Longs, least_moves, routing_evidence, unknown_features
 from .round_trips import least_peak
-from .route_limits import Limits, Nodes, allowed, clocks, limits_of, named_customers, servable_sets, summable, within_reach
+from .route_limits import Limits, allowed, clocks, limits_of, named_customers, servable_sets, summable, within_reach
 from .stops_on_the_way import without_stops
 from .vehicle_moves import terms_of
 
@@ -195,7 +194,7 @@ def check_sites_beyond_fleet(problem: RoutingProblem, data: Mapping[str, Any]) -
     return verdict(proved=not _can_cover(sets, list(types.values()), required, least))
 
 
-def _spread(limits: Limits, named: Nodes, near: NDArray[np.bool_]) -> list[int]:
+def _spread(limits: Limits, named: Longs, near: Flags) -> list[int]:
     """Sets of the sites ``named`` that one route can serve, as masks over their positions."""
     place = np.nonzero(near[named - 1])[0].tolist()
     through = np.setdiff1d(np.nonzero(near)[0] + 1, named)

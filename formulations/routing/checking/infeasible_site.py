@@ -7,10 +7,9 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from .known_features import routing_evidence, unknown_features
+from .known_features import Flags, routing_evidence, unknown_features
 from .route_limits import Limits, able, allowed, limits_of, named_customers, servable_sets, summable, within_reach, within_stores
 from .stops_on_the_way import without_stops
 
@@ -33,7 +32,7 @@ def check_infeasible_site(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     return verdict(proved=not _can_be_served(problem, named_customers(problem, [name])[0]))
 
 
-def out_of_reach(problem: RoutingProblem) -> NDArray[np.bool_]:
+def out_of_reach(problem: RoutingProblem) -> Flags:
     """Sites that are shown here to be on no route of any vehicle, required or not; shape (sites,)."""
     beyond, customers, relaxed = np.zeros(len(problem.sites), dtype=bool), problem.sites.customers, without_stops(problem)
     if unknown_features(relaxed):
@@ -50,7 +49,7 @@ def verdict(*, proved: bool) -> float:
     return math.inf if proved else -math.inf
 
 
-def _reached(problem: RoutingProblem, relaxed: RoutingProblem) -> Iterator[tuple[Limits, NDArray[np.bool_]]]:
+def _reached(problem: RoutingProblem, relaxed: RoutingProblem) -> Iterator[tuple[Limits, Flags]]:
     """For each vehicle type its limits ``without_stops``, and the customers that it may be able to visit."""
     for vehicle, unstopped in zip(problem.fleet, relaxed.fleet, strict=True):
         limits = limits_of(relaxed, unstopped)

@@ -12,20 +12,15 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...checking.evidence_numbers import number
 from ...checking.granularity import grain, lift
-from .known_features import RESOURCES, refuse_unknown_resources, routing_evidence
+from .known_features import EPS, RESOURCES, Floats, refuse_unknown_resources, routing_evidence
 from .round_trips import least_peak
 from .vehicle_moves import VehicleMoves, alike, relaxed_terms, terms_of
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
-
-Floats = NDArray[np.float64]
-
-_EPS = float(np.finfo(np.float64).eps)
 
 
 def needs(problem: RoutingProblem, name: str) -> tuple[Floats, float] | None:
@@ -71,7 +66,7 @@ def check_knapsack(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
         terms.reward * sites.reward[sites.depots],
         [-rate * room, *(w * least_peak(relaxed, peak) for peak, w in terms.peaks.items())],
     ])  # fmt: skip
-    bound = math.fsum(parts) - 32.0 * _EPS * (math.fsum(np.abs(parts)) + rate * float(least.sum()))
+    bound = math.fsum(parts) - 32.0 * EPS * (math.fsum(np.abs(parts)) + rate * float(least.sum()))
     if not math.isfinite(bound):
         return -math.inf
     alone = not (terms.peaks or terms.cost or terms.duration or terms.vehicles)

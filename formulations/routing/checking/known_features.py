@@ -37,10 +37,14 @@ if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Longs = NDArray[np.int64]
 Check = Callable[["RoutingProblem", Mapping[str, Any]], float]
 
 RESOURCES = ("time", "load", "distance", "duration", "energy")
 """Resources that evidence may name."""
+
+EPS = float(np.finfo(np.float64).eps)
 
 KNOWN = frozenset(
     {

@@ -14,9 +14,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .known_features import departure, routing_evidence
+from .known_features import EPS, Floats, departure, routing_evidence
 from .route_limits import allowed
 from .vehicle_moves import Terms, needed_routes, relaxed_terms, worth_of_visits
 from .ways_by_metric import least_moves_at, least_round_trips, rates
@@ -24,11 +23,6 @@ from .ways_by_metric import least_moves_at, least_round_trips, rates
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
     from ..problem import RoutingProblem
-
-
-Floats = NDArray[np.float64]
-
-_EPS = float(np.finfo(np.float64).eps)
 
 
 @routing_evidence("load-shares")
@@ -79,7 +73,7 @@ def summed(problem: RoutingProblem, terms: Terms, paid: Floats, fixed: float) ->
     size = float(np.abs(parts).sum() + np.abs(paid).sum() + (np.abs(worth) + np.abs(terms.penalties * sites.penalty[at])).sum())
     if not math.isfinite(size):
         return -math.inf
-    return math.fsum(parts) - 8.0 * _EPS * (len(at) + 16) * size
+    return math.fsum(parts) - 8.0 * EPS * (len(at) + 16) * size
 
 
 @routing_evidence("nearest-moves")

@@ -15,21 +15,17 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...checking.granularity import Grain, grain, is_decimal
 from ...tolerance import widening
-from .known_features import departure, earliest_levels, last_return, least_moves, unknown_features
+from .known_features import EPS, Flags, Floats, Longs, departure, earliest_levels, last_return, least_moves, unknown_features
 from .stops_on_the_way import without_stops
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
-_EPS = float(np.finfo(np.float64).eps)
 _ROUNDS = 10
 _LEAST_STEP = 1e-4
 """What is let pass must be less than this for multiples of 0.001 to be compared exactly."""
@@ -67,7 +63,7 @@ class Relaxation:
     and the last of their route.
     """
 
-    customers: NDArray[np.int64]
+    customers: Longs
     cost: Floats
     fewest: int
     most: int
@@ -141,10 +137,10 @@ def _fleet(problem: RoutingProblem) -> tuple[int, int]:
     customers = problem.sites.customers
     counts = [len(customers) if v.count is None else min(v.count, len(customers)) for v in problem.fleet]
     most = min(len(customers), sum(counts))
-    total = math.fsum(problem.sites.demand[customers]) * (1.0 - 4 * _EPS)
+    total = math.fsum(problem.sites.demand[customers]) * (1.0 - 4 * EPS)
     capacities = np.array([v.capacity for v in problem.fleet])
     room = np.sort(np.repeat(capacities + widening(capacities), counts))[::-1]
-    enough = np.nonzero(np.cumsum(room) * (1.0 + 4 * len(room) * _EPS) >= total)[0]
+    enough = np.nonzero(np.cumsum(room) * (1.0 + 4 * len(room) * EPS) >= total)[0]
     fewest = int(enough[0]) + 1 if len(enough) else most + 1
     return max(fewest, problem.min_vehicles), most
 
@@ -252,7 +248,7 @@ def _widened_resource(
         wider = np.zeros(len(upper))
     upper = np.minimum(upper + wider, max(top, start))
     size = max(rounded, abs(start), float(np.abs(lower).max()), float(np.abs(upper).max()), float(weight.max()))
-    return Resource(weight, start, lower, upper, 16 * len(lower) * _EPS * size, 4.0 * size)
+    return Resource(weight, start, lower, upper, 16 * len(lower) * EPS * size, 4.0 * size)
 
 
 def narrowed(resources: dict[str, Resource], allowed: Flags) -> dict[str, Resource]:

@@ -12,12 +12,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...evidence import CHECKERS
 from ..objective import Objective, TotalCost
-from .known_features import departure, earliest_levels, own_moves, routing_evidence, unknown_features
+from .known_features import EPS, Floats, departure, earliest_levels, own_moves, routing_evidence, unknown_features
 from .stops_on_the_way import explicit, with_fleet, without_stops
 
 if TYPE_CHECKING:
@@ -25,12 +24,8 @@ if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
 
-Floats = NDArray[np.float64]
-
 PEAKS = ("makespan", "longest-route", "latest-return")
 """Terms that are the largest of all routes."""
-
-_EPS = float(np.finfo(np.float64).eps)
 
 
 @routing_evidence("farthest-round-trip")
@@ -45,7 +40,7 @@ def check_farthest_round_trip(problem: RoutingProblem, data: Mapping[str, Any]) 
     relaxed = without_stops(problem)
     if problem.sense != "min" or unknown_features(relaxed) or any(t.name not in PEAKS or w < 0 for w, t in level):
         return -math.inf
-    return math.fsum(w * least_peak(relaxed, t.name) for w, t in level) * (1.0 - 4.0 * _EPS * len(level))
+    return math.fsum(w * least_peak(relaxed, t.name) for w, t in level) * (1.0 - 4.0 * EPS * len(level))
 
 
 def least_peak(problem: RoutingProblem, name: str) -> float:
@@ -64,7 +59,7 @@ def least_peak(problem: RoutingProblem, name: str) -> float:
         return start  # no vehicle serves a required site: that is for another proof
     farthest = float(trips.max())
     size = farthest + (max(abs(departure(problem, v)) for v in problem.fleet) + float(np.abs(sites.ready[customers]).max()) if clock else 0)
-    return max(start, farthest - 16.0 * (len(customers) + 2) * _EPS * size)
+    return max(start, farthest - 16.0 * (len(customers) + 2) * EPS * size)
 
 
 def _round_trips(problem: RoutingProblem, vehicle: VehicleType, name: str) -> Floats:
@@ -127,4 +122,4 @@ def check_averaged_tour(problem: RoutingProblem, data: Mapping[str, Any]) -> flo
     (weight, term), routes = problem.objective.levels()[0].terms[0], min(len(problem.customers), sum(counts))
     start = min(departure(problem, v) for v in problem.fleet) if term.name == "latest-return" else 0.0
     mean = max(0.0, total) / routes
-    return weight * (start + mean - 8.0 * _EPS * (abs(start) + mean))
+    return weight * (start + mean - 8.0 * EPS * (abs(start) + mean))

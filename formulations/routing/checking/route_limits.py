@@ -16,18 +16,15 @@ from statistics import NormalDist
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...tolerance import widening
-from .known_features import departure, earliest_levels, last_return, own_moves, own_variances, unknown_features
+from .known_features import Flags, Floats, Longs, departure, earliest_levels, last_return, own_moves, own_variances, unknown_features
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Nodes = NDArray[np.int64]
 
 LARGEST_RATE = 1e100
 """With a larger rate of energy sums may overflow, and nothing is proved."""
@@ -126,7 +123,7 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
 
 
 def _chances(
-    problem: RoutingProblem, vehicle: VehicleType, at: Nodes, moves: tuple[Floats, Floats], rounding: float
+    problem: RoutingProblem, vehicle: VehicleType, at: Longs, moves: tuple[Floats, Floats], rounding: float
 ) -> list[tuple[Floats, Floats, float, float]]:
     """Limits on uncertain durations of ``moves``, without and with service. A risk of the team is one of each route, which forbids less."""
     risks = [risk for risk in (vehicle.risk, problem.team_risk) if risk is not None]
@@ -141,7 +138,7 @@ def _chances(
     return [chance for chance in chances if math.isfinite(chance[-1])]
 
 
-def able(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.bool_]:
+def able(problem: RoutingProblem, vehicle: VehicleType) -> Flags:
     """Customers for which it has the skills, room for what is delivered and collected there, and for each shipment; shape (n,)."""
     sites = problem.sites
     good = np.array([needs <= vehicle.skills for needs in sites.skills] if sites.skills else [True] * len(sites))
@@ -155,7 +152,7 @@ def able(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.bool_]:
     return good[sites.customers]
 
 
-def within_stores(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.bool_]:
+def within_stores(problem: RoutingProblem, vehicle: VehicleType) -> Flags:
     """Customers that lie on some way from start or station to station or end that one store lasts for; all without stations."""
     customers, energy = problem.sites.customers, vehicle.energy
     if energy is None or not energy.stations or energy.rate > LARGEST_RATE:
@@ -166,11 +163,11 @@ def within_stores(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.b
     begins = [(energy.at_departure, earliest_levels(draws[vehicle.start, customers], between))]
     begins.append((energy.capacity, earliest_levels(draws[np.ix_(stations, customers)].min(axis=0), between)))
     last = earliest_levels(draws[np.ix_(customers, np.append(stations, vehicle.end))].min(axis=1), between.T)
-    near: NDArray[np.bool_] = np.any([there + last <= allowed(store, 0.0, rounding) for store, there in begins], axis=0)
+    near: Flags = np.any([there + last <= allowed(store, 0.0, rounding) for store, there in begins], axis=0)
     return near
 
 
-def within_reach(limits: Limits) -> NDArray[np.bool_]:
+def within_reach(limits: Limits) -> Flags:
     """Customers that the vehicle may be able to visit, by any detours over other customers; shape (n,)."""
     inner = slice(1, -1)
     good = limits.demand[inner] <= allowed(limits.capacity)
@@ -200,7 +197,7 @@ def clocks(limits: Limits) -> tuple[Floats, Floats]:
     return reached, earliest_levels(busy[inner, -1], busy[inner, inner].T)
 
 
-def servable_sets(limits: Limits, named: Nodes, through: Nodes, most: int) -> set[int]:
+def servable_sets(limits: Limits, named: Longs, through: Longs, most: int) -> set[int]:
     """Subsets of the customers ``named``, as bit masks, that may be all of them on one route; it may visit those ``through`` besides.
 
     The time taken grows as the factorial of ``most``, the largest size of a set.
@@ -211,7 +208,7 @@ def servable_sets(limits: Limits, named: Nodes, through: Nodes, most: int) -> se
 
 
 def walk_orders(
-    limits: Limits, named: Nodes, through: Nodes, most: int, ended: Callable[..., None], counted: Sequence[Floats] = ()
+    limits: Limits, named: Longs, through: Longs, most: int, ended: Callable[..., None], counted: Sequence[Floats] = ()
 ) -> None:
     """Call ``ended`` with each order of at most ``most`` of the customers ``named`` that keeps to the limits.
 
@@ -255,7 +252,7 @@ def walk_orders(
     extend(0, 0, 0, opening, 0.0, due[0], 0.0, [0.0] * len(budgets), [0.0] * len(tallies))
 
 
-def _ways(weight: Floats, nodes: Nodes, through: Nodes) -> Floats:
+def _ways(weight: Floats, nodes: Longs, through: Longs) -> Floats:
     """Weights of the shortest ways between ``nodes`` over nodes of ``through``, shape (nodes, nodes)."""
     lengths = weight[np.ix_(nodes, nodes)].copy()
     if len(through):
@@ -266,7 +263,7 @@ def _ways(weight: Floats, nodes: Nodes, through: Nodes) -> Floats:
 
 
 def named_customers(problem: RoutingProblem, names: object) -> list[int]:
-    """Nodes of the customers that evidence names; raises InputError if ``names`` is no list of different ids of customers."""
+    """Longs of the customers that evidence names; raises InputError if ``names`` is no list of different ids of customers."""
     index = problem.sites.index()
     if not isinstance(names, Sequence) or isinstance(names, str) or not names or not all(isinstance(x, str) and x in index for x in names):
         raise InputError("evidence names unknown sites", expected="a list of ids of sites", found=str(names)[:80])

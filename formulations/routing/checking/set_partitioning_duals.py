@@ -18,13 +18,12 @@ from ....instances.errors import InputError
 from ...checking.evidence_numbers import numbers
 from ...checking.granularity import lift
 from ...stop import current_stop
-from .known_features import routing_evidence
+from .known_features import Flags, Floats, routing_evidence
 from .relaxation import Relaxation, Resource, relax
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
 
 CUSTOMERS = 400
 """More are not looked at: nothing is proved."""
@@ -110,7 +109,7 @@ def _limits_time(problem: RoutingProblem) -> bool:
     return fixed or bool(np.isfinite(problem.sites.due[[*problem.sites.customers, *ends]]).any())
 
 
-def _ways(resource: Resource, usable: NDArray[np.bool_]) -> Floats:
+def _ways(resource: Resource, usable: Flags) -> Floats:
     """Length of the shortest way from node to node over customers (Floyd 1962); infinite where there is none."""
     length = np.where(usable, resource.weight, math.inf)
     for k in range(1, len(length)):

@@ -11,17 +11,14 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
-from .known_features import routing_evidence
+from .known_features import Floats, Longs, routing_evidence
 from .relaxation import Relaxation, relax
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
-
-Floats = NDArray[np.float64]
 
 
 @routing_evidence("spanning-tree", "a spanning tree is")
@@ -63,7 +60,7 @@ def _bound(relaxed: Relaxation, prices: Floats, theta: float) -> float:
     return math.fsum([tree, rest, -2.0 * math.fsum(prices), -error])
 
 
-def _smallest_tree(tails: NDArray[np.int64], heads: NDArray[np.int64], weights: Floats, nodes: int) -> float:
+def _smallest_tree(tails: Longs, heads: Longs, weights: Floats, nodes: int) -> float:
     """Weight of a minimum spanning tree; infinite if the edges do not join all nodes."""
     import scipy.sparse as sp
     from scipy.sparse.csgraph import minimum_spanning_tree

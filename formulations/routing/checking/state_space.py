@@ -13,19 +13,17 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
 from ...stop import current_stop
-from .known_features import RESOURCES, refuse_unknown_resources, routing_evidence
+from .known_features import EPS, RESOURCES, Floats, refuse_unknown_resources, routing_evidence
 from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, relaxed_terms, value_grain, worth_of_visits
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
 
 COUNTED = (*RESOURCES, "order")
 
@@ -37,8 +35,6 @@ WORK = 2_000_000_000
 
 _NEAR = 1e-9
 """Of a step: a weight that lacks no more than this counts as whole, and limits concede as much for each move."""
-
-_EPS = float(np.finfo(np.float64).eps)
 
 
 @routing_evidence("state-space")
@@ -98,7 +94,7 @@ def _bound(problem: RoutingProblem, terms: Terms, prices: Floats, name: str, ste
         return -math.inf
     size += float(np.abs(prices).max()) + max((abs(x) for x in parts), default=0.0)
     # Each route is added up from its first move on, so that no sum is larger than nodes sizes; there are n routes at most.
-    error = 16.0 * _EPS * (n + 2) ** 2 * size
+    error = 16.0 * EPS * (n + 2) ** 2 * size
     return math.fsum([*parts, worth, -error]) if math.isfinite(64.0 * (n + 2) ** 2 * size) else -math.inf
 
 

@@ -11,18 +11,15 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.routing.travel import EXPLICIT, Travel
-from .known_features import own_moves
+from .known_features import Floats, Longs, own_moves
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ....instances.routing.instance import VehicleType
     from ..problem import RoutingProblem
-
-Floats = NDArray[np.float64]
 
 
 def with_fleet(problem: RoutingProblem, fleet: Sequence[VehicleType], travel: Travel | None = None) -> RoutingProblem:
@@ -50,7 +47,7 @@ def without_stops(problem: RoutingProblem) -> RoutingProblem:
     return with_fleet(problem, fleet, travel).altered(forbidden=None)  # what is forbidden is a move without a stop between
 
 
-def _over(matrix: Floats, stops: NDArray[np.int64]) -> Floats:
+def _over(matrix: Floats, stops: Longs) -> Floats:
     """Shortest ways over any of the stops (Floyd 1962)."""
     length = matrix.copy()
     for k in stops.tolist():

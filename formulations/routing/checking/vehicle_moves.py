@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...checking.granularity import Grain, grain
-from .known_features import own_moves, unknown_features
+from .known_features import EPS, Flags, Floats, Longs, own_moves, unknown_features
 from .relaxation import Resource, limited_resources, moves_left, narrowed, order_resource, with_depot
 from .round_trips import PEAKS, least_peak
 from .route_limits import allowed
@@ -19,10 +18,6 @@ from .stops_on_the_way import with_fleet, without_stops
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
     from ..problem import RoutingProblem
-
-Floats = NDArray[np.float64]
-
-_EPS = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True)
@@ -89,14 +84,14 @@ def worth_of_visits(problem: RoutingProblem, prices: Floats) -> Floats:
     return worth
 
 
-def needed_routes(problem: RoutingProblem, members: NDArray[np.bool_]) -> NDArray[np.int64]:
+def needed_routes(problem: RoutingProblem, members: Flags) -> Longs:
     """Least number of routes for the required customers among ``members``, of shape (..., customers): as many as their loads take."""
     sites, customers = problem.sites, problem.sites.customers
     required = sites.required[customers]
-    loads = members @ np.where(required, sites.demand[customers], 0.0) * (1.0 - 4.0 * (len(customers) + 2) * _EPS)
+    loads = members @ np.where(required, sites.demand[customers], 0.0) * (1.0 - 4.0 * (len(customers) + 2) * EPS)
     largest = max(allowed(v.capacity) for v in problem.fleet)
     by_load = np.ceil(loads / largest) if 0.0 < largest < math.inf else np.zeros(loads.shape)
-    routes: NDArray[np.int64] = np.maximum((members & required).any(axis=-1), by_load).astype(np.int64)
+    routes: Longs = np.maximum((members & required).any(axis=-1), by_load).astype(np.int64)
     return routes
 
 

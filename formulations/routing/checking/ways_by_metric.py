@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.routing.travel import EARTH, GEOGRAPHIC, UNITS_OF_DISTANCE
 from ...stop import off_the_clock
-from .known_features import earliest_levels, own_moves
+from .known_features import Floats, Longs, earliest_levels, own_moves
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
@@ -17,7 +16,6 @@ if TYPE_CHECKING:
     from ..problem import RoutingProblem
     from .vehicle_moves import Terms
 
-Floats = NDArray[np.float64]
 
 POWERS = {"euclidean": 2.0, "EUC_2D": 2.0, "CEIL_2D": 2.0, "ATT": 2.0, "manhattan": 1.0, "MAN_2D": 1.0}
 """Norms of the plane that distances grow with. Those on the globe grow with the straight line through it."""
@@ -96,7 +94,7 @@ def _second(inner: Floats) -> Floats:
     return second
 
 
-def _two_nearest(travel: Travel, at: NDArray[np.int64]) -> tuple[Floats, Floats]:
+def _two_nearest(travel: Travel, at: Longs) -> tuple[Floats, Floats]:
     """Distances from each customer to the nearest and the second nearest of the others, infinite where there is none."""
     with off_the_clock():  # half a second, once a process
         from scipy.spatial import cKDTree
