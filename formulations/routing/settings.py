@@ -64,7 +64,8 @@ def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[s
         known = f"{', '.join(keys)}{did_you_mean(min(rest), keys)}"
         raise UsageError(f"unknown setting {', '.join(sorted(rest))}; routing problems take {known}")
     return {
-        "sites": instance.sites, "travel": travel, "fleet": fleet, "objective": _objective(instance, name, asked), "min_vehicles": least, "name": instance.name,
+        "sites": instance.sites, "travel": travel, "fleet": fleet, "objective": _objective(instance, name, asked),
+        "min_vehicles": least, "name": instance.name,
         "problem": name, "notes": notes, "team_risk": risks.get("team-risk", instance.team_risk),
         "forbidden": instance.forbidden, "clock": instance.clock,
     }  # fmt: skip
