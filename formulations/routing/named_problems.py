@@ -160,18 +160,14 @@ def makespan_orienteering(
         return problem
     if weight == "printed":
         rewards = sites.reward[sites.reward > 0]
-        longest = max(_longest(v) for v in problem.fleet)
+        stores = (math.inf if v.energy is None else v.energy.at_departure / v.energy.rate for v in problem.fleet)
+        longest = max(min(v.max_duration, store) for v, store in zip(problem.fleet, stores, strict=True))
         if not 0 < longest < math.inf:
             raise InputError("the printed weight needs a limit of duration", expected="max_duration, or energy charged for travel")
         weight = float(rewards.min()) / longest
     elif isinstance(weight, str):
         raise UsageError(f"unknown weight {weight!r}; give a number, printed, or none for an objective in order of priority")
     return replace(problem, objective=Objective.of(Reward() - float(weight) * Makespan()))
-
-
-def _longest(vehicle: VehicleType) -> float:
-    store = math.inf if vehicle.energy is None else vehicle.energy.at_departure / vehicle.energy.rate
-    return min(vehicle.max_duration, store)
 
 
 def recharging_vrp(

@@ -46,7 +46,7 @@ def unreachable(problem: RoutingProblem) -> dict[int, str]:
     large
     are looked for. The mathematics: docs/formulations/routing.md#proofs-that-there-is-no-answer.
     """
-    from .checking.stops_on_the_way import without_stops
+    from .checking.known_features import without_stops
 
     relaxed = without_stops(problem)
     with np.errstate(over="ignore", invalid="ignore"):  # sums that overflow are for the checker to judge
@@ -63,7 +63,7 @@ def unreachable(problem: RoutingProblem) -> dict[int, str]:
             reasons_by_site[site] = str(reasons[0]) if len(reasons) == 1 else "; ".join(f"{kind.name}: {r}" for kind, r in named)
     if not reasons_by_site:
         return {}
-    from .checking.infeasible_site import out_of_reach
+    from .checking.no_answer import out_of_reach
 
     confirmed = out_of_reach(problem)
     return {site: why for site, why in reasons_by_site.items() if confirmed[site]}

@@ -21,10 +21,9 @@ import numpy as np
 from ....instances.errors import InputError
 from ...checking.granularity import lift
 from ...stop import current_stop
-from .known_features import EPS, Floats, Longs, departure, own_moves, routing_evidence, unknown_features
+from .known_features import EPS, Floats, Longs, departure, own_moves, routing_evidence, unknown_features, with_fleet, without_stops
 from .relaxation import with_depot
 from .round_trips import least_peak
-from .stops_on_the_way import with_fleet, without_stops
 from .vehicle_moves import Terms, VehicleMoves, alike, constants, terms_of, value_grain
 
 if TYPE_CHECKING:

@@ -111,12 +111,7 @@ def _bound(
     inner = np.minimum(reduced[1:, 1:], reduced[1:, 1:].T)
     pairs = math.fsum(inner[np.triu(inner < 0.0, k=1)])
     fewest = max(problem.min_vehicles, int(needed_routes(problem, np.ones(n, dtype=bool))))
-    ends = _least_ends(np.sort(reduced[0, 1:]), np.sort(reduced[1:, 0]), fewest, min(n, most))
+    sums = np.concatenate([[0.0], np.cumsum(np.sort(reduced[0, 1:]) + np.sort(reduced[1:, 0]))])  # k first and k last moves
+    ends = float(sums[fewest : min(n, most) + 1].min(initial=math.inf))
     bound = math.fsum([*parts, pairs, ends, -16.0 * EPS * (total + abs(pairs) + (n + 1) ** 2 * size)])
     return bound if math.isfinite(bound) else -math.inf
-
-
-def _least_ends(first: Floats, last: Floats, fewest: int, most: int) -> float:
-    """Least sum of k first and k last moves, both sorted, over all numbers k of routes."""
-    sums = np.concatenate([[0.0], np.cumsum(first + last)])[fewest : most + 1]
-    return float(sums.min(initial=math.inf))

@@ -18,9 +18,8 @@ import numpy as np
 from ....instances.errors import InputError
 from ...certificate import verified_bound
 from ...evidence import Evidence
-from .known_features import Floats, own_moves, routing_evidence, unknown_features
+from .known_features import Floats, explicit, own_moves, routing_evidence, unknown_features, with_fleet
 from .route_limits import limits_of
-from .stops_on_the_way import explicit, with_fleet
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType

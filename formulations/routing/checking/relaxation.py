@@ -18,8 +18,7 @@ import numpy as np
 
 from ...checking.granularity import Grain, grain, is_decimal
 from ...tolerance import widening
-from .known_features import EPS, Flags, Floats, Longs, departure, earliest_levels, last_return, least_moves, unknown_features
-from .stops_on_the_way import without_stops
+from .known_features import EPS, Flags, Floats, Longs, departure, earliest_levels, last_return, least_moves, unknown_features, without_stops
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType

@@ -16,8 +16,18 @@ import numpy as np
 from ....instances.errors import InputError
 from ...evidence import CHECKERS
 from ..objective import Objective, TotalCost
-from .known_features import EPS, Floats, departure, earliest_levels, own_moves, routing_evidence, unknown_features
-from .stops_on_the_way import explicit, with_fleet, without_stops
+from .known_features import (
+    EPS,
+    Floats,
+    departure,
+    earliest_levels,
+    explicit,
+    own_moves,
+    routing_evidence,
+    unknown_features,
+    with_fleet,
+    without_stops,
+)
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...checking.granularity import Grain, grain
-from .known_features import EPS, Flags, Floats, Longs, own_moves, unknown_features
+from .known_features import EPS, Flags, Floats, Longs, own_moves, unknown_features, with_fleet, without_stops
 from .relaxation import Resource, limited_resources, moves_left, narrowed, order_resource, with_depot
 from .round_trips import PEAKS, least_peak
 from .route_limits import allowed
-from .stops_on_the_way import with_fleet, without_stops
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType

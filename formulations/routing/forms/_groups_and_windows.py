@@ -21,7 +21,7 @@ import numpy as np
 from ...programs.program import Floats
 from ...programs.rows import Ints, Part, rows
 from ..preparation import copies
-from ._vehicle_columns import Drive, VehicleBlocks, VehicleColumns
+from ._vehicles import Drive, VehicleBlocks, VehicleColumns
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem

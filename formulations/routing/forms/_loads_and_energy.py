@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 
 from ...programs.program import Floats
 from ...programs.rows import Ints, Part, rows
-from ._vehicle_columns import Drive, VehicleBlocks, VehicleColumns
+from ._vehicles import Drive, VehicleBlocks, VehicleColumns
 
 Loads = tuple[Floats, Floats, Floats]
 

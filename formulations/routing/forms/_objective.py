@@ -29,7 +29,7 @@ from ..preparation import waiting_is_possible
 if TYPE_CHECKING:
     from ....instances.routing.vehicle_type import VehicleType
     from ..problem import RoutingProblem
-    from ._vehicle_columns import Drive, VehicleBlocks, VehicleColumns
+    from ._vehicles import Drive, VehicleBlocks, VehicleColumns
 
 
 Weights = dict[str, float]
@@ -148,13 +148,10 @@ def _durations(blocks: VehicleBlocks, kind: VehicleColumns) -> int:
 
 def _longest_route(blocks: VehicleBlocks, weight: float) -> None:
     lengths = [kind.with_idle(kind.prep.distance, kind.idle_distance) for kind in blocks.types]
-    most = max(_farthest(kind, length) for kind, length in zip(blocks.types, lengths, strict=True))
+    most = max(float(kind.largest_out(length).sum()) for kind, length in zip(blocks.types, lengths, strict=True))
     column = blocks.add_columns("longest", (), (), 0.0, most, weight)
     for kind, length in zip(blocks.types, lengths, strict=True):
-        every, row = np.arange(len(kind.tail)), np.arange(kind.count)
-        parts: list[Part] = [
-            (np.repeat(row, len(every)), kind.each(every), np.tile(-length, kind.count)), (row, np.full(kind.count, column), 1.0),
-        ]  # fmt: skip
+        parts: list[Part] = [kind.along(np.arange(len(kind.tail)), -length), (np.arange(kind.count), np.full(kind.count, column), 1.0)]
         blocks.rows.append(rows("longest", kind.count, parts, 0.0, keys=(kind.vehicles,), labels=(kind.numbers,)))
 
     def encode(x: Floats, drives: list[Drive]) -> None:
@@ -162,13 +159,6 @@ def _longest_route(blocks: VehicleBlocks, weight: float) -> None:
         x[column] = max(of, default=0.0)
 
     blocks.encoders.append(encode)
-
-
-def _farthest(kind: VehicleColumns, length: Floats) -> float:
-    """Bound on the length of a route: the longest moves out of all nodes together."""
-    out = np.zeros(kind.prep.nodes)
-    np.maximum.at(out, kind.tail, length)
-    return float(out.sum())
 
 
 def _latest_return(blocks: VehicleBlocks, weight: float) -> None:

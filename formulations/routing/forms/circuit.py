@@ -20,11 +20,10 @@ from ...forms import FORMS, Form
 from ...programs.circuits import Circuit
 from ...programs.compiled import Compiled
 from ...programs.program import CIRCUITS, INTEGERS, Floats
-from ...programs.size import ProgramSize
 from ..preparation import prepare
 from . import _sizes, three_index, two_index
-from ._blocks import with_levels
-from ._vehicle_columns import Drive, VehicleBlocks
+from ._routes import with_levels
+from ._vehicles import Drive, VehicleBlocks
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
@@ -83,13 +82,10 @@ def _of_each_vehicle(blocks: VehicleBlocks) -> tuple[Circuit, ...]:
     return tuple(circuits)
 
 
-def _size(problem: RoutingProblem) -> ProgramSize:
-    return _sizes.circuit(problem, arcs_say_enough(problem))
-
-
 FORMS.add(
     "circuit",
     Form(
-        "circuit", "routing", three_index.FEATURES, build, refuses=refuses, makes=lambda problem: INTEGERS | CIRCUITS, order=6, size=_size
+        "circuit", "routing", three_index.FEATURES, build, refuses=refuses, makes=lambda problem: INTEGERS | CIRCUITS, order=6,
+        size=lambda problem: _sizes.circuit(problem, arcs_say_enough(problem)),
     ),
-)
+)  # fmt: skip

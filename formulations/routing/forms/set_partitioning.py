@@ -39,9 +39,8 @@ from ..routes import Route, Routes
 from . import _sizes
 from ._all_routes import MOST_ROUTES, Priced, Walk, orders_of_stops, way_home
 from ._best_orders import adds_up, best_orders
-from ._blocks import Blocks, point_of, with_levels
 from ._objective import Weights, weights_of_levels
-from ._routes import used
+from ._routes import Blocks, point_of, used, with_levels
 from .three_index import FEATURES
 
 if TYPE_CHECKING:

@@ -39,13 +39,24 @@ from ...programs.program import Floats, Program
 from ..preparation import leaves_cycles, offset
 from ..routes import Route, Routes
 from . import _sizes
-from ._blocks import point_of, with_levels
 from ._groups_and_windows import add_copies, add_groups, add_shipments, add_windows
 from ._loads_and_energy import add_loads, add_residual_energy
 from ._objective import add_objective, adverse, idle_cost, weights
-from ._routes import ArcIndex, routes_of, used
-from ._vehicle_columns import Drive, VehicleBlocks, VehicleColumns, arc_and_time_columns, vehicle_columns
-from ._vehicle_rows import closing_rows, connecting_rows, fleet_rows, limits_rows, order_rows, time_rows, visits_rows
+from ._routes import ArcIndex, point_of, routes_of, used, with_levels
+from ._vehicles import (
+    Drive,
+    VehicleBlocks,
+    VehicleColumns,
+    arc_and_time_columns,
+    closing_rows,
+    connecting_rows,
+    fleet_rows,
+    limits_rows,
+    order_rows,
+    time_rows,
+    vehicle_columns,
+    visits_rows,
+)
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem

@@ -51,8 +51,8 @@ from ...programs.rows import Ints, Part, rows
 from ...programs.size import ProgramSize
 from ..overrun import quantile, tail
 from . import _sizes
-from ._blocks import with_levels
-from ._vehicle_columns import Drive, VehicleBlocks, VehicleColumns
+from ._routes import with_levels
+from ._vehicles import Drive, VehicleBlocks, VehicleColumns
 from .three_index import FEATURES, refuses, written
 
 if TYPE_CHECKING:
@@ -122,13 +122,11 @@ def limits(kind: VehicleColumns) -> list[tuple[str, Floats, float, float]]:
 def _add_deviations(blocks: VehicleBlocks, kind: VehicleColumns, spread: Floats, deviations: float) -> None:
     """Column, cone and rows of each vehicle of a type."""
     count, every, limited = kind.count, np.arange(len(kind.tail)), limits(kind)
-    most = min(math.sqrt(_largest_variance(kind, spread)), *(limit / (rate * deviations) for _, _, rate, limit in limited))
+    most = min(math.sqrt(math.fsum(kind.largest_out(spread))), *(limit / (rate * deviations) for _, _, rate, limit in limited))
     first = blocks.add_columns("deviation", (kind.vehicles,), (kind.numbers,), 0.0, most)
     for name, weight, rate, limit in limited:
         row = np.arange(count)
-        parts: list[Part] = [
-            (np.repeat(row, len(every)), kind.each(every), np.tile(weight, count)), (row, first + row, rate * deviations),
-        ]  # fmt: skip
+        parts: list[Part] = [kind.along(every, weight), (row, first + row, rate * deviations)]
         blocks.rows.append(rows(name, count, parts, upper=limit, keys=(kind.vehicles,), labels=(kind.numbers,)))
     uncertain = np.nonzero(spread)[0]
     width = len(uncertain) + 1
@@ -153,13 +151,6 @@ def _add_deviations(blocks: VehicleBlocks, kind: VehicleColumns, spread: Floats,
 def _driven(drive: Drive) -> Ints:
     """Arcs of a drive, the idle one among them."""
     return drive.kind.arc_of[drive.arcs] if len(drive.arcs) else np.array([drive.kind.idle])
-
-
-def _largest_variance(kind: VehicleColumns, spread: Floats) -> float:
-    """No route has more variance than the largest of the moves out of all nodes together."""
-    largest = np.zeros(kind.prep.nodes)
-    np.maximum.at(largest, kind.tail, spread)
-    return math.fsum(largest)
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,7 +188,7 @@ def _add_pieces(blocks: VehicleBlocks, *, above: bool) -> None:
 
 def _pieces(kind: VehicleColumns, spread: Floats, risk: float, team: float | None, above: bool) -> Pieces:
     """All pieces of a type, that of no variance first."""
-    farthest, columns = math.sqrt(_largest_variance(kind, spread)), [tuple([np.zeros(1)] * 7)]
+    farthest, columns = math.sqrt(math.fsum(kind.largest_out(spread))), [tuple([np.zeros(1)] * 7)]
     for low, high, chord, tangent, ends in _quantiles(risk, team, above):
         most = min([farthest, *(limit / (rate * low) for _, _, rate, limit in limits(kind) if low > 0.0)])
         if most <= 0.0:
@@ -240,9 +231,7 @@ def _add_choice(blocks: VehicleBlocks, kind: VehicleColumns, spread: Floats, pie
     used = blocks.add_columns("spread", keys, labels, 0.0, np.tile(pieces.most, count))
     taken = blocks.add_columns("part", keys, labels, 0.0, np.tile(pieces.share, count))
     own, names = (kind.vehicles,), (kind.numbers,)
-    variance: list[Part] = [
-        (row, used + each, 1.0), (np.repeat(np.arange(count), len(moves)), kind.each(moves), -np.tile(spread[moves], count)),
-    ]  # fmt: skip
+    variance: list[Part] = [(row, used + each, 1.0), kind.along(moves, -spread[moves])]
     blocks.rows += [
         rows("one", count, [(row, chosen + each, 1.0)], 1.0, 1.0, own, names),
         rows("variance", count, variance, 0.0, keys=own, labels=names),
@@ -256,7 +245,7 @@ def _add_choice(blocks: VehicleBlocks, kind: VehicleColumns, spread: Floats, pie
     limited = [(name, weight, rate, limit * (1.0 - SPARED) if above else limit) for name, weight, rate, limit in limits(kind)]
     for name, weight, rate, limit in limited:
         parts: list[Part] = [
-            (np.repeat(np.arange(count), len(every)), kind.each(every), np.tile(weight, count)),
+            kind.along(every, weight),
             *((row, column + each, rate * np.tile(part, count))
               for column, part in ((chosen, pieces.constant), (used, pieces.slope), (taken, pieces.fall))),
         ]  # fmt: skip
@@ -305,15 +294,12 @@ def _size(problem: RoutingProblem) -> ProgramSize:
     return _sizes.three_index_pieces(problem, 1.0 + many * PIECES)
 
 
-def _makes(problem: RoutingProblem) -> frozenset[str]:
-    return INTEGERS | SECOND_ORDER
-
-
 FORMS.add(
     "three-index-cones",
     Form(
         "three-index-cones", "routing", KNOWN, partial(build, form="three-index-cones", add=_add_risks),
-        refuses=partial(_refuses, risks=frozenset({"route-risk"})), makes=_makes, order=7, size=partial(_sizes.three_index, further=3.0),
+        refuses=partial(_refuses, risks=frozenset({"route-risk"})), makes=lambda problem: INTEGERS | SECOND_ORDER,
+        order=7, size=partial(_sizes.three_index, further=3.0),
     ),
 )  # fmt: skip
 

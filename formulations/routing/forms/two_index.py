@@ -39,8 +39,7 @@ from ..preparation import Preparation, Resource, leaves_cycles, offset, prepare,
 from ..reachability import minimum_vehicles
 from ..routes import Routes
 from . import _sizes
-from ._blocks import Blocks, point_of, with_levels
-from ._routes import ArcIndex, levels, routes_of, used
+from ._routes import ArcIndex, Blocks, levels, point_of, routes_of, used, with_levels
 
 if TYPE_CHECKING:
     from ...problem import Decision, Problem
@@ -226,15 +225,21 @@ def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep
         else:
             blocks.node_levels(resource)
     compiled = written(blocks, form)
-    if not _has_evidence(problem, form):
+    if form != "two-index-time-flow" or problem.sense != "min" or not problem.features() - {"objective:priorities"} <= EVIDENCED:
         return compiled
 
     def at_most(column: int, most: int) -> Decision:
         ends = prep.sites[prep.tail[column]], prep.sites[prep.head[column]]
         return {"arc": [problem.sites.ids[site] for site in ends]}, most >= 1
 
-    evidence = partial(_evidence, blocks, compiled.program)
-    return replace(compiled, dual_evidence=evidence, ray_evidence=partial(_ray_evidence, blocks), at_most=at_most)
+    def evidence(row_duals: Floats, of: Problem | None = None) -> Evidence:
+        value = dual_value(compiled.program, row_duals)
+        return Evidence("arc-multipliers", "LP relaxation of two-index-time-flow", value, _multipliers(blocks, row_duals))
+
+    def ray_evidence(ray: Floats) -> Evidence:
+        return Evidence("arc-multipliers", "a ray of two-index-time-flow", math.inf, {**_multipliers(blocks, ray), "ray": True})
+
+    return replace(compiled, dual_evidence=evidence, ray_evidence=ray_evidence, at_most=at_most)
 
 
 def written(blocks: ArcColumns, form: str, circuits: tuple[Circuit, ...] = ()) -> Compiled:
@@ -246,9 +251,7 @@ def written(blocks: ArcColumns, form: str, circuits: tuple[Circuit, ...] = ()) -
         return Routes(tuple(routes_of(prep, np.nonzero(used(x[:m]))[0], names)))
 
     def encode(answer: Routes) -> Floats:
-        x = np.zeros(blocks.columns)
-        for block, start in zip(blocks.variables, np.cumsum([0] + [b.size for b in blocks.variables]), strict=False):
-            x[start : start + block.size] = block.lower
+        x = bare.lower.copy()
         for route in answer:
             nodes = index.nodes_of(route, names)
             arcs = index.arcs_of(nodes, names)
@@ -259,20 +262,6 @@ def written(blocks: ArcColumns, form: str, circuits: tuple[Circuit, ...] = ()) -
 
     bare = Program(form, problem.sense, tuple(blocks.variables), tuple(blocks.rows), offset=offset(problem), circuits=circuits)
     return Compiled(bare, problem, decode, encode, exactness=Exactness.EXACT if prep.whole else Exactness.RESTRICTION)
-
-
-def _has_evidence(problem: RoutingProblem, form: str) -> bool:
-    return form == "two-index-time-flow" and problem.sense == "min" and problem.features() - {"objective:priorities"} <= EVIDENCED
-
-
-def _evidence(blocks: ArcColumns, program: Program, row_duals: Floats, of: Problem | None = None) -> Evidence:
-    """The multipliers of visits, fleet and balances; none of ``of`` is needed."""
-    value = dual_value(program, row_duals)
-    return Evidence("arc-multipliers", "LP relaxation of two-index-time-flow", value, _multipliers(blocks, row_duals))
-
-
-def _ray_evidence(blocks: ArcColumns, ray: Floats) -> Evidence:
-    return Evidence("arc-multipliers", "a ray of two-index-time-flow", math.inf, {**_multipliers(blocks, ray), "ray": True})
 
 
 def _multipliers(blocks: ArcColumns, row_duals: Floats) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from oracles import agrees, routing
 from program_text import expected, written
-from small_routing import varied
+from small_routing import LINE, at_risk, varied
 
 from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.routing.forms import three_index_risks
@@ -32,15 +32,6 @@ from waybound.solvers.backend import BACKENDS, Control, Options, solver_named
 
 FORM = "three-index-cones"
 SOLVERS = [name for name in ("scip", "outer-approximation") if BACKENDS[name].installed()]
-LINE = np.abs(np.subtract.outer(*[np.array([0.0, 4, -5, 6, -7])] * 2))
-
-
-def line(risk: float | None, team_risk: float | None = None, scale: float = 1.0, **limits: object) -> RoutingProblem:
-    """Customers on both sides of the depot, each with a service of 1; times, not distances, in other units."""
-    travel = Travel(EXPLICIT, matrix=LINE, duration_matrix=scale * LINE, variances=scale**2 * LINE / 4)
-    sites = Sites.of(range(5), service=scale * np.array([0.0, 1, 1, 1, 1]))
-    fleet = (VehicleType(3, risk=risk, **{"max_duration": 18.0 * scale, **limits}),)  # type: ignore[arg-type]
-    return RoutingProblem(sites, travel, fleet, team_risk=team_risk)
 
 
 def answered(problem: RoutingProblem, solver: str) -> tuple[str, float | None, Routes | None]:
@@ -52,9 +43,9 @@ def answered(problem: RoutingProblem, solver: str) -> tuple[str, float | None, R
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize(("risk", "cost"), [(0.15, 26.0), (0.06, 36.0), (0.05, None)])
 def test_the_example_of_risks(risk: float, cost: float | None, solver: str) -> None:
-    status, value, answer = answered(line(risk), solver)
+    status, value, answer = answered(at_risk(risk), solver)
     assert (status, value) == (("infeasible", None) if cost is None else ("optimal", pytest.approx(cost)))
-    assert answer is None or line(risk).evaluate(answer).feasible
+    assert answer is None or at_risk(risk).evaluate(answer).feasible
 
 
 def test_each_vehicle_has_a_cone_over_its_moves_and_a_row_for_each_limit() -> None:
@@ -122,21 +113,21 @@ def test_a_start_on_the_edge_of_a_level_does_not_end_the_search() -> None:
 
 @pytest.mark.parametrize("exponent", [-20, 3, 30])
 def test_times_in_other_units_have_the_squares_for_variances_and_the_same_routes(exponent: int) -> None:
-    scaled = line(0.06, scale=2.0**exponent)
+    scaled = at_risk(0.06, scale=2.0**exponent)
     status, value, answer = answered(scaled, "outer-approximation")
     assert (status, value) == ("optimal", pytest.approx(36.0)) and answer is not None
-    plain, other = line(0.06).evaluate(answer), scaled.evaluate(answer)
+    plain, other = at_risk(0.06).evaluate(answer), scaled.evaluate(answer)
     assert plain.feasible and other.feasible
     assert plain.quantities["largest-route-overrun"] == other.quantities["largest-route-overrun"]
 
 
 def test_without_variances_nothing_is_written_and_the_form_refuses() -> None:
-    certain = replace(line(0.06), travel=Travel(EXPLICIT, matrix=LINE, variances=np.zeros((5, 5))))
+    certain = replace(at_risk(0.06), travel=Travel(EXPLICIT, matrix=LINE, variances=np.zeros((5, 5))))
     assert "three-index" in certain.forms() and FORM not in certain.forms()
     with pytest.raises(UnsupportedError, match="certain durations"):
         certain.compile(FORM)
     with pytest.raises(UnsupportedError, match="team-risk"):
-        replace(line(None), team_risk=0.1).compile(FORM)
+        replace(at_risk(None), team_risk=0.1).compile(FORM)
 
 
 TWO_SITES = """
@@ -210,7 +201,7 @@ def value(problem: RoutingProblem, form: str, solver: str = "highs") -> float:
     ],
 )  # fmt: skip
 def test_the_example_of_risks_lies_between_them(risk: float | None, team_risk: float | None, best: float) -> None:
-    problem = line(risk, team_risk)
+    problem = at_risk(risk, team_risk)
     low, high = value(problem, CHORDS), value(problem, TANGENTS)
     assert low <= best <= high
     assert team_risk is not None or low == best == high
@@ -222,14 +213,14 @@ def test_the_example_of_risks_lies_between_them(risk: float | None, team_risk: f
     [n if n == "scip" else pytest.param(n, marks=pytest.mark.long) for n in ("scip", "pulp", "mathopt") if BACKENDS[n].installed()],
 )
 def test_solvers_of_linear_programs_take_the_risk_of_a_team(solver: str) -> None:
-    problem = line(None, 0.15)
+    problem = at_risk(None, 0.15)
     assert (value(problem, CHORDS, solver), value(problem, TANGENTS, solver)) == (pytest.approx(26.0), pytest.approx(36.0))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scale", [2.0**-20, 2.0**30])
 def test_times_in_other_units_change_nothing(scale: float) -> None:
-    problem = line(None, 0.15, scale)
+    problem = at_risk(None, 0.15, scale)
     assert (value(problem, CHORDS), value(problem, TANGENTS)) == (pytest.approx(26.0), pytest.approx(36.0))
 
 
@@ -237,7 +228,7 @@ def test_times_in_other_units_change_nothing(scale: float) -> None:
 def test_narrower_pieces_find_the_optimum(monkeypatch: pytest.MonkeyPatch) -> None:
     for name, many in (("PIECES", 8), ("QUANTILES", 40)):
         monkeypatch.setattr(three_index_risks, name, many)
-    assert value(line(None, 0.15), TANGENTS) == pytest.approx(34.0)
+    assert value(at_risk(None, 0.15), TANGENTS) == pytest.approx(34.0)
 
 
 @pytest.mark.share(2)
@@ -261,7 +252,7 @@ def test_the_optimum_of_enumeration_lies_between_them(feature: str) -> None:
 @pytest.mark.parametrize("form", [CHORDS, TANGENTS])
 def test_answers_are_points(form: str) -> None:
     """The optimum is one of the relaxation, and what the restriction finds is one of both."""
-    problem = line(None, 0.15)
+    problem = at_risk(None, 0.15)
     found = solver_named("highs").run(problem.compile(TANGENTS).program, Options(), Control()).answer
     made = problem.compile(form)
     x = made.encode(problem.compile(TANGENTS).decode(found))  # type: ignore[misc]
@@ -275,7 +266,7 @@ def test_planes_are_on_their_side_of_deviation_times_quantile(above: bool, team:
     made: list[Any] = []
     keep = three_index_risks._pieces
     monkeypatch.setattr(three_index_risks, "_pieces", lambda *given: made.append(keep(*given)) or made[-1])
-    line(0.1 if team is None else None, team).compile(TANGENTS if above else CHORDS)
+    at_risk(0.1 if team is None else None, team).compile(TANGENTS if above else CHORDS)
     p, whole, met = made[0], 0.1 if team is None else team, 0
     for variance in np.linspace(0.0, p.most.max(), 60).tolist():
         for risk in np.geomspace(1e-7, whole, 60).tolist():
@@ -292,7 +283,7 @@ def test_planes_are_on_their_side_of_deviation_times_quantile(above: bool, team:
 
 
 def test_what_has_no_risk_is_refused() -> None:
-    certain = replace(line(None), travel=Travel(EXPLICIT, matrix=LINE, variances=LINE))
+    certain = replace(at_risk(None), travel=Travel(EXPLICIT, matrix=LINE, variances=LINE))
     assert CHORDS not in certain.forms() and TANGENTS not in certain.forms()
     with pytest.raises(UnsupportedError, match="certain durations"):
         certain.compile(CHORDS)
