@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from oracles import OCTO_8, agrees
+from oracles import ASYM_5, GAP_5, OCTO_8, SQUARE_4, agrees
 
 import waybound as wb
 from waybound.formulations.routing.objective import LatestReturn, Makespan, Objective, Reward, TotalCost
@@ -16,16 +16,11 @@ from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.exact_routing import RoutingTruth, best_values
 
-SQUARE = np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float)
-GAP = np.array([(5, 5), (0, 7), (1, 6), (2, 10), (0, 2), (1, 8)], dtype=float)
-ASYM = np.array(
-    [[0, 4, 7, 3, 6, 5], [5, 0, 2, 6, 4, 8], [6, 3, 0, 5, 2, 7], [3, 5, 4, 0, 7, 2], [7, 4, 3, 6, 0, 3], [4, 9, 6, 2, 3, 0]], dtype=float
-)
 REFUEL = np.array([(0, 0), (8, 0), (2, 3), (5, 4), (9, 4), (11, 0), (6, -3)], dtype=float)
 DATA = {
-    "SQUARE-4": (Travel("euclidean", SQUARE), [0, 4, 10, 5, 3]),
-    "GAP-5": (Travel("manhattan", GAP), [0, 3, 1, 4, 1, 5]),
-    "ASYM-5": (Travel(EXPLICIT, matrix=ASYM), [0, 6, 9, 4, 7, 5]),
+    "SQUARE-4": (Travel("euclidean", SQUARE_4), [0, 4, 10, 5, 3]),
+    "GAP-5": (Travel("manhattan", GAP_5), [0, 3, 1, 4, 1, 5]),
+    "ASYM-5": (Travel(EXPLICIT, matrix=ASYM_5), [0, 6, 9, 4, 7, 5]),
 }
 
 

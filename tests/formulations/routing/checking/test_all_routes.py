@@ -11,13 +11,12 @@ from small_routing import FEATURES as EVERY_FEATURE
 from small_routing import WHOLE_FAMILY, at_risk, excludes, few, small, varied
 
 import waybound as wb
-from waybound.formulations.evidence import CHECKERS, Evidence
+from waybound.formulations.evidence import Evidence
 from waybound.formulations.routing.checking import all_routes
 from waybound.formulations.routing.checking.all_routes import MOST_ORDERS, check_all_routes, orders, put_together
 from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, Objective, TotalCost, TotalDuration, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop, until
-from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.exact_routing import best_values
@@ -108,14 +107,6 @@ def test_many_customers_and_mixtures_with_the_largest_route_prove_nothing(monkey
     monkeypatch.setattr(all_routes, "MOST", 4)  # of customers, for all sets of them
     assert check_all_routes(problem, {}) == -math.inf
     assert orders(RoutingProblem(Sites.of(range(12)), Travel(EXPLICIT, matrix=np.ones((12, 12))), (VehicleType(),))) == math.inf
-
-
-def test_other_families_are_refused() -> None:
-    class Other:
-        family = "arrays"
-
-    with pytest.raises(InputError, match="routing"):
-        CHECKERS["all-routes"](Other(), {})
 
 
 ADDS_UP = ("capacity", "max-distance", "travel", "limited-fleet", "heterogeneous-fleet", "fixed-cost", "multiple-depots", "open-routes",

@@ -11,7 +11,6 @@ from city_corners import CITY, CORNERS, DEMAND, STREETS
 from small_routing import WHOLE_FAMILY, excludes, few, small, varied
 
 import waybound as wb
-from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.routing.checking import customer_sets
 from waybound.formulations.routing.checking.customer_sets import check_customer_sets
 from waybound.formulations.routing.objective import LongestRoute, Makespan, Penalties, Reward, TotalCost, Weighted
@@ -118,14 +117,6 @@ def test_a_stop_a_large_problem_and_much_work_prove_nothing(monkeypatch: pytest.
 def test_limits_must_be_finite_numbers(limits) -> None:
     with pytest.raises(InputError, match="limits"):
         check_customer_sets(weighed(small("capacity", 0, "exact"), LongestRoute(), 2.0), {"longest-route": limits})
-
-
-def test_other_families_are_refused() -> None:
-    class Other:
-        family = "arrays"
-
-    with pytest.raises(InputError, match="routing"):
-        CHECKERS["customer-sets"](Other(), {})
 
 
 def on_a_line(places: list[float], fleet: VehicleType, weights: object = None, **columns: object) -> RoutingProblem:

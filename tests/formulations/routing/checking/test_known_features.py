@@ -5,17 +5,19 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, few, plane, varied
 
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.evidence import Evidence
+from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.routing.checking.known_features import KNOWN, unknown_features, without_stops
 from waybound.formulations.routing.fleet_need import none
 from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
 from waybound.formulations.stop import Stop
+from waybound.instances.errors import InputError
 from waybound.instances.routing.features import FEATURES
 from waybound.instances.routing.instance import Energy, VehicleType
 from waybound.reports.benchmarks.exact_routing import RoutingTruth, best_values
@@ -149,3 +151,9 @@ def test_moves_lead_over_the_depots_of_the_vehicle():
     assert first.travel is not None
     assert (first.travel.distances == np.minimum(d, d[:, :1] + d[:1])).all()
     assert (second.travel.distances == d).all()
+
+
+@pytest.mark.parametrize("kind", [kind for kind in CHECKERS if CHECKERS[kind].__module__.startswith("waybound.formulations.routing")])
+def test_other_families_are_refused(kind: str) -> None:
+    with pytest.raises(InputError, match="evidence for routing problems"):
+        CHECKERS[kind](SimpleNamespace(family="arrays"), {})

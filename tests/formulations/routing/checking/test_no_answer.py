@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -128,20 +127,58 @@ def proved(problem: RoutingProblem, kind: str, **data) -> bool:
     return bound == math.inf
 
 
-def test_a_fleet_that_cannot_carry_the_total_is_too_small():
-    assert proved(unit(VehicleType(2, 4), demand=3), "too-few-vehicles")
-    assert not proved(unit(VehicleType(3, 3), demand=3), "too-few-vehicles")
-    assert not proved(unit(VehicleType(None, 3), demand=3), "too-few-vehicles")
+ABC, FOUR = {"sites": ["a", "b", "c"]}, {"n": 4, "service": 2.0}
+MOMENTS = {"from": 1.0, "until": 3.9, "sites": list("abcd")}
+BINS, CLOSE = unit(VehicleType(2, 10), demand=6), unit(VehicleType(2), due=1.0)
+SMALL, LARGE = VehicleType(5, 2, name="small"), VehicleType(1, 4, name="large")
+ROBOTS = [VehicleType(1, name=f"robot {k}", unit_cost=1.0 + k) for k in range(40)]
+WAITS = {"n": 2, "ready": [10, 0], "due": [math.inf, 2]}  # a from 10 on and b by 2: a route over both lasts 8 and more
+SHORT = unit(VehicleType(2), **FOUR, due=3.9)  # begun from 1 on, two a vehicle, served in 2 and driven to in 1: the last begins at 4
 
 
-def test_bins_that_do_not_hold_the_demands():
-    asked = unit(VehicleType(2, 10), demand=6)
-    assert not proved(asked, "too-few-vehicles")
-    assert proved(asked, "bin-packing", threshold=5.0)
-    assert not proved(asked, "bin-packing", threshold=7.0)  # above half a capacity it says nothing
-    assert not proved(asked, "bin-packing", threshold=-1.0)
-    assert not proved(unit(VehicleType(2, 10), demand=[6, 5, 5]), "bin-packing", threshold=5.0)
-    assert not proved(unit(VehicleType(2), demand=6), "bin-packing", threshold=5.0)
+@pytest.mark.parametrize(
+    ("problem", "kind", "data", "proof"),
+    [
+        (unit(VehicleType(2, 4), demand=3), "too-few-vehicles", {}, True),
+        (unit(VehicleType(3, 3), demand=3), "too-few-vehicles", {}, False),
+        (unit(VehicleType(None, 3), demand=3), "too-few-vehicles", {}, False),
+        (BINS, "too-few-vehicles", {}, False),
+        (BINS, "bin-packing", {"threshold": 5.0}, True),
+        (BINS, "bin-packing", {"threshold": 7.0}, False),  # above half a capacity it says nothing
+        (BINS, "bin-packing", {"threshold": -1.0}, False),
+        (unit(VehicleType(2, 10), demand=[6, 5, 5]), "bin-packing", {"threshold": 5.0}, False),
+        (unit(VehicleType(2), demand=6), "bin-packing", {"threshold": 5.0}, False),
+        (SHORT, "too-little-time", MOMENTS, True),
+        (unit(VehicleType(2), **FOUR, due=4.0), "too-little-time", MOMENTS | {"until": 4.0}, False),
+        (unit(VehicleType(3), **FOUR, due=3.9), "too-little-time", MOMENTS, False),
+        (unit(VehicleType(2), **FOUR, due=3.9, required=[True, True, True, False]), "too-little-time", MOMENTS, False),
+        (SHORT, "too-little-time", MOMENTS | {"from": 1.1}, False),  # they begin before
+        (SHORT, "too-little-time", MOMENTS | {"until": 3.8}, False),  # or after
+        (SHORT, "too-little-time", MOMENTS | {"sites": ["a", "b"]}, False),
+        (CLOSE, "sites-apart", ABC, True),
+        (CLOSE, "sites-apart", {"sites": ["a", "b"]}, False),
+        (unit(VehicleType(3), due=1.0), "sites-apart", ABC, False),
+        (unit(VehicleType(2), due=[1.0, 1.0, 2.0]), "sites-apart", ABC, False),
+        (unit(VehicleType(2), due=1.0, required=[True, True, False]), "sites-apart", ABC, False),
+        # Only vehicles that can serve a named site count.
+        (unit(SMALL, LARGE, demand=[3, 3, 1]), "sites-apart", {"sites": ["a", "b"]}, True),
+        (unit(SMALL, LARGE, demand=[3, 2, 2]), "sites-apart", {"sites": ["a", "b"]}, False),
+        (unit(VehicleType(1), due=2.0), "sites-beyond-fleet", ABC, True),
+        (unit(VehicleType(1), due=2.0), "sites-beyond-fleet", {"sites": ["a", "b"]}, False),
+        (unit(VehicleType(2), due=2.0), "sites-beyond-fleet", ABC, False),
+        (unit(VehicleType(1), due=2.0, required=[True, True, False]), "sites-beyond-fleet", ABC, False),
+        (unit(VehicleType(1, max_duration=8.9), **WAITS), "sites-beyond-fleet", {"sites": ["a", "b"]}, True),
+        (unit(VehicleType(1, max_duration=10.0), **WAITS), "sites-beyond-fleet", {"sites": ["a", "b"]}, False),
+        # Types that differ in price alone are one.
+        (unit(*ROBOTS, n=7, due=1.0), "sites-beyond-fleet", {"sites": list("abcdefg")}, False),
+        (unit(*ROBOTS[:6], n=7, due=1.0), "sites-beyond-fleet", {"sites": list("abcdefg")}, True),
+        (unit(VehicleType(5), min_vehicles=4), "too-few-sites", {}, True),
+        (unit(VehicleType(5), min_vehicles=3), "too-few-sites", {}, False),
+        (unit(VehicleType(5), min_vehicles=3, due=[0.5, 1, 1], required=[False, True, True]), "too-few-sites", {}, True),
+    ],
+)
+def test_a_proof_is_one_exactly_where_the_fleet_is_too_small(problem, kind, data, proof):
+    assert proved(problem, kind, **data) == proof
 
 
 @pytest.mark.parametrize(
@@ -175,34 +212,6 @@ def test_the_hours_of_a_depot_are_a_range_too():
     assert not proved(replace(asked, sites=replace(sites, due=np.array([7.0, 9, 9]))), "too-little-range", resource="duration")
 
 
-def test_sites_that_fall_between_two_moments_ask_for_more_time_than_there_is():
-    """Four sites, each begun from 1 on: two a vehicle, served in 2 and driven to in 1, so that the last begins at 4."""
-    asked = unit(VehicleType(2), n=4, service=2.0, due=3.9)
-    moments: dict[str, Any] = {"from": 1.0, "until": 3.9, "sites": list("abcd")}
-    assert proved(asked, "too-little-time", **moments)
-    assert not proved(unit(VehicleType(2), n=4, service=2.0, due=4.0), "too-little-time", **moments | {"until": 4.0})
-    assert not proved(unit(VehicleType(3), n=4, service=2.0, due=3.9), "too-little-time", **moments)
-    assert not proved(unit(VehicleType(2), n=4, service=2.0, due=3.9, required=[True, True, True, False]), "too-little-time", **moments)
-    assert not proved(asked, "too-little-time", **moments | {"from": 1.1})  # they begin before
-    assert not proved(asked, "too-little-time", **moments | {"until": 3.8})  # or after
-    assert not proved(asked, "too-little-time", **moments | {"sites": ["a", "b"]})
-
-
-def test_sites_due_at_once_need_a_vehicle_each():
-    asked = unit(VehicleType(2), due=1.0)
-    assert proved(asked, "sites-apart", sites=["a", "b", "c"])
-    assert not proved(asked, "sites-apart", sites=["a", "b"])
-    assert not proved(unit(VehicleType(3), due=1.0), "sites-apart", sites=["a", "b", "c"])
-    assert not proved(unit(VehicleType(2), due=[1.0, 1.0, 2.0]), "sites-apart", sites=["a", "b", "c"])
-    assert not proved(unit(VehicleType(2), due=1.0, required=[True, True, False]), "sites-apart", sites=["a", "b", "c"])
-
-
-def test_only_vehicles_that_can_serve_a_named_site_count():
-    small, large = VehicleType(5, 2, name="small"), VehicleType(1, 4, name="large")
-    assert proved(unit(small, large, demand=[3, 3, 1]), "sites-apart", sites=["a", "b"])
-    assert not proved(unit(small, large, demand=[3, 2, 2]), "sites-apart", sites=["a", "b"])
-
-
 def test_a_third_site_may_join_two():
     """From a to b it is 9, over c 2: with c they fit on one route."""
     matrix = np.array([[0, 1, 1, 1], [1, 0, 9, 1], [1, 9, 0, 1], [1, 1, 1, 0]], dtype=float)
@@ -213,28 +222,6 @@ def test_a_third_site_may_join_two():
         assert not proved(asked, "sites-beyond-fleet", sites=named)
 
 
-def test_every_choice_of_routes_of_a_few_sites_is_tried():
-    asked = unit(VehicleType(1), due=[2.0, 2.0, 2.0])
-    assert proved(asked, "sites-beyond-fleet", sites=["a", "b", "c"])
-    assert not proved(asked, "sites-beyond-fleet", sites=["a", "b"])
-    assert not proved(unit(VehicleType(2), due=2.0), "sites-beyond-fleet", sites=["a", "b", "c"])
-    assert not proved(unit(VehicleType(1), due=2.0, required=[True, True, False]), "sites-beyond-fleet", sites=["a", "b", "c"])
-
-
-def test_waiting_counts_in_the_duration():
-    """Site a is served from 10 on and b by 2, so that a route over both lasts 8 and more."""
-    short = unit(VehicleType(1, max_duration=8.9), n=2, ready=[10, 0], due=[math.inf, 2])
-    enough = unit(VehicleType(1, max_duration=10.0), n=2, ready=[10, 0], due=[math.inf, 2])
-    assert proved(short, "sites-beyond-fleet", sites=["a", "b"])
-    assert not proved(enough, "sites-beyond-fleet", sites=["a", "b"])
-
-
-def test_more_routes_than_sites_in_reach():
-    assert proved(unit(VehicleType(5), min_vehicles=4), "too-few-sites")
-    assert not proved(unit(VehicleType(5), min_vehicles=3), "too-few-sites")
-    assert proved(unit(VehicleType(5), min_vehicles=3, due=[0.5, 1, 1], required=[False, True, True]), "too-few-sites")
-
-
 def test_routes_asked_for_count_where_all_sites_are_named():
     """Site a is reached over b alone, so that there are two routes at most."""
     matrix = np.array([[0, 9, 1, 1], [1, 0, 1, 1], [1, 1, 0, 1], [1, 9, 1, 0]], dtype=float)
@@ -243,12 +230,6 @@ def test_routes_asked_for_count_where_all_sites_are_named():
     assert proved(asked, "sites-beyond-fleet", sites=["a", "b", "c"])
     assert not proved(asked, "sites-beyond-fleet", sites=["a", "b"])
     assert not proved(replace(asked, min_vehicles=2), "sites-beyond-fleet", sites=["a", "b", "c"])
-
-
-def test_types_that_differ_in_price_alone_are_one():
-    fleet = [VehicleType(1, name=f"robot {k}", unit_cost=1.0 + k) for k in range(40)]
-    assert not proved(unit(*fleet, n=7, due=1.0), "sites-beyond-fleet", sites=list("abcdefg"))
-    assert proved(unit(*fleet[:6], n=7, due=1.0), "sites-beyond-fleet", sites=list("abcdefg"))
 
 
 def test_too_much_to_try_proves_nothing(monkeypatch):
