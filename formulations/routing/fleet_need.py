@@ -63,16 +63,16 @@ def fleet_conflicts(
 
 def proves(problem: RoutingProblem, evidence: Evidence) -> bool:
     """Whether the checker confirms that ``evidence`` leaves no answer."""
-    return verified_bound(problem, evidence) == none(problem)
+    return verified_bound(problem, evidence) == infeasible_bound(problem)
 
 
-def none(problem: RoutingProblem) -> float:
+def infeasible_bound(problem: RoutingProblem) -> float:
     """The bound that says that there is no answer."""
     return math.inf if problem.sense == "min" else -math.inf
 
 
 def _evidence(problem: RoutingProblem, kind: str, why: str, **data: object) -> Evidence:
-    return Evidence(kind, why, none(problem), data)
+    return Evidence(kind, why, infeasible_bound(problem), data)
 
 
 def suspicions(problem: RoutingProblem) -> Iterator[Evidence]:

@@ -58,7 +58,7 @@ def vrptw(sites: Sites, travel: Travel, *, vehicles: int | None = None, capacity
     """
     if not (sites.ready.any() or np.isfinite(sites.due).any()):
         raise InputError("no site has a time window", expected="ready or due; cvrp or min_cost_vrp without")
-    return _made("vrptw", sites, travel, vehicles, capacity=capacity, **limits)
+    return _named_problem("vrptw", sites, travel, vehicles, capacity=capacity, **limits)
 
 
 def cvrp(sites: Sites, travel: Travel, *, capacity: float, vehicles: int | None = None, **limits: Any) -> RoutingProblem:
@@ -68,12 +68,12 @@ def cvrp(sites: Sites, travel: Travel, *, capacity: float, vehicles: int | None 
     -----
     Source: Dantzig and Ramser (1959).
     """
-    return _made("cvrp", sites, travel, vehicles, capacity=capacity, **limits)
+    return _named_problem("cvrp", sites, travel, vehicles, capacity=capacity, **limits)
 
 
 def tsp(sites: Sites, travel: Travel, **limits: Any) -> RoutingProblem:
     """Travelling salesman: the cheapest tour of one vehicle through all sites. Parameters as of ``vrptw``."""
-    return _made("tsp", sites, travel, 1, **limits)
+    return _named_problem("tsp", sites, travel, 1, **limits)
 
 
 def mdvrp(sites: Sites, travel: Travel, *, capacity: float = math.inf, vehicles: int | None = None, **limits: Any) -> RoutingProblem:
@@ -85,7 +85,7 @@ def mdvrp(sites: Sites, travel: Travel, *, capacity: float = math.inf, vehicles:
     """
     if len(sites.depots) < 2:
         raise InputError("there is one depot only", expected="two or more; cvrp with one")
-    return _made("mdvrp", sites, travel, vehicles, capacity=capacity, **limits)
+    return _named_problem("mdvrp", sites, travel, vehicles, capacity=capacity, **limits)
 
 
 def min_cost_vrp(sites: Sites, travel: Travel, *, vehicles: int | None = None, **limits: Any) -> RoutingProblem:
@@ -95,7 +95,7 @@ def min_cost_vrp(sites: Sites, travel: Travel, *, vehicles: int | None = None, *
     -----
     Source: Mitchell (2020), (5.9)-(5.15), corrected in docs/formulations/routing.md#errata.
     """
-    return _made("min-cost-vrp", sites, travel, vehicles, **limits)
+    return _named_problem("min-cost-vrp", sites, travel, vehicles, **limits)
 
 
 def min_makespan_vrp(sites: Sites, travel: Travel, *, vehicles: int, **limits: Any) -> RoutingProblem:
@@ -105,7 +105,7 @@ def min_makespan_vrp(sites: Sites, travel: Travel, *, vehicles: int, **limits: A
     -----
     Source: Mitchell (2020), (5.16).
     """
-    return _made("min-makespan-vrp", sites, travel, vehicles, **limits)
+    return _named_problem("min-makespan-vrp", sites, travel, vehicles, **limits)
 
 
 def orienteering(sites: Sites, travel: Travel, **limits: Any) -> RoutingProblem:
@@ -120,7 +120,7 @@ def orienteering(sites: Sites, travel: Travel, **limits: Any) -> RoutingProblem:
     -----
     Source: Golden, Levy and Vohra (1987); Mitchell (2020), (5.17)-(5.18).
     """
-    return _made("orienteering", _optional(sites), travel, 1, **limits)
+    return _named_problem("orienteering", _optional(sites), travel, 1, **limits)
 
 
 def team_orienteering(sites: Sites, travel: Travel, *, vehicles: int, **limits: Any) -> RoutingProblem:
@@ -130,7 +130,7 @@ def team_orienteering(sites: Sites, travel: Travel, *, vehicles: int, **limits: 
     -----
     Source: Chao, Golden and Wasil (1996); Mitchell (2020), (5.17)-(5.18).
     """
-    return _made("team-orienteering", _optional(sites), travel, vehicles, **limits)
+    return _named_problem("team-orienteering", _optional(sites), travel, vehicles, **limits)
 
 
 def makespan_orienteering(
@@ -155,7 +155,7 @@ def makespan_orienteering(
     -----
     Source: Mitchell (2020), section 5.5.4; where the printed weight fails: docs/formulations/routing.md#errata.
     """
-    problem = _made("makespan-orienteering", _optional(sites), travel, vehicles, **limits)
+    problem = _named_problem("makespan-orienteering", _optional(sites), travel, vehicles, **limits)
     if weight is None:
         return problem
     if weight == "printed":
@@ -199,7 +199,7 @@ def recharging_vrp(
         VehicleType(count, start=home, end=home, energy=store, name=name, **limits)
         for (home, count), name in zip(kinds.items(), names, strict=True)
     ]
-    return _made("recharging-vrp", sites, travel, None, fleet=fleet, **own)
+    return _named_problem("recharging-vrp", sites, travel, None, fleet=fleet, **own)
 
 
 def pdptw(sites: Sites, travel: Travel, *, capacity: float, vehicles: int | None = None, **limits: Any) -> RoutingProblem:
@@ -216,7 +216,7 @@ def pdptw(sites: Sites, travel: Travel, *, capacity: float, vehicles: int | None
     """
     if not sites.shipments:
         raise InputError("there are no shipments", expected="shipments of the sites")
-    return _made("pdptw", sites, travel, vehicles, capacity=capacity, **limits)
+    return _named_problem("pdptw", sites, travel, vehicles, capacity=capacity, **limits)
 
 
 def _optional(sites: Sites) -> Sites:
@@ -225,7 +225,7 @@ def _optional(sites: Sites) -> Sites:
     return replace(sites, required=np.zeros(len(sites), dtype=bool), groups=tuple(replace(g, required=False) for g in sites.groups))
 
 
-def _made(problem: str, sites: Sites, travel: Travel, vehicles: int | None, **limits: Any) -> RoutingProblem:
+def _named_problem(problem: str, sites: Sites, travel: Travel, vehicles: int | None, **limits: Any) -> RoutingProblem:
     objective: Composable = limits.pop("objective", None) or default_objective(problem, sites)
     least, name, fleet = limits.pop("min_vehicles", 0), limits.pop("name", problem), limits.pop("fleet", None)
     if fleet is None:

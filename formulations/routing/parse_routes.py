@@ -162,14 +162,14 @@ def routes_given(problem: RoutingProblem, given: Any) -> Routes:
     if not all(_is_list(route) for route in listed):
         raise UsageError(f"{printable(repr(given), 80)} is no list of routes; Routes.of([[1, 2], [3]]) makes an answer")
     if all(isinstance(route, Visits) for route in listed):
-        return _made(problem, [(_type(problem, route.vehicle), route) for route in listed])
+        return _routes_of(problem, [(_type(problem, route.vehicle), route) for route in listed])
     if len(problem.fleet) > 1:
         (name,) = problem.vehicle_names(Routes((Route(()),)))
         raise UsageError(
             f"lists do not say which of the {len(problem.fleet)} vehicle types drives a route; give {{{name!r}: [...]}}, one list a"
             " vehicle, or Route(visits, type)"
         )
-    return _made(problem, [(0, route) for route in listed])
+    return _routes_of(problem, [(0, route) for route in listed])
 
 
 def _is_list(route: Any) -> bool:
@@ -184,7 +184,7 @@ def _of_mapping(problem: RoutingProblem, routes_by_name: Mapping[Any, Any]) -> R
         several = len(listed) > 0 and all(_is_list(part) for part in listed)
         kind = _type(problem, name)
         routes += [(kind, part) for part in listed] if several else [(kind, listed)]
-    return _made(problem, routes)
+    return _routes_of(problem, routes)
 
 
 def _of_frame(problem: RoutingProblem, frame: Any) -> Routes:
@@ -209,7 +209,9 @@ def _of_frame(problem: RoutingProblem, frame: Any) -> Routes:
         stated.append(times[at] if times else (None, None, None))
     alike = len(problem.fleet) == 1
     kinds = [0 if alike else _type(problem, name) for name in by_vehicle]
-    return _made(problem, list(zip(kinds, (v for v, _ in by_vehicle.values()), strict=True)), [s for _, s in by_vehicle.values()], digit)
+    return _routes_of(
+        problem, list(zip(kinds, (v for v, _ in by_vehicle.values()), strict=True)), [s for _, s in by_vehicle.values()], digit
+    )
 
 
 def _type(problem: RoutingProblem, name: Any) -> int:
@@ -229,7 +231,7 @@ def _type(problem: RoutingProblem, name: Any) -> int:
     raise UsageError(f"there is no vehicle {printable(text, 60)!r}{did_you_mean(short, names)}; the types are {', '.join(names)}")
 
 
-def _made(
+def _routes_of(
     problem: RoutingProblem, routes: Sequence[tuple[int, Any]], times: Sequence[Sequence[Moments]] = (), digit: float = 0.0
 ) -> Routes:
     named = [[str(v) if isinstance(v, np.str_) else v for v in route] for _, route in routes]
@@ -243,11 +245,11 @@ def _made(
         while end > begin and visits[end - 1] == vehicle.end:
             end -= 1
         timetable = table(times[number], digit, begin, end) if times else None
-        parsed.append(untold(problem, Route(tuple(visits[begin:end]), kind, timetable)))
+        parsed.append(without_usual_times(problem, Route(tuple(visits[begin:end]), kind, timetable)))
     return Routes.of(parsed)
 
 
-def untold(problem: RoutingProblem, route: Route) -> Route:
+def without_usual_times(problem: RoutingProblem, route: Route) -> Route:
     """The route without its timetable where this states no more than the judge's own schedule."""
     if route.timetable is None:
         return route

@@ -34,7 +34,7 @@ from .answers import (
     visits_of_geojson,
 )
 from .facts import digested, facts, remarks
-from .fleet_need import fleet_conflicts, none
+from .fleet_need import fleet_conflicts, infeasible_bound
 from .judge import evaluate_routes
 from .objective import Composable, Objective, Reward, default_objective, pointless
 from .parse_routes import routes_given
@@ -367,7 +367,9 @@ class RoutingProblem(Problem):
         """Required sites that no vehicle can serve, or else proofs that the fleet is too small."""
         ids, sites = self.sites.ids, [(k, why) for k, why in unreachable(self).items() if self.sites.required[k]]
         for k, why in sites:
-            yield Reason("site", ids[k], why, Evidence("infeasible-site", f"site {ids[k]}: {why}", none(self), {"site": ids[k]}))
+            yield Reason(
+                "site", ids[k], why, Evidence("infeasible-site", f"site {ids[k]}: {why}", infeasible_bound(self), {"site": ids[k]})
+            )
         if not sites and not stopped():
             for evidence in fleet_conflicts(self, stopped):
                 site = evidence.data.get("site")

@@ -127,7 +127,7 @@ class _Answer:
                 places = judged(self.problem, [Route(v, route.vehicle) for listed in lists for v in orders(route.visits, listed)])
                 tally.add(number, places, *self._changes(number, places, np.array(lists[:1])))
             companions = ", ".join(self.problem.sites.ids[k] for k in lists[0] if k != site)
-            yield site, (f"with {companions}: " if companions else "") + self._told(tally, 0, lists[0])
+            yield site, (f"with {companions}: " if companions else "") + self._reason(tally, 0, lists[0])
 
     def _with(self, site: int) -> list[tuple[int, ...]]:
         """The sites that are visited with ``site`` or not at all, in each order of pickups before deliveries; none if they are many."""
@@ -148,7 +148,7 @@ class _Answer:
                 inserted = places.of(sites[part])
                 tally.add(number, inserted, *self._changes(number, inserted, sites[part, None]), part)
         for k, site in enumerate(sites.tolist()):
-            yield site, self._told(tally, k, (site,))
+            yield site, self._reason(tally, k, (site,))
 
     def _changes(self, number: int, places: Places, sites: Longs) -> tuple[Floats, Floats]:
         """By how much each level of the objective is worse at each place, shape (levels, sites, places), and the worth of visits there."""
@@ -174,7 +174,7 @@ class _Answer:
             worse.append(sign * sum((w * changes[t.name] for w, t in level.terms if t.name in changes), start=zero) - prizes[-1][:, None])
         return np.array(worse), np.array(prizes)
 
-    def _told(self, tally: _Tally, k: int, sites: Sequence[int]) -> str:
+    def _reason(self, tally: _Tally, k: int, sites: Sequence[int]) -> str:
         it, levels = "it" if len(sites) == 1 else "them", self.problem.objective.levels()
         if tally.best[0, k] == math.inf:
             return self._no_room(tally, k, it)

@@ -69,7 +69,7 @@ def build(problem: RoutingProblem) -> Compiled:
         every = [route for walk in walks for visits in sorted(best_orders(walk)) if (route := walk.given(visits)) is not None]
     else:
         every = [route for walk in walks for route in walk.routes()]
-    return with_levels(problem, lambda p: _Writing(p, every).compiled(Exactness.EXACT))
+    return with_levels(problem, lambda p: _RouteColumns(p, every).compiled(Exactness.EXACT))
 
 
 def over(problem: RoutingProblem, routes: Iterable[Route]) -> Compiled:
@@ -83,10 +83,10 @@ def over(problem: RoutingProblem, routes: Iterable[Route]) -> Compiled:
         if priced is None:
             raise InputError("a route breaks a limit", found=", ".join(map(str, route.visits)))
         priced_routes.append(priced)
-    return with_levels(problem, lambda p: _Writing(p, priced_routes).compiled(Exactness.RESTRICTION))
+    return with_levels(problem, lambda p: _RouteColumns(p, priced_routes).compiled(Exactness.RESTRICTION))
 
 
-class _Writing(Blocks):
+class _RouteColumns(Blocks):
     """Columns and rows of one program."""
 
     def __init__(self, problem: RoutingProblem, every: Iterable[Priced]) -> None:

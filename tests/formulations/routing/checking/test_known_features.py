@@ -14,7 +14,7 @@ from small_routing import WHOLE_FAMILY, few, plane, varied
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.routing.checking.known_features import KNOWN, unknown_features, without_stops
-from waybound.formulations.routing.fleet_need import none
+from waybound.formulations.routing.fleet_need import infeasible_bound
 from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
 from waybound.formulations.stop import Stop
 from waybound.instances.errors import InputError
@@ -91,7 +91,11 @@ def test_no_evidence_proves_more_than_is_true(feature):
         for kind, data in multipliers(problem, rng):
             assert verified_bound(problem, Evidence(kind, "", 0.0, data)) <= value + 1e-9 * abs(value), (seed, kind)
         for kind, data in claims(problem, rng):
-            assert verified_bound(problem, Evidence(kind, "", none(problem), data)) != none(problem), (seed, kind, data)
+            assert verified_bound(problem, Evidence(kind, "", infeasible_bound(problem), data)) != infeasible_bound(problem), (
+                seed,
+                kind,
+                data,
+            )
     assert judged >= 2
 
 
