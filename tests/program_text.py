@@ -13,6 +13,16 @@ from waybound.formulations.programs.compiled import Compiled
 from waybound.formulations.programs.program import Program
 from waybound.instances.reading import read_instance
 
+TWO_SITES = """
+    # vehicles: 2
+    # capacity: 4
+    # max-distance: 12
+    id,x,y,demand,service,due
+    o,0,0,0,0,16
+    a,3,0,2,1,9
+    b,3,4,1,2,10
+"""
+
 
 def compiled(text: str, form: str, folder: Path, suffix: str = ".csv", *, relax: bool = False) -> Compiled:
     """The instance that ``text`` is in a file, compiled to ``form``."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -22,6 +23,7 @@ from waybound.formulations.routing.objective import (
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Group, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.reports.benchmarks.exact_routing import best_values
 
 CUSTOMERS = 5
 
@@ -264,3 +266,34 @@ def plane(seed: int, customers: int, capacity: float, count: int | None = None) 
     sites = Sites.of(range(customers + 1), demand=[0, *rng.integers(1, 10, customers)])
     travel = Travel("EUC_2D", rng.integers(0, 100, (customers + 1, 2)).astype(float))
     return RoutingProblem(sites, travel, (VehicleType(count, capacity),))
+
+
+def drawn(feature: str, seed: int, convention: str = "round") -> RoutingProblem:
+    """A problem in which a feature matters, of ``FEATURES`` or of the whole family, small enough for enumeration."""
+    return varied(feature, seed, few(feature)) if feature in WHOLE_FAMILY else small(feature, seed, convention)
+
+
+@functools.lru_cache(maxsize=8)
+def enumerated(problem: RoutingProblem) -> tuple[float, ...] | None:
+    """``best_values``, of a problem that is asked for again and again."""
+    return best_values(problem)
+
+
+def excludes(problem: RoutingProblem, bound: float, slack: float = 1e-9) -> bool:
+    """Whether a bound is beyond the optimum of the first level by more than a part of it; no bound is where there is no answer."""
+    best = enumerated(problem)
+    sign = 1.0 if problem.sense == "min" else -1.0
+    return best is not None and sign * (bound - float(best[0])) > slack * max(1.0, abs(float(best[0])))
+
+
+LINE = np.abs(np.subtract.outer(*[np.array([0.0, 4, -5, 6, -7])] * 2))
+
+
+def at_risk(
+    risk: float | None, team_risk: float | None = None, scale: float = 1.0, service: float = 1.0, **limits: object
+) -> RoutingProblem:
+    """Three vehicles and customers on both sides of the depot, each with a service; times, not distances, in other units."""
+    travel = Travel(EXPLICIT, matrix=LINE, duration_matrix=scale * LINE, variances=scale**2 * LINE / 4)
+    sites = Sites.of(range(5), service=scale * service * np.array([0.0, 1, 1, 1, 1]))
+    fleet = (VehicleType(**{"count": 3, "risk": risk, "max_duration": 18.0 * scale, **limits}),)  # type: ignore[arg-type]
+    return RoutingProblem(sites, travel, fleet, team_risk=team_risk)

@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from .formulations.risk.risk_allocation import RiskAllocation
     from .formulations.risk.risky_path import RiskyPath
     from .formulations.risk.uncertain_path import UncertainPath
-    from .formulations.routing.members import (
+    from .formulations.routing.named_problems import (
         cvrp,
         makespan_orienteering,
         mdvrp,
@@ -127,7 +127,7 @@ _MODULES = {
     "formulations.risk.uncertain_path": ("UncertainPath",),
     "formulations.risk.allocations": ("Allocation",),
     "formulations.risk.risk_allocation": ("RiskAllocation",),
-    "formulations.routing.members": (
+    "formulations.routing.named_problems": (
         "cvrp",
         "makespan_orienteering",
         "mdvrp",

@@ -1,23 +1,23 @@
-"""Routes in JSON, and as a table."""
+"""Routes in JSON, GeoJSON and networkx, as tables and as lines of text."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ...instances.errors import InputError
+from ...instances.errors import InputError, UsageError
 from ...instances.printable import printable
 from ..rendering import Line
-from .routes import Route, Routes
-from .schedule import schedule
-from .timetable import Timetable
+from .routes import Route, Routes, Timetable
+from .schedule import Schedule, schedule
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from ...instances.routing.vehicle_type import VehicleType
     from .problem import RoutingProblem
 
 
@@ -57,37 +57,54 @@ def routes_from_json(problem: RoutingProblem, data: Any) -> Routes:
     return Routes.of(routes)
 
 
+class Run(NamedTuple):
+    """A route with the name of its vehicle, its type and its schedule."""
+
+    name: str
+    route: Route
+    vehicle: VehicleType
+    plan: Schedule
+
+    def stops(self, ids: Sequence[str]) -> list[str]:
+        """Ids of all sites in order, the depots at both ends among them."""
+        return [ids[k] for k in (self.vehicle.start, *self.route.visits, self.vehicle.end)]
+
+
+def runs(problem: RoutingProblem, answer: Routes) -> Iterator[Run]:
+    """Each route of an answer as it is driven."""
+    for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
+        yield Run(name, route, problem.fleet[route.vehicle], schedule(problem, route))
+
+
 def routes_to_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
-    """One row a stop; see ``RoutingProblem.answer_to_frame``."""
+    """One row a stop: vehicle, position, site, arrival, begin, departure, load, distance (cumulated).
+
+    ``on_board`` where loads are collected or shipped, ``energy`` where stores are filled on the way; then the attributes of sites.
+    Times are moments where the problem was made of timestamps.
+    """
     import pandas as pd
 
-    held, sites = problem.features(), problem.sites
-    carried, filled = bool({"pickups", "shipments", "reloads"} & held), "recharging" in held
-    rows = []
-    for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
-        plan = schedule(problem, route)
-        left = _energy_left(problem, route) if filled else []
-        for k, site in enumerate(route.visits):
-            row: dict[str, Any] = {
-                "vehicle": name, "position": k + 1, "site": sites.ids[site],
-                "arrival": plan.arrival[k], "begin": plan.begin[k], "departure": plan.ends[k],
-                "load": float(plan.load[k]), "distance": float(plan.distance[k]),
-            }  # fmt: skip
-            if carried:
-                row["on_board"] = float(plan.on_board[0, k + 1])
-            if filled:
-                row["energy"] = left[k]
-            rows.append(row | {_title(title): values[site] for title, values in sites.attributes.items()})
-    columns = [*VISIT, *(["on_board"] if carried else []), *(["energy"] if filled else []), *map(_title, sites.attributes)]
-    return _dated(problem, pd.DataFrame(rows, columns=columns), ("arrival", "begin", "departure"))
-
-
-VISIT = ("vehicle", "position", "site", "arrival", "begin", "departure", "load", "distance")
-
-
-def _title(title: str) -> str:
-    """Of a column with an attribute of sites, beside those of visits."""
-    return f"{title} (given)" if title in (*VISIT, "on_board", "energy") else title
+    features, sites = problem.features(), problem.sites
+    driven = list(runs(problem, answer))
+    stops = [(run, k, site) for run in driven for k, site in enumerate(run.route.visits)]
+    columns = {
+        "vehicle": [run.name for run, _, _ in stops],
+        "position": [k + 1 for _, k, _ in stops],
+        "site": [sites.ids[site] for _, _, site in stops],
+        "arrival": [run.plan.arrival[k] for run, k, _ in stops],
+        "begin": [run.plan.begin[k] for run, k, _ in stops],
+        "departure": [run.plan.ends[k] for run, k, _ in stops],
+        "load": [float(run.plan.load[k]) for run, k, _ in stops],
+        "distance": [float(run.plan.distance[k]) for run, k, _ in stops],
+    }
+    if {"pickups", "shipments", "reloads"} & features:
+        columns["on_board"] = [float(run.plan.on_board[0, k + 1]) for run, k, _ in stops]
+    if "recharging" in features:
+        columns["energy"] = [level for run in driven for level in _energy_left(problem, run.route)]
+    taken = {*columns, "on_board", "energy"}
+    for title, values in sites.attributes.items():
+        columns[f"{title} (given)" if title in taken else title] = [values[site] for _, _, site in stops]
+    return _dated(problem, pd.DataFrame(columns), ("arrival", "begin", "departure"))
 
 
 def _dated(problem: RoutingProblem, frame: pd.DataFrame, columns: Sequence[str]) -> pd.DataFrame:
@@ -99,41 +116,35 @@ def _dated(problem: RoutingProblem, frame: pd.DataFrame, columns: Sequence[str])
 
 
 def routes_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
-    """One row a route: vehicle, type, stops, load, distance, duration, departure, return, cost, and the
-    sites in order, from the depot on."""
+    """One row a route; ``sites`` are in order, from the depot on."""
     import pandas as pd
 
-    ids, rows = problem.sites.ids, []
-    for name, route in zip(problem.vehicle_names(answer), answer, strict=True):
-        plan, vehicle = schedule(problem, route), problem.fleet[route.vehicle]
-        rows.append(
-            {
-                "vehicle": name, "type": vehicle.name, "stops": len(route), "load": plan.total_load, "distance": plan.total_distance,
-                "duration": plan.duration, "departure": plan.departure, "return": plan.finish,
-                "cost": plan.cost(vehicle),
-                "sites": " > ".join((ids[vehicle.start], *(ids[k] for k in route.visits), ids[vehicle.end])),
-            }
-        )  # fmt: skip
-    columns = ["vehicle", "type", "stops", "load", "distance", "duration", "departure", "return", "cost", "sites"]
-    return _dated(problem, pd.DataFrame(rows, columns=columns), ("departure", "return"))
+    driven = list(runs(problem, answer))
+    columns = {
+        "vehicle": [run.name for run in driven],
+        "type": [run.vehicle.name for run in driven],
+        "stops": [len(run.route) for run in driven],
+        "load": [run.plan.total_load for run in driven],
+        "distance": [run.plan.total_distance for run in driven],
+        "duration": [run.plan.duration for run in driven],
+        "departure": [run.plan.departure for run in driven],
+        "return": [run.plan.finish for run in driven],
+        "cost": [run.plan.cost(run.vehicle) for run in driven],
+        "sites": [" > ".join(run.stops(problem.sites.ids)) for run in driven],
+    }
+    return _dated(problem, pd.DataFrame(columns), ("departure", "return"))
 
 
 class Visits(tuple[str, ...]):
-    """Ids of the sites of one route in order, without the depots at both ends.
-
-    Attributes
-    ----------
-    vehicle : str
-        Name of the vehicle, as tables have it.
-    """
+    """Ids of the sites of one route in order, without the depots at both ends; ``vehicle`` is its name in tables."""
 
     vehicle: str
 
     @classmethod
     def of(cls, ids: Iterable[str], vehicle: str) -> Visits:
-        made = cls(ids)
-        made.vehicle = vehicle
-        return made
+        visits = cls(ids)
+        visits.vehicle = vehicle
+        return visits
 
     def __repr__(self) -> str:
         return repr(list(self))
@@ -154,31 +165,96 @@ SHOWN_ROUTES = 20
 
 def routes_lines(problem: RoutingProblem, answer: Routes) -> list[Line]:
     """A line a route, and one a site that is left out, with the reason."""
-    ids, lines = problem.sites.ids, []
-    for name, route in itertools.islice(zip(problem.vehicle_names(answer), answer, strict=True), SHOWN_ROUTES):
-        plan, vehicle = schedule(problem, route), problem.fleet[route.vehicle]
-        stops = " > ".join((ids[vehicle.start], *(ids[k] for k in route.visits), ids[vehicle.end]))
-        load = f", load {plan.total_load:.6g}" if plan.total_load else ""
-        lines.append(Line(name, f"{stops} (distance {plan.total_distance:.6g}{load})"))
+    lines = []
+    for run in itertools.islice(runs(problem, answer), SHOWN_ROUTES):
+        load = f", load {run.plan.total_load:.6g}" if run.plan.total_load else ""
+        lines.append(Line(run.name, f"{' > '.join(run.stops(problem.sites.ids))} (distance {run.plan.total_distance:.6g}{load})"))
     if len(answer) > SHOWN_ROUTES:
         lines.append(Line("", f"and {len(answer) - SHOWN_ROUTES} more routes; to_frame() and routes have all", "quiet"))
-    left = problem.left_out(answer)
-    lines += [Line("left out", f"{one.where}: {one.reason}") for one in left[:SHOWN_ROUTES]]
-    if len(left) > SHOWN_ROUTES:
-        lines.append(Line("", f"and {len(left) - SHOWN_ROUTES} more; left_out() has all", "quiet"))
+    unvisited = problem.left_out(answer)
+    lines += [Line("left out", f"{one.where}: {one.reason}") for one in unvisited[:SHOWN_ROUTES]]
+    if len(unvisited) > SHOWN_ROUTES:
+        lines.append(Line("", f"and {len(unvisited) - SHOWN_ROUTES} more; left_out() has all", "quiet"))
     return lines
 
 
 def _energy_left(problem: RoutingProblem, route: Route) -> list[float | None]:
-    """What the store holds on leaving each stop; None where the vehicle has none that is charged for travel."""
+    """Energy in the store on leaving each stop; None where the vehicle has no store that is charged for travel."""
     vehicle = problem.fleet[route.vehicle]
     if vehicle.energy is None or vehicle.energy.charge != "travel":
         return [None] * len(route.visits)
     stops = np.array([vehicle.start, *route.visits], dtype=np.int64)
     drawn = vehicle.energy.rate * problem.travel_of(route.vehicle).duration(stops[:-1], stops[1:])
-    left: list[float | None] = []
-    held = vehicle.energy.at_departure
+    levels: list[float | None] = []
+    level = vehicle.energy.at_departure
     for site, part in zip(route.visits, drawn.tolist(), strict=True):
-        held = vehicle.energy.capacity if site in vehicle.stations else held - part
-        left.append(held)
-    return left
+        level = vehicle.energy.capacity if site in vehicle.stations else level - part
+        levels.append(level)
+    return levels
+
+
+def answer_graph(problem: RoutingProblem, answer: Routes) -> Any:
+    """A ``networkx.MultiDiGraph``: a node a site, with its place, demand and attributes, and an edge a move of a route."""
+    import networkx as nx
+
+    sites = problem.sites
+    graph = nx.MultiDiGraph(name=problem.name)
+    for k, site in enumerate(sites.ids):
+        place = {} if sites.coordinates is None else {"pos": tuple(sites.coordinates[k].tolist())}
+        kept = {title: values[k] for title, values in sites.attributes.items()}
+        graph.add_node(site, **{**kept, **place, "depot": bool(sites.depot[k]), "demand": float(sites.demand[k])})
+    for run in runs(problem, answer):
+        travel, stops = problem.travel_of(run.route.vehicle), (run.vehicle.start, *run.route.visits, run.vehicle.end)
+        ends = [0.0, *run.plan.distance.tolist(), run.plan.total_distance]
+        for k, (tail, head) in enumerate(itertools.pairwise(stops)):
+            length, duration = ends[k + 1] - ends[k], float(travel.duration(tail, head))
+            graph.add_edge(sites.ids[tail], sites.ids[head], vehicle=run.name, position=k + 1, distance=length, duration=duration)
+    return graph
+
+
+def answer_geojson(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
+    """A ``FeatureCollection`` (RFC 7946): a line a route, straight from stop to stop, a point a site, and one a stop at a depot on the
+    way.
+
+    Raises UsageError if sites have no latitude and longitude.
+    """
+    sites = problem.sites
+    if sites.coordinates is None or not sites.geographic:
+        raise UsageError("GeoJSON needs latitude and longitude, which these sites do not have: columns lat and lon of from_frame")
+    places = sites.coordinates.tolist()
+    features = []
+    for row, route in zip(_rows(routes_frame(problem, answer)), answer, strict=True):
+        vehicle = problem.fleet[route.vehicle]
+        line = [places[k] for k in (vehicle.start, *route.visits, vehicle.end)]
+        features.append(_feature("LineString", line, {"kind": "route", **row, "visits": [sites.ids[k] for k in route.visits]}))
+    visits: dict[str, list[dict[str, Any]]] = {}
+    for row in _rows(routes_to_frame(problem, answer)):
+        visits.setdefault(row.pop("site"), []).append(row)
+    reasons = {one.where: one.reason for one in problem.left_out(answer)}
+    for k, site in enumerate(sites.ids):
+        kept = {title: values[k] for title, values in sites.attributes.items()}
+        kind = "depot" if sites.depot[k] else "site"
+        stops = visits.get(site, [])
+        visit, further = (stops[0], stops[1:]) if stops and kind == "site" else ({}, stops)
+        omission = {"left_out": reasons[site]} if site in reasons else {}
+        features.append(_feature("Point", places[k], {"kind": kind, "id": site, **kept, **visit, **omission}))
+        features += [_feature("Point", places[k], {"kind": "stop", "id": site, **kept, **each}) for each in further]
+    return {"type": "FeatureCollection", "features": features}
+
+
+def _feature(kind: str, coordinates: Any, properties: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "Feature", "geometry": {"type": kind, "coordinates": coordinates}, "properties": properties}
+
+
+def _rows(frame: Any) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = frame.to_dict("records")
+    return [{str(key): value.isoformat() if hasattr(value, "isoformat") else value for key, value in row.items()} for row in rows]
+
+
+def visits_of_geojson(data: Any) -> dict[str, list[str]] | None:
+    """Visits by vehicle in such a document; None where it is none."""
+    features = data.get("features") if isinstance(data, dict) and data.get("type") == "FeatureCollection" else None
+    if not isinstance(features, list):
+        return None
+    rows = [f["properties"] for f in features if isinstance(f, dict) and isinstance(f.get("properties"), dict)]
+    return {str(row["vehicle"]): row["visits"] for row in rows if row.get("kind") == "route" and {"vehicle", "visits"} <= row.keys()}

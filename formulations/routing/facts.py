@@ -1,9 +1,10 @@
-"""What ``waybound info`` shows of a routing problem, and the hash of its data."""
+"""Facts of a routing problem for ``waybound info``, and the hash of its data."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,12 +13,13 @@ from numpy.typing import NDArray
 from ...instances.instance import digest
 from ...instances.routing.features import features
 from ...instances.routing.geography import middle
-from ...instances.routing.sites import with_unused
+from ...instances.routing.sites import Sites, with_unused
 from ...instances.routing.travel import EXPLICIT
+from .objective import DEFAULT_OBJECTIVE, default_objective, pointless
 from .reachability import unreachable
+from .routes import Longs
 
 if TYPE_CHECKING:
-    from ...instances.routing.sites import Sites
     from ...instances.routing.travel import Travel
     from ...instances.routing.vehicle_type import VehicleType
     from .problem import RoutingProblem
@@ -28,7 +30,7 @@ FIRST = 10
 
 def facts(problem: RoutingProblem) -> dict[str, Any]:
     """Objective, sites, demand, service, windows, travel and fleet; loads, relations of sites and the like where there are any."""
-    s, at = problem.sites, problem.customers
+    s, at, held = problem.sites, problem.customers, features(problem)
     due = s.due[at][np.isfinite(s.due[at])]
     return {
         "objective": str(problem.objective),
@@ -52,101 +54,92 @@ def facts(problem: RoutingProblem) -> dict[str, Any]:
         "min_vehicles": problem.min_vehicles,
         **({} if problem.team_risk is None else {"team_risk": problem.team_risk}),
         **({"around": dataclasses.asdict(middle(s.coordinates))} if s.geographic and s.coordinates is not None else {}),
-        **_further(problem),
+        **{key: of(s, at) for feature, (key, of) in FURTHER.items() if feature in held},
     }
 
 
 def remarks(problem: RoutingProblem) -> tuple[str, ...]:
-    """What is told beside the notes: what the data hold that does not count, and what counts though nobody asked."""
-    from .members import DEFAULT_OBJECTIVE, default_objective, pointless
-
+    """Data that do not count, and what counts though nobody asked."""
     s, at, aims = problem.sites, problem.customers, problem.objective.features()
-    made = list(with_unused(problem.notes, s.attributes))
+    texts = list(with_unused(problem.notes, s.attributes))
     aim = str(problem.objective)
     for name, values in (("rewards", s.reward), ("penalties", s.penalty)):
         if values[at].any() and f"objective:{name.removesuffix('s') if name == 'rewards' else name}" not in aims:
             why = "every site is required" if s.required[at].all() else f"the objective is {aim}"
-            made.append(f"{name} count for nothing: {why}")
+            texts.append(f"{name} count for nothing: {why}")
     stops = any(v.reloads or v.stations for v in problem.fleet)
     at_stops = "at stops on the way alone: departure and return take no time" if stops else "for nothing: departure and return take no time"
-    for name, held, why in (("service", s.service, at_stops), ("demand", s.demand, "for nothing"), ("pickup", s.pickup, "for nothing")):
-        if idle := [s.ids[k] for k in s.depots.tolist() if held[k] > 0.0]:
-            made.append(f"{name} of {', '.join(idle[:5])}{', ...' if len(idle) > 5 else ''}, a depot, counts {why}")
-    made += _unlimited(problem)
+    for name, values, why in (("service", s.service, at_stops), ("demand", s.demand, "for nothing"), ("pickup", s.pickup, "for nothing")):
+        if idle := [s.ids[k] for k in s.depots.tolist() if values[k] > 0.0]:
+            texts.append(f"{name} of {', '.join(idle[:5])}{', ...' if len(idle) > 5 else ''}, a depot, counts {why}")
+    texts += _unlimited(problem)
     if many := pointless(s):
-        made.append(f"{many} {'site' if many == 1 else 'sites'} may be left out, and nothing tells what a visit is worth")
+        texts.append(f"{many} {'site' if many == 1 else 'sites'} may be left out, and nothing tells what a visit is worth")
     if aim == str(default_objective(problem.problem, s)) != str(DEFAULT_OBJECTIVE.get(problem.problem)):
-        made.append(f"sites may be left out, and what they are worth counts: the objective is {aim}")
-    return tuple(made)
+        texts.append(f"sites may be left out, and what they are worth counts: the objective is {aim}")
+    return tuple(texts)
 
 
 def _unlimited(problem: RoutingProblem) -> list[str]:
     """Loads that no vehicle has a capacity for: whoever tells them means a limit."""
-    s, at, made = problem.sites, problem.customers, []
+    s, at, texts = problem.sites, problem.customers, []
     for k in range(s.dimensions):
         if any(math.isfinite(v.capacities[k]) for v in problem.fleet if k < len(v.capacities)):
             continue
         number = "" if k == 0 else str(k + 1)
-        held = {
+        loads = {
             f"demand{number}": s.demand if k == 0 else s.further_demand[:, k - 1],
             f"pickup{number}": s.pickup if k == 0 else s.further_pickup[:, k - 1],
         }
-        names = [name for name, values in held.items() if values[at].any()]
+        names = [name for name, values in loads.items() if values[at].any()]
         if any(k < len(shipment.load) and shipment.load[k] for shipment in s.shipments):
             names.append(f"load{number} of shipments")
         if names:
             counts = "count" if len(names) > 1 else "counts"
-            made.append(f"{' and '.join(names)} {counts} for nothing: no vehicle has a capacity for {'them' if len(names) > 1 else 'it'}")
-    return made
+            texts.append(f"{' and '.join(names)} {counts} for nothing: no vehicle has a capacity for {'them' if len(names) > 1 else 'it'}")
+    return texts
 
 
-def _further(problem: RoutingProblem) -> dict[str, Any]:
-    """What most problems do not have."""
-    s, at, held = problem.sites, problem.customers, features(problem)
-    found: dict[str, Any] = {}
-    if "demand-or-service-of-depots" in held:
-        found["at_depots"] = {name: math.fsum(getattr(s, name)[s.depots]) for name in ("demand", "service")}
-    if "several-loads" in held:
-        found["further_demand"] = [_spread(column) for column in s.further_demand[at].T]
-    if "pickups" in held:
-        found["pickup"] = _spread(s.pickup[at])
-    if "rewards" in held:
-        found["reward"] = _spread(s.reward[at])
-    if "penalties" in held:
-        found["penalty"] = _spread(s.penalty[at])
-    if "several-windows" in held:
-        found["several_windows"] = {"sites": sum(1 for w in s.windows if w), "most": max(len(w) for w in s.windows)}
-    if "skills" in held:
-        found["skills"] = {"sites": sum(1 for names in s.skills if names), "names": sorted(frozenset().union(*s.skills))}
-    if "shipments" in held:
-        found["shipments"] = {"count": len(s.shipments), "load": math.fsum(x.load[0] for x in s.shipments)}
-    if "groups" in held:
-        found["groups"] = {"count": len(s.groups), "required": sum(g.required for g in s.groups)}
-    return found
+FURTHER: dict[str, tuple[str, Callable[[Sites, Longs], Any]]] = {
+    "demand-or-service-of-depots": (
+        "at_depots", lambda s, at: {name: math.fsum(getattr(s, name)[s.depots]) for name in ("demand", "service")}
+    ),
+    "several-loads": ("further_demand", lambda s, at: [_spread(column) for column in s.further_demand[at].T]),
+    "pickups": ("pickup", lambda s, at: _spread(s.pickup[at])),
+    "rewards": ("reward", lambda s, at: _spread(s.reward[at])),
+    "penalties": ("penalty", lambda s, at: _spread(s.penalty[at])),
+    "several-windows": (
+        "several_windows", lambda s, at: {"sites": sum(1 for w in s.windows if w), "most": max(len(w) for w in s.windows)}
+    ),
+    "skills": ("skills", lambda s, at: {"sites": sum(1 for names in s.skills if names), "names": sorted(frozenset().union(*s.skills))}),
+    "shipments": ("shipments", lambda s, at: {"count": len(s.shipments), "load": math.fsum(x.load[0] for x in s.shipments)}),
+    "groups": ("groups", lambda s, at: {"count": len(s.groups), "required": sum(g.required for g in s.groups)}),
+}  # fmt: skip
+"""Facts that most problems do not have, by feature: the key, and the value from sites and indices of the customers."""
 
 
 def _travel(travel: Travel, sites: Sites) -> dict[str, Any]:
-    made = {
+    facts = {
         "metric": travel.metric, "coordinates": sites.coordinates is not None, "own_durations": travel.own_durations
     }  # fmt: skip
     if travel.closing is not None:
-        made["closing_moves"] = int(np.isfinite(travel.closing).sum())
+        facts["closing_moves"] = int(np.isfinite(travel.closing).sum())
     if travel.uncertain:
-        made["largest_variance"] = float(np.max(travel.variances))  # type: ignore[arg-type]
-    return made
+        facts["largest_variance"] = float(np.max(travel.variances))  # type: ignore[arg-type]
+    return facts
 
 
 def _vehicle(vehicle: VehicleType, sites: Sites) -> dict[str, Any]:
-    made: dict[str, Any] = {"name": vehicle.name}
+    facts: dict[str, Any] = {"name": vehicle.name}
     for number, field in enumerate(dataclasses.fields(vehicle)):
         value = getattr(vehicle, field.name)
         if number < FIRST or value != field.default:
-            made[field.name] = sorted(value) if isinstance(value, frozenset) else list(value) if isinstance(value, tuple) else value
-    made |= {"start": sites.ids[vehicle.start], "end": sites.ids[vehicle.end]}
+            facts[field.name] = sorted(value) if isinstance(value, frozenset) else list(value) if isinstance(value, tuple) else value
+    facts |= {"start": sites.ids[vehicle.start], "end": sites.ids[vehicle.end]}
     if vehicle.reloads:
-        made["reloads"] = [sites.ids[k] for k in vehicle.reloads]
+        facts["reloads"] = [sites.ids[k] for k in vehicle.reloads]
     if vehicle.travel is not None:
-        made["travel"] = _travel(vehicle.travel, sites)
+        facts["travel"] = _travel(vehicle.travel, sites)
     if vehicle.energy is not None:
         store = dataclasses.asdict(vehicle.energy)
         for key in ("stations", "initial"):
@@ -154,8 +147,8 @@ def _vehicle(vehicle: VehicleType, sites: Sites) -> dict[str, Any]:
                 del store[key]
         if vehicle.energy.stations:
             store["stations"] = [sites.ids[k] for k in vehicle.energy.stations]
-        made["energy"] = store
-    return made
+        facts["energy"] = store
+    return facts
 
 
 def digested(problem: RoutingProblem) -> str:

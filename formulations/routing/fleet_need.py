@@ -1,6 +1,6 @@
 """Why a fleet is too small, or too many routes are asked for: arguments that need no solver, in the problem's words.
 
-What is found here are suspicions with their evidence; ``formulations.checking`` says which of them are proofs.
+They are suspicions with their evidence; ``formulations.checking`` says which of them are proofs.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.clock import moment_told
 from ...instances.routing.reach import Use, least_use, shortest_ways
@@ -21,13 +20,11 @@ from ..certificate import verified_bound
 from ..evidence import Evidence
 from ..tolerance import widened
 from .reachability import unreachable
+from .routes import Flags, Floats, Longs
 
 if TYPE_CHECKING:
     from .problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 
 LARGEST_CLIQUE_DATA = 1500
 """Sites up to which pairs are compared (all shortest paths take cubic time)."""
@@ -44,51 +41,42 @@ def fleet_conflicts(
 ) -> Iterator[Evidence]:
     """Proofs that the fleet is too small for the required sites, or the number of routes asked for too large.
 
-    Each was checked, and is looked for only where none of the simpler kinds was found.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-    stopped : callable
-        Asked between arguments whether to give up.
-    most_enumerated : int
-        Sites of which every choice of routes is tried.
-
-    Notes
-    -----
-    Total load, the bin packing bound L2 (Martello and Toth 1990, *Knapsack Problems*, section 8.3), total range, a set of sites of which
-    no two fit on one route; then a few sites for which no choice of routes is left; then the time between two moments.
+    Each was checked, and is looked for only where no simpler kind was found: total load, the bin packing bound L2 (Martello and Toth
+    1990,
+    *Knapsack Problems*, section 8.3), total range, a set of sites of which no two fit on one route; then up to ``most_enumerated`` sites
+    for
+    which no choice of routes is left; then the time between two moments. ``stopped`` is asked between arguments whether to give up.
     """
     small_groups = partial(_small_groups, stopped=stopped, most=most_enumerated)
     for tier in ((_routes_asked_for, _loads, _ranges, _sites_apart), (small_groups,), (_hours,)):
-        found = False
+        proved = False
         for argue in tier:
             for evidence in argue(problem):
                 if proves(problem, evidence):
-                    found = True
+                    proved = True
                     yield evidence
             if stopped():
                 return
-        if found:
+        if proved:
             return
 
 
 def proves(problem: RoutingProblem, evidence: Evidence) -> bool:
     """Whether the checker confirms that ``evidence`` leaves no answer."""
-    return verified_bound(problem, evidence) == none(problem)
+    return verified_bound(problem, evidence) == infeasible_bound(problem)
 
 
-def none(problem: RoutingProblem) -> float:
+def infeasible_bound(problem: RoutingProblem) -> float:
     """The bound that says that there is no answer."""
     return math.inf if problem.sense == "min" else -math.inf
 
 
 def _evidence(problem: RoutingProblem, kind: str, why: str, **data: object) -> Evidence:
-    return Evidence(kind, why, none(problem), data)
+    return Evidence(kind, why, infeasible_bound(problem), data)
 
 
 def suspicions(problem: RoutingProblem) -> Iterator[Evidence]:
-    """All that the arguments find but for small groups, confirmed or not."""
+    """All arguments but that of small groups, confirmed or not."""
     for argue in (_routes_asked_for, _loads, _ranges, _sites_apart, _hours):
         yield from argue(problem)
 
@@ -215,7 +203,7 @@ def _small_groups(problem: RoutingProblem, stopped: Callable[[], bool], most: in
     yield _evidence(problem, "sites-beyond-fleet", f"no choice of routes lets {who} serve {what}{least}: {', '.join(names)}", sites=names)
 
 
-def _beyond(problem: RoutingProblem, group: Indices) -> bool:
+def _beyond(problem: RoutingProblem, group: Longs) -> bool:
     return proves(problem, _evidence(problem, "sites-beyond-fleet", "", sites=[problem.sites.ids[k] for k in group]))
 
 
@@ -228,7 +216,7 @@ def _named(problem: RoutingProblem, kinds: tuple[int, ...]) -> str:
 
 
 def bin_packing_bound(demand: Floats, capacity: float) -> tuple[int, float]:
-    """Bound L2 and its threshold ``k``: items above ``capacity - k`` keep a bin each, and share it with nothing of size ``k`` or more."""
+    """Bound L2 and its threshold ``k``: items above ``capacity - k`` share a bin with nothing of size ``k`` or more."""
     if capacity <= 0:
         return len(demand), 0.0
     if capacity == math.inf:
@@ -244,7 +232,7 @@ def bin_packing_bound(demand: Floats, capacity: float) -> tuple[int, float]:
     return best, at
 
 
-def _compatible(problem: RoutingProblem, wanted: Indices) -> tuple[Flags, Flags]:
+def _compatible(problem: RoutingProblem, wanted: Longs) -> tuple[Flags, Flags]:
     """Which vehicle type may serve each site, shape (types, wanted), and whether two sites may share a route of some vehicle.
 
     Times between sites are those of shortest ways without service on the way, so that no other visit can make a pair fit.
@@ -270,7 +258,7 @@ def _keeps(uses: Iterable[Use]) -> Flags:
     return functools.reduce(np.logical_and, (use.least <= widened(use.most) for use in uses))
 
 
-def _largest_clique(edges: Flags) -> Indices:
+def _largest_clique(edges: Flags) -> Longs:
     """A large set of which all pairs are joined: greedy from the nodes of highest degree."""
     edges = edges.copy()
     np.fill_diagonal(edges, False)
@@ -279,12 +267,12 @@ def _largest_clique(edges: Flags) -> Indices:
     for seed in np.argsort(-degree, kind="stable")[:_SEEDS].tolist():
         if degree[seed] < len(best):
             break
-        clique, left = [seed], edges[seed].copy()
-        while left.any():
-            inside = np.where(left, edges[:, left].sum(axis=1), -1)
+        clique, candidates = [seed], edges[seed].copy()
+        while candidates.any():
+            inside = np.where(candidates, edges[:, candidates].sum(axis=1), -1)
             node = int(np.argmax(inside))
             clique.append(node)
-            left &= edges[node]
+            candidates &= edges[node]
         if len(clique) > len(best):
             best = clique
     return np.sort(np.array(best, dtype=np.int64))

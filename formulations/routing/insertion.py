@@ -1,8 +1,8 @@
-"""What a route would be with one site more: every place of it at once, for many sites.
+"""Routes with one site more: every place for it at once, for many sites.
 
-Times at a place follow from what holds before and after it: the clock of the stops before, the latest arrival at those after it, and the
-shortest durations of both (segments of routes: Vidal, Crainic, Gendreau and Prins 2013, A hybrid genetic algorithm with adaptive diversity
-management, section 4). Where that does not hold, with several windows, closing moves, risks and shipments, each place is judged by itself.
+Times at a place follow from the clock of the stops before, the latest arrival at those after it, and the shortest durations of both
+(segments of routes: Vidal, Crainic, Gendreau and Prins 2013, A hybrid genetic algorithm with adaptive diversity management, section 4).
+With several windows, closing moves, risks and shipments each place is judged by itself.
 """
 
 from __future__ import annotations
@@ -13,20 +13,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..evaluation import Checklist
 from ..tolerance import ROUNDING, allowance
 from .judge import check_route
-from .routes import Route
+from .routes import Floats, Longs, Route
 from .schedule import closing, opening, schedule
 
 if TYPE_CHECKING:
     from ...instances.routing.vehicle_type import Energy
     from .problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 LIMITS = ("skills", "moves", "load", "time-windows", "closing-moves", "distance", "duration", "energy", "route-risk")
 """Checks of the judge that a further site may break."""
@@ -34,14 +31,10 @@ LIMITS = ("skills", "moves", "load", "time-windows", "closing-moves", "distance"
 
 @dataclass(frozen=True)
 class Places:
-    """What a route would be, arrays of shape (sites, places).
+    """Routes with a further site, arrays of shape (sites, places).
 
-    Attributes
-    ----------
-    excess : dict
-        By check: by how much it is broken, 0 where it holds. Where a window is missed, durations are those without waiting.
-    distance, duration, finish : arrays
-        Of the whole route; times are right where no window is missed.
+    ``excess`` is by how much each check is broken; where a window is missed, durations are those without waiting, and times are not
+    right.
     """
 
     excess: dict[str, Floats]
@@ -69,9 +62,9 @@ class Insertions:
         self.gone = travel.duration(self.tail, self.head)
         self.times = _Times(ready, due, service, self.gone)
 
-    def of(self, sites: Indices) -> Places:
-        """With each of ``sites``, customers that it does not visit and that are in no shipment, from before the first stop to behind the
-        last one."""
+    def of(self, sites: Longs) -> Places:
+        """Routes with each of ``sites``, customers that it does not visit and that are in no shipment, from before the first stop to
+        behind the last one."""
         problem, plan, tail, head, ready, gone = self.problem, self.plan, self.tail, self.head, self.ready, self.gone
         s, vehicle, travel, at = problem.sites, problem.fleet[self.route.vehicle], problem.travel_of(self.route.vehicle), sites[:, None]
         into, out = travel.duration(tail, at), travel.duration(at, head)
@@ -118,8 +111,8 @@ class Insertions:
             drawn = elapsed
         return _beyond(energy.rate * drawn, store, rounding)
 
-    def _overload(self, sites: Indices) -> Floats:
-        """A delivery is on board from the begin of its trip, a pickup to its end."""
+    def _overload(self, sites: Longs) -> Floats:
+        """Excess of load: a delivery is on board from the begin of its trip, a pickup to its end."""
         s, vehicle, n = self.problem.sites, self.problem.fleet[self.route.vehicle], len(self.head)
         pauses = [0, *(k for k, stop in enumerate(self.route.visits, start=1) if stop in vehicle.reloads), n]
         delivered = np.column_stack([s.demand[sites], s.further_demand[sites]])
@@ -137,14 +130,14 @@ class Insertions:
 
 
 def judged(problem: RoutingProblem, routes: Sequence[Route]) -> Places:
-    """The same for routes one by one, as the judge has it; arrays of shape (1, routes)."""
+    """Places of routes one by one, as the judge has it; arrays of shape (1, routes)."""
     excess = {name: np.zeros((1, len(routes))) for name in LIMITS}
     sums = np.zeros((3, 1, len(routes)))
     for k, route in enumerate(routes):
-        found = Checklist()
-        plan = check_route(problem, "it", route, found)
+        checklist = Checklist()
+        plan = check_route(problem, "it", route, checklist)
         sums[:, 0, k] = plan.total_distance, plan.duration, plan.finish
-        for violation in found.violations:
+        for violation in checklist.violations:
             if violation.check in excess:
                 excess[violation.check][0, k] = max(excess[violation.check][0, k], violation.amount)
     return Places(excess, *sums)
@@ -153,14 +146,14 @@ def judged(problem: RoutingProblem, routes: Sequence[Route]) -> Places:
 def orders(visits: tuple[int, ...], sites: Sequence[int]) -> Iterator[tuple[int, ...]]:
     """All ways to put ``sites``, in this order, among the stops of a route."""
     for where in itertools.combinations_with_replacement(range(len(visits) + 1), len(sites)):
-        made = list(visits)
+        order = list(visits)
         for site, place in zip(reversed(sites), reversed(where), strict=True):
-            made.insert(place, site)
-        yield tuple(made)
+            order.insert(place, site)
+        yield tuple(order)
 
 
 class _Times:
-    """What the stops before and after each place allow; arrays with one entry a stop, start and end among them.
+    """Times that the stops before and after each place allow; arrays with one entry a stop, start and end among them.
 
     ``latest`` arrival, ``rest`` of the way to the end without waiting, and the finish ``after`` a stop that is reached however early.
     """

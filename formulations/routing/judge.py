@@ -17,7 +17,7 @@ from ...instances.clock import moment_told
 from ..evaluation import Checklist, Evaluation
 from ..tolerance import EQUAL, ROUNDING, allowance, widening
 from .overrun import joint_overrun, route_overrun, uncertain
-from .routes import Route, Routes
+from .routes import Floats, Route, Routes
 from .schedule import Schedule as Schedule
 from .schedule import closing, opening
 from .schedule import schedule as schedule
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from ...instances.routing.vehicle_type import VehicleType
     from .problem import RoutingProblem
 
-Floats = NDArray[np.float64]
 
 CHECKS = ("visits", "fleet", "load", "time-windows", "duration", "distance", "energy")
 """Of every answer."""
@@ -47,7 +46,7 @@ FURTHER_CHECKS = {
 def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     """Objective and violations of ``answer``; see ``RoutingProblem.evaluate``."""
     sites, fleet, judge = problem.sites, problem.fleet, Checklist()
-    held = problem.features()
+    features = problem.features()
     count, used = np.zeros(len(sites), dtype=np.int64), np.zeros(len(fleet), dtype=np.int64)
     cost, durations, distance, overtime, overruns, waiting = [], [], [], [], [], 0.0
     rewards = sites.reward[sites.depots].tolist()  # collected by staying at home
@@ -71,17 +70,10 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
         waiting += plan.waiting
         rewards.extend(sites.reward[[i for i in route.visits if not sites.depot[i]]].tolist())
 
-    for site in problem.customers.tolist():
-        times = int(count[site])
-        lacking = 1 - times if sites.required[site] and times == 0 else times - 1
-        judge.test("visits", float(lacking), f"{sites.ids[site]} is visited {times} times", site=sites.ids[site])
-    for kind, vehicle in enumerate(fleet):
-        limit = math.inf if vehicle.count is None else vehicle.count
-        judge.test("fleet", float(used[kind] - limit), f"{used[kind]} routes use {vehicle.name}, of which there are {limit:g}")
     total = int(used.sum())
-    judge.test("fleet", float(problem.min_vehicles - total), f"{total} routes, at least {problem.min_vehicles} are asked for")
+    _check_counts(problem, count, used, judge)
     _check_shipments(problem, answer, judge)
-    left = _check_groups(problem, count, judge)
+    unvisited = _check_groups(problem, count, judge)
     joint = joint_overrun(overruns)
     if problem.team_risk is not None:
         words = f"some route overruns a limit with probability {joint:.6g}, {problem.team_risk:g} at most"
@@ -90,7 +82,7 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     terms = {
         "total-cost": math.fsum(cost), "reward": math.fsum(rewards), "vehicles": float(total),
         "longest-route": max(distance, default=0.0), "makespan": max(durations, default=0.0), "total-duration": math.fsum(durations),
-        "latest-return": returns, "penalties": math.fsum(sites.penalty[left]),
+        "latest-return": returns, "penalties": math.fsum(sites.penalty[unvisited]),
     }  # fmt: skip
     values = tuple(math.fsum(w * terms[t.name] for w, t in level.terms) for level in problem.objective.levels())
     # Programs add up all penalties, and take away those of the sites that are visited.
@@ -99,20 +91,19 @@ def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:
     if 0.0 in sizes:
         sizes = tuple(size or least for size, least in zip(sizes, _least_sizes(problem), strict=True))
     quantities = {"distance": math.fsum(distance), "vehicles": float(total), "waiting": waiting, "reward": terms["reward"]}
-    if held & {"duration-cost", "overtime", "objective:total-duration"}:
+    if features & {"duration-cost", "overtime", "objective:total-duration"}:
         quantities |= {"duration": terms["total-duration"], "overtime": math.fsum(overtime)}
-    if held & {"route-risk", "team-risk"}:
+    if features & {"route-risk", "team-risk"}:
         quantities |= {"largest-route-overrun": max(overruns, default=0.0), "team-overrun": joint, "expected-overruns": math.fsum(overruns)}
     if sites.penalty.any():
         quantities["penalties"] = terms["penalties"]
-    names = (*CHECKS, *(check for feature, check in FURTHER_CHECKS.items() if feature in held))
+    names = (*CHECKS, *(check for feature, check in FURTHER_CHECKS.items() if feature in features))
     names += ("timetable",) if any(route.timetable is not None for route in answer) else ()
     return Evaluation(values, judge.checks(names), tuple(judge.violations), quantities, sizes)
 
 
 def _least_sizes(problem: RoutingProblem) -> tuple[float, ...]:
-    """The scale of each level of the objective for an answer that adds up nothing: the least amount above 0 that one visit, or the move to
-    it, would add. Rounding puts a bound off by a small part of that."""
+    """The scale of each level of the objective for an answer that adds up nothing: the least amount that one visit would add."""
     sites, customers = problem.sites, problem.customers
     lengths, times, costs = [], [], []
     for kind, vehicle in enumerate(problem.fleet):
@@ -214,7 +205,7 @@ def _check_times(problem: RoutingProblem, name: str, route: Route, plan: Schedul
 
 
 def _check_timetable(problem: RoutingProblem, name: str, route: Route, plan: Schedule, judge: Checklist) -> None:
-    """That the vehicle departs when it may, and each stated time comes of the ones before it."""
+    """Stated times at which the vehicle may not depart, or that do not come of the ones before."""
     sites, vehicle = problem.sites, problem.fleet[route.vehicle]
     ids, opens = [sites.ids[k] for k in (vehicle.start, *route.visits, vehicle.end)], opening(problem, vehicle)
     latest = max(opens, float(sites.due[vehicle.start]))
@@ -257,8 +248,21 @@ def _check_limits(name: str, vehicle: VehicleType, plan: Schedule, judge: Checkl
         for one in uncertain(vehicle, plan):
             value, of = one.needed(vehicle.risk), 1.0 if one.name == "duration" or energy is None else energy.rate
             slack = float(widening(one.limit, value)) + rounding * of
-            found = f"{name} exceeds its limit of {one.name} of {one.limit:.10g} with probability {one.overrun():.6g}"
-            judge.test("route-risk", value - one.limit, f"{found}, {vehicle.risk:g} at most", allowed=slack, vehicle=name)
+            words = f"{name} exceeds its limit of {one.name} of {one.limit:.10g} with probability {one.overrun():.6g}"
+            judge.test("route-risk", value - one.limit, f"{words}, {vehicle.risk:g} at most", allowed=slack, vehicle=name)
+
+
+def _check_counts(problem: RoutingProblem, count: NDArray[np.int64], used: NDArray[np.int64], judge: Checklist) -> None:
+    """Visits of each site, and routes of each type of vehicle."""
+    sites, total = problem.sites, int(used.sum())
+    for site in problem.customers.tolist():
+        times = int(count[site])
+        lacking = 1 - times if sites.required[site] and times == 0 else times - 1
+        judge.test("visits", float(lacking), f"{sites.ids[site]} is visited {times} times", site=sites.ids[site])
+    for kind, vehicle in enumerate(problem.fleet):
+        limit = math.inf if vehicle.count is None else vehicle.count
+        judge.test("fleet", float(used[kind] - limit), f"{used[kind]} routes use {vehicle.name}, of which there are {limit:g}")
+    judge.test("fleet", float(problem.min_vehicles - total), f"{total} routes, at least {problem.min_vehicles} are asked for")
 
 
 def _check_shipments(problem: RoutingProblem, answer: Routes, judge: Checklist) -> None:
@@ -279,12 +283,12 @@ def _check_shipments(problem: RoutingProblem, answer: Routes, judge: Checklist) 
 
 
 def _check_groups(problem: RoutingProblem, count: NDArray[np.int64], judge: Checklist) -> NDArray[np.int64]:
-    """Sites whose penalty is due."""
+    """Checks groups; returns the sites whose penalty is due."""
     sites = problem.sites
     for group in sites.groups:
         times = int((count[list(group.sites)] > 0).sum())
         names = ", ".join(sites.ids[k] for k in group.sites)
         lacking = float(times - 1 if times or not group.required else 1)
         judge.test("groups", lacking, f"{times} of these alternatives are visited: {names}", site=sites.ids[group.sites[0]])
-    left: NDArray[np.int64] = problem.customers[count[problem.customers] == 0]
-    return left
+    unvisited: NDArray[np.int64] = problem.customers[count[problem.customers] == 0]
+    return unvisited

@@ -1,14 +1,23 @@
-"""Objectives composed of terms, by weights or in order of priority."""
+"""Objectives composed of terms, by weights or in order of priority; as text; and the usual one of each named problem."""
 
 from __future__ import annotations
 
 import math
 import re
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...instances.errors import UsageError
+from ...instances.printable import printable
+from ...instances.suggestions import did_you_mean
+
+if TYPE_CHECKING:
+    from ...instances.routing.sites import Sites
 
 
 class Composable(ABC):
@@ -114,10 +123,7 @@ TERMS: dict[str, type[Term]] = {
 class Weighted(Composable):
     """A weighted sum of terms: one level of an objective. Its sense is that of its first term.
 
-    Raises
-    ------
-    UsageError
-        If there is no term, or a weight is zero or not finite.
+    Raises UsageError if there is no term, or a weight is zero or not finite.
     """
 
     terms: tuple[tuple[float, Term], ...]
@@ -196,8 +202,6 @@ class Objective(Composable):
     def of(cls, value: Composable | str) -> Objective:
         """Any composable, or a text such as ``vehicles then total-cost``, as an objective."""
         if isinstance(value, str):
-            from .objective_text import objective_from
-
             return objective_from(value)
         return value if isinstance(value, Objective) else cls(value.levels())
 
@@ -214,12 +218,12 @@ class Objective(Composable):
 
     def features(self) -> frozenset[str]:
         """``objective:<term>`` for each term, ``objective:priorities`` and ``objective:weights``."""
-        found = {f"objective:{term.name}" for level in self._levels for _, term in level.terms}
+        names = {f"objective:{term.name}" for level in self._levels for _, term in level.terms}
         if len(self._levels) > 1:
-            found.add("objective:priorities")
+            names.add("objective:priorities")
         if any(len(level.terms) > 1 or level.terms[0][0] != 1 for level in self._levels):
-            found.add("objective:weights")
-        return frozenset(found)
+            names.add("objective:weights")
+        return frozenset(names)
 
     @property
     def senses(self) -> tuple[str, ...]:
@@ -227,3 +231,119 @@ class Objective(Composable):
 
     def __str__(self) -> str:
         return ", then ".join(str(level) for level in self._levels)
+
+
+_PART = re.compile(
+    r"\s*(?:(?P<weight>(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)|(?P<term>[a-z]+(?:[-_][a-z]+)*)|(?P<sign>[+-])|(?P<times>\*)|(?P<other>\S))",
+    re.IGNORECASE,
+)
+_THEN = re.compile(r"\s*,?\s*\bthen\b\s*", re.IGNORECASE)
+
+
+def objective_from(text: str) -> Objective:
+    """The objective that a text says: levels with ``then`` between, each a sum of terms such as ``total-cost - 2*reward``.
+
+    The sense of a level is that of its first term. Raises UsageError naming what is wrong, and the term that may have been meant.
+    """
+    return Objective(tuple(_level(part, text) for part in _THEN.split(text.strip())))
+
+
+def _level(part: str, text: str) -> Weighted:
+    if not part.strip():
+        raise UsageError(
+            f"objective {_quoted(text)}: a level is empty; write terms such as {', '.join(list(TERMS)[:3])}, with then between levels"
+        )
+    terms: list[tuple[float, str]] = []
+    sign, weight, times, signed, leading = 1.0, None, False, True, True
+    for kind, word in _parts(part):
+        if kind == "sign" and (leading or not signed):
+            sign, signed = -1.0 if word == "-" else 1.0, True
+        elif kind == "weight" and weight is None and signed:
+            weight = float(word)
+        elif kind == "times" and weight is not None and not times:
+            times = True
+        elif kind == "term" and signed:
+            terms.append((sign * (1.0 if weight is None else weight), _known(word, text)))
+            sign, weight, times, signed = 1.0, None, False, False
+        else:
+            raise UsageError(f"objective {_quoted(text)}: {_quoted(word)} is not expected there; write sums such as total-cost - 2*reward")
+        leading = False
+    if signed or weight is not None:
+        raise UsageError(f"objective {_quoted(text)}: {_quoted(part)} ends without a term")
+    names = [name for _, name in terms]
+    for name in names:
+        if names.count(name) > 1:
+            raise UsageError(f"objective {_quoted(text)}: {name} stands twice in one level")
+    for weight, name in terms:
+        if weight == 0 or not math.isfinite(weight):
+            raise UsageError(f"objective {_quoted(text)}: the weight of {name} must be finite and not zero")
+    return Weighted(tuple((weight, TERMS[name]()) for weight, name in terms))
+
+
+def _parts(level: str) -> Iterator[tuple[str, str]]:
+    for match in _PART.finditer(level):
+        yield str(match.lastgroup), str(match.group(str(match.lastgroup)))
+
+
+def _known(word: str, text: str) -> str:
+    name = word.lower().replace("_", "-")
+    if name in TERMS:
+        return name
+    for term in TERMS:
+        rest = name.removeprefix(f"{term}-")
+        if rest in TERMS:
+            raise UsageError(f"objective {_quoted(text)}: write blanks around - and +: {term} - {rest}")
+    hint = did_you_mean(name, TERMS) or f"; choose from {', '.join(TERMS)}"
+    raise UsageError(f"objective {_quoted(text)}: there is no term {_quoted(word)}{hint}")
+
+
+def _quoted(text: str) -> str:
+    return repr(printable(text.strip(), 80))
+
+
+DEFAULT_OBJECTIVE: dict[str, Objective] = {
+    "vrptw": Objective.of(TotalCost()),
+    "cvrp": Objective.of(TotalCost()),
+    "tsp": Objective.of(TotalCost()),
+    "mdvrp": Objective.of(TotalCost()),
+    "min-cost-vrp": Objective.of(TotalCost()),
+    "min-makespan-vrp": Objective.of(Makespan()),
+    "orienteering": Objective.of(Reward()),
+    "team-orienteering": Objective.of(Reward()),
+    "makespan-orienteering": Reward().then(Makespan()),
+    "recharging-vrp": Objective.of(Makespan()),
+    "pdptw": Vehicles().then(TotalCost()),
+}
+"""By the names of ``--problem``, where all sites are visited; ``default_objective`` looks at those that may be left out."""
+
+
+def default_objective(problem: str, sites: Sites) -> Objective:
+    """The objective of a named problem where none is asked for.
+
+    Where sites may be left out, total cost comes with the penalties of the sites left out and less the rewards of those visited. So it is
+    for
+    pairs too, whose fewest vehicles would be none at all.
+    """
+    usual = DEFAULT_OBJECTIVE.get(problem, Objective())
+    free = optional(sites)
+    if not free.any() or not any(isinstance(term, TotalCost) for level in usual.levels() for _, term in level.terms):
+        return usual
+    level = Weighted(((1.0, TotalCost()),))
+    level = level + Penalties() if sites.penalty[free].any() else level
+    level = level - Reward() if sites.reward[free].any() else level
+    return usual if len(level.terms) == 1 else Objective.of(level)
+
+
+def optional(sites: Sites) -> NDArray[np.bool_]:
+    """Sites that an answer may leave out: neither depots nor required, nor alternatives of which one is."""
+    free = ~(sites.depot | sites.required)
+    for group in sites.groups:
+        if group.required:
+            free[list(group.sites)] = sites.reward[list(group.sites)] > 0
+    return free
+
+
+def pointless(sites: Sites) -> int:
+    """Number of sites that may be left out, where nothing tells what a visit to any of them is worth."""
+    free = optional(sites)
+    return 0 if sites.reward[free].any() or sites.penalty[free].any() else int(free.sum())

@@ -1,4 +1,4 @@
-"""How likely a route overruns what limits it, where durations of moves are uncertain: part of the judge.
+"""Probability that a route overruns its limits, where durations of moves are uncertain: part of the judge.
 
 Durations of moves are independent and normal, so that what a route takes is normal too. It shares no code with the forms.
 """
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Uncertain:
-    """Something normal that is limited, ``duration`` or ``energy`` of a route."""
+    """A normal quantity that is limited, ``duration`` or ``energy`` of a route."""
 
     name: str
     mean: float
@@ -35,12 +35,12 @@ class Uncertain:
 
 
 def uncertain(vehicle: VehicleType, plan: Schedule) -> list[Uncertain]:
-    """What is limited on a route, and uncertain."""
+    """Limited quantities of a route that are uncertain."""
     deviation, energy = math.sqrt(plan.variance), vehicle.energy
-    found = [Uncertain("duration", plan.duration, deviation, vehicle.max_duration)]
+    quantities = [Uncertain("duration", plan.duration, deviation, vehicle.max_duration)]
     if energy is not None:
-        found.append(Uncertain("energy", energy.rate * plan.charged[energy.charge], energy.rate * deviation, energy.at_departure))
-    return [one for one in found if one.deviation > 0.0 and one.limit < math.inf]
+        quantities.append(Uncertain("energy", energy.rate * plan.charged[energy.charge], energy.rate * deviation, energy.at_departure))
+    return [one for one in quantities if one.deviation > 0.0 and one.limit < math.inf]
 
 
 def route_overrun(vehicle: VehicleType, plan: Schedule) -> float:

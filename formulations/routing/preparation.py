@@ -1,14 +1,8 @@
-"""What every arc-based form needs first: nodes, windows tightened, arcs that some route can use, and their costs.
+"""Nodes, tightened windows, arcs that some route can use, and their costs: what every arc-based form needs first.
 
 Nodes are the depot where routes start (0), the customers in site order (1 to n), copies of the depots where vehicles reload or
-recharge on their way, each for one stop (``copies``), and the depot where routes end. Whatever grows along a route is a *resource*:
-time, load, distance, duration, energy. A resource has a weight w_ij for each move i -> j and a range [lower_i, upper_i] of its level at
-each node. Ranges are tightened by shortest ways through the moves that are left, never by direct moves, which would cut off optimal
-routes where the triangle inequality fails; a move is dropped if lower_i + w_ij > upper_j for some resource. Both are repeated until
-nothing changes.
-
-Source: Desrosiers, Dumas, Solomon, Soumis (1995), section 4; docs/formulations/routing.md#preparation has the case that direct moves get
-wrong.
+recharge on their way, each for one stop (``copies``), and the depot where routes end. Resources and how their ranges are tightened:
+docs/formulations/routing.md#preparation. Source: Desrosiers, Dumas, Solomon, Soumis (1995), section 4.
 """
 
 from __future__ import annotations
@@ -23,13 +17,12 @@ from numpy.typing import NDArray
 
 from ...instances.routing.reach import least_levels
 from ..tolerance import LIMIT, widened
+from .routes import Flags, Floats
 
 if TYPE_CHECKING:
     from ...instances.routing.instance import VehicleType
     from .problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 Nodes = NDArray[np.int32]
 
 SHORT = 1e-5
@@ -42,16 +35,11 @@ _ROUNDS = 20
 class Resource:
     """Something that grows along a route.
 
-    Parameters
-    ----------
-    name : str
-        ``time, load, distance, duration`` or ``energy``.
-    weight : array of shape (nodes, nodes); of shape (arcs,) in a ``Preparation``
-        What a move adds: to time, the service at its tail and the move; to load, the demand at its head.
-    lower, upper : arrays of shape (nodes,)
-        Range of the level at each node: begin of service, load after it, ... All finite in a ``Preparation``.
-    waits : bool
-        Whether the level may be raised at will (waiting); where it may not, it is the sum of the weights.
+    ``weight`` is what a move adds, shape (nodes, nodes), in a ``Preparation`` (arcs,): to time, the service at its tail and the move; to
+    load,
+    the demand at its head. ``lower`` and ``upper`` are the range of the level at each node, all finite in a ``Preparation``. Where a
+    level
+    ``waits``, it may be raised at will; else it is the sum of the weights.
     """
 
     name: str
@@ -76,27 +64,13 @@ class Resource:
 class Preparation:
     """Arrays of a routing problem for one vehicle type.
 
-    Parameters
-    ----------
-    vehicle : int
-        Index of the vehicle type.
-    sites : array of int, shape (nodes,)
-        Site index of each node; both ends of a route are nodes of their own.
-    required : array of bool, shape (nodes,)
-        Customers that must be visited.
-    usable : array of bool, shape (nodes,)
-        Nodes that some route can visit.
-    tail, head : int32 arrays of shape (arcs,)
-        Moves that some route can make, in order of tail and head; the idle move from start to end is none of them.
-    distance, duration, cost : arrays of shape (arcs,)
-        ``cost`` is the arc's share in the first level of the objective.
-    demand, service : arrays of shape (nodes,)
-    resources : dict of Resource
-        By name; ``time`` always, the others where they are limited.
-    fleet : int
-        Largest number of routes.
-    whole : bool
-        Whether all moves that some route can make are there; with fewer, programs are restrictions.
+    Both ends of a route are nodes of their own. ``required`` and ``usable`` mark customers that must be visited and nodes that some route
+    can
+    visit; arcs are in order of ``tail`` and ``head``, without the idle move from start to end, ``cost`` being an arc's share in the first
+    level
+    of the objective. ``resources`` has ``time`` always, the others where they are limited; ``fleet`` is the largest number of routes.
+    Programs
+    are restrictions unless the moves are ``whole``.
     """
 
     vehicle: int
@@ -136,17 +110,7 @@ class Preparation:
 def prepare(problem: RoutingProblem, vehicle: int = 0) -> Preparation:
     """Prepare a routing problem for the routes of one vehicle type.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        First level of the objective: a weighted sum of total cost, number of vehicles and reward.
-    vehicle : int
-        Index of the vehicle type.
-
-    Returns
-    -------
-    Preparation
-        Customers that no route of this type can visit have no arcs, and ranges that are finite but mean nothing.
+    Customers that no route of this type can visit have no arcs, and ranges that are finite but mean nothing.
     """
     kind, sites, travel = problem.fleet[vehicle], problem.sites, problem.travel_of(vehicle)
     stops = copies(problem)
@@ -196,7 +160,7 @@ def copies(problem: RoutingProblem) -> NDArray[np.int64]:
     A stop at the same depot twice between two sites, or before the first and after the last of a route, is of no use, so that each depot
     needs one copy for each site and each route; fewer where reloads are limited.
     """
-    n, found = len(problem.customers), []
+    n, stops = len(problem.customers), []
     routes = min(n, sum(n if v.count is None else v.count for v in problem.fleet))
     for depot in sorted({site for v in problem.fleet for site in (*v.reloads, *v.stations)}):
         most = 0
@@ -205,8 +169,8 @@ def copies(problem: RoutingProblem) -> NDArray[np.int64]:
             if depot in v.reloads and depot not in v.stations and v.max_reloads is not None:
                 gaps = min(gaps, v.max_reloads * (n if v.count is None else v.count))
             most += gaps if depot in (*v.reloads, *v.stations) else 0
-        found += [depot] * min(most, n + routes)
-    return np.array(found, dtype=np.int64)
+        stops += [depot] * min(most, n + routes)
+    return np.array(stops, dtype=np.int64)
 
 
 def _possible(problem: RoutingProblem, kind: VehicleType, at: NDArray[np.int64], customers: int, duration: Floats) -> Flags:
@@ -230,19 +194,19 @@ def _possible(problem: RoutingProblem, kind: VehicleType, at: NDArray[np.int64],
 
 def _further_loads(problem: RoutingProblem, kind: VehicleType, at: NDArray[np.int64], served: Floats) -> dict[str, Resource]:
     """The other load dimensions, and what is collected: all of it is on board in the end."""
-    n, found = len(at), {}
+    n, loads = len(at), {}
     for k, capacity in enumerate(kind.capacities):
         demand = problem.sites.demand[at] if k == 0 else problem.sites.further_demand[at, k - 1]
         pickup = problem.sites.pickup[at] if k == 0 else problem.sites.further_pickup[at, k - 1]
         number = "" if k == 0 else f"-{k + 1}"
         for name, amount in ((f"load{number}", demand * served), (f"pickup{number}", pickup * served)):
             if name != "load" and amount.any() and math.isfinite(capacity):
-                found[name] = Resource(name, np.broadcast_to(amount, (n, n)), np.zeros(n), np.full(n, float(capacity)))
-    return found
+                loads[name] = Resource(name, np.broadcast_to(amount, (n, n)), np.zeros(n), np.full(n, float(capacity)))
+    return loads
 
 
 def offset(problem: RoutingProblem) -> float:
-    """What the first level of the objective holds where no site is visited and no vehicle drives."""
+    """Value of the first level of the objective where no site is visited and no vehicle drives."""
     missed = math.fsum(problem.sites.penalty[problem.customers])
     return problem.constant + math.fsum(w * missed for w, t in problem.objective.levels()[0].terms if t.name == "penalties")
 
@@ -311,15 +275,7 @@ def limited_resources(
 ) -> dict[str, Resource]:  # fmt: skip
     """All limited resources with the ranges that the data give, infinite limits of time made finite.
 
-    Parameters
-    ----------
-    kind : VehicleType
-        Its limits count, not its depots.
-    ready, due, service, demand : arrays of shape (nodes,)
-        The first node is where routes start, the last where they end.
-    distance, duration : arrays of shape (nodes, nodes)
-    latest : array of shape (nodes,), optional
-        Where sites have several windows, when the last of each opens.
+    The first node is where routes start, the last where they end; ``latest`` is when the last of several windows opens.
     """
     n, opening = len(ready), ready
     busy = service[:, None] + duration
@@ -330,12 +286,12 @@ def limited_resources(
         due[-1] = min(due[-1], ready[0] + energy.at_departure / energy.rate)
     # No earliest schedule runs longer than to the last opening, and then through the longest move out of every node.
     horizon = max(float(ready.max()), float(ready.max() if latest is None else latest[:-1].max())) + float(busy[:-1, 1:].max(axis=1).sum())
-    found = {"time": Resource("time", busy, ready, np.minimum(due, max(horizon, float(ready.max()))), waits=True)}
+    resources = {"time": Resource("time", busy, ready, np.minimum(due, max(horizon, float(ready.max()))), waits=True)}
 
     def additive(name: str, weight: Floats, limit: float) -> None:
         if math.isfinite(limit):
             upper = np.full(n, float(limit))
-            found[name] = Resource(name, weight, np.zeros(n), upper)
+            resources[name] = Resource(name, weight, np.zeros(n), upper)
 
     if demand.any() and not kind.reloads:
         additive("load", np.broadcast_to(demand, (n, n)), kind.capacity)
@@ -347,7 +303,7 @@ def limited_resources(
             weight = busy.copy()
             weight[:, :-1] = np.maximum(busy[:, :-1], opening[None, :-1] - opening[:, None])
         additive("energy", energy.rate * weight, energy.at_departure)
-    return found
+    return resources
 
 
 def _on_arcs(r: Resource, allowed: Flags, ready: Floats, usable: Flags) -> Resource:
@@ -373,7 +329,7 @@ def _costs(
         "penalties": -(problem.sites.penalty[at] * served)[head],
         "total-duration": np.zeros(len(tail)) if waits else busy,
     }
-    made = np.zeros(len(tail))
+    costs = np.zeros(len(tail))
     for weight, term in problem.objective.levels()[0].terms:
-        made += weight * share.get(term.name, 0.0)
-    return made
+        costs += weight * share.get(term.name, 0.0)
+    return costs

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -13,36 +13,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...instances.document import dump_json
-from ...instances.errors import InputError, UsageError
-from ...instances.printable import printable
+from ...instances.errors import UsageError
 from ...instances.routing.features import restrictions
 from ...instances.routing.instance import Clock, RoutingInstance, Sites, VehicleType, check_moves, check_routing_data, fleet_size
 from ...instances.routing.solution_files import routes_from_text, sol_text, tour_text
 from ...instances.routing.travel import Travel
 from ..evaluation import Evaluation
-from ..evidence import Evidence, LeftOut, Reason
-from ..problem import Decision, Problem
-from .answers import Visits, routes_frame, routes_from_json, routes_lines, routes_to_frame, routes_to_json, visits_of
+from ..evidence import Evidence, Reason
+from ..problem import Problem
+from . import statements
+from .answers import (
+    answer_geojson,
+    answer_graph,
+    routes_frame,
+    routes_from_json,
+    routes_lines,
+    routes_to_frame,
+    routes_to_json,
+    visits_of,
+    visits_of_geojson,
+)
 from .facts import digested, facts, remarks
-from .fleet_need import fleet_conflicts, none
-from .geojson import answer_geojson, visits_of_geojson
-from .given_routes import routes_given
+from .fleet_need import fleet_conflicts, infeasible_bound
 from .judge import evaluate_routes
-from .left_out import left_out
-from .objective import Composable, Objective, Penalties, Reward, Vehicles
+from .objective import Composable, Objective, Reward, default_objective, pointless
+from .parse_routes import routes_given
 from .reachability import unreachable
-from .route_graph import answer_graph
 from .routes import Routes
+from .settings import parts_of
+from .unvisited_sites import left_out
 from .vroom_answers import is_vroom_output, routes_from_vroom, vroom_output
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from ..rendering import Line
-
-
-NEARLY = 1e-8
-"""Of a sum: by less a value may differ and still count as the same."""
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -112,9 +115,9 @@ class RoutingProblem(Problem):
 
     def altered(self, **parts: Any) -> RoutingProblem:
         """A problem of other parts, which are not checked again. Nothing is kept that was derived from the former ones."""
-        made = object.__new__(type(self))
-        made.__dict__.update({field.name: getattr(self, field.name) for field in fields(self)} | parts)
-        return made
+        problem = object.__new__(type(self))
+        problem.__dict__.update({field.name: getattr(self, field.name) for field in fields(self)} | parts)
+        return problem
 
     # -- construction ------------------------------------------------------------------------------------------------
 
@@ -233,11 +236,9 @@ class RoutingProblem(Problem):
     ) -> RoutingProblem:
         """The problem that an instance stands for, or another that its data allow.
 
-        ``settings`` are those of ``--set`` (``vehicles``, ``vehicles-exactly``, ``customers``, ``capacity``, ``risk``, ``team-risk``)
-        and ``convention``.
+        ``settings`` are those of ``--set`` (``vehicles``, ``vehicles-exactly``, ``customers``, ``capacity``, ``risk``, ``team-risk``) and
+        ``convention``.
         """
-        from .settings import parts_of
-
         return cls(**parts_of(instance, problem, settings or {}))
 
     # -- what it is --------------------------------------------------------------------------------------------------
@@ -260,6 +261,11 @@ class RoutingProblem(Problem):
         """Indices of the sites that may be visited."""
         return self.sites.customers
 
+    @cached_property
+    def site_index(self) -> dict[str, int]:
+        """Index of each site by its id."""
+        return self.sites.index()
+
     def travel_of(self, kind: int) -> Travel:
         """Travel of the vehicles of a type: their own, at their speed, or the common one."""
         return self._travels[kind]
@@ -275,8 +281,9 @@ class RoutingProblem(Problem):
         what = f"{self.problem}, {len(self.customers)} customers, {fleet}"
         return f"<RoutingProblem {self.name}: {what}, {aims}, convention {self.convention}>"
 
-    def digest(self) -> str:
-        return digested(self)
+    digest = digested
+    remarks = remarks
+    facts = facts
 
     def features(self) -> frozenset[str]:
         """Features a solver must support: those of ``instances.routing.features`` that restrict routes, and those of the objective."""
@@ -292,81 +299,19 @@ class RoutingProblem(Problem):
 
     @property
     def constant(self) -> float:
-        """What the first level of the objective holds whatever is visited: the rewards of depots, which forms have no variable for."""
+        """Part of the first level of the objective that does not depend on visits: the rewards of depots."""
         depots = math.fsum(self.sites.reward[self.sites.depots])
         return math.fsum(w * depots for w, term in self.objective.levels()[0].terms if isinstance(term, Reward))
 
     def linear_entries(self) -> int:
         return 8 * len(self.sites) ** 2  # an arc is in two rows of visits and in six of a resource
 
-    def remarks(self) -> tuple[str, ...]:
-        """The notes, columns that are kept and not used, and rewards and penalties that do not count, or count without being asked."""
-        return remarks(self)
-
-    def facts(self) -> dict[str, Any]:
-        """Objective, sites, demand, service, windows, travel and fleet, and what else there is."""
-        return facts(self)
-
     # -- parts of all answers ----------------------------------------------------------------------------------------
 
-    @cached_property
-    def _index(self) -> dict[str, int]:
-        return self.sites.index()
-
-    def check_statement(self, statement: Any) -> None:
-        """``{"arc": [id, id]}``: some route goes from the one site to the other without a stop between. ``{"routes": k}``: there are k
-        routes at most."""
-        given = statement if isinstance(statement, Mapping) and len(statement) == 1 else {}
-        arc, routes = given.get("arc"), given.get("routes")
-        if type(routes) is int and 1 <= routes <= len(self.sites):
-            return
-        if not isinstance(arc, list) or len(arc) != 2 or not all(isinstance(site, str) and site in self._index for site in arc):
-            expected = '{"arc": [the id of a site, the id of a site]}, or {"routes": a number of them}'
-            raise InputError("not a statement on a move or on the number of routes", expected=expected, found=printable(str(statement), 80))
-
-    def restricted(self, decisions: Sequence[Decision]) -> RoutingProblem:
-        """The same problem without moves: one that is not made, and those that are not made beside one that is, for a customer is left and
-        entered once. Of each type of vehicle there are as many as there are routes at most."""
-        moves = np.zeros((len(self.sites),) * 2, dtype=bool) if self.forbidden is None else self.forbidden.copy()
-        depot, least, most = self.sites.depot, self.min_vehicles, len(self.sites)
-        for statement, holds in decisions:
-            self.check_statement(statement)
-            if "routes" in statement:
-                least, most = (least, min(most, statement["routes"])) if holds else (max(least, statement["routes"] + 1), most)
-                continue
-            i, j = (self._index[site] for site in statement["arc"])
-            if not holds:
-                moves[i, j] = True
-                continue
-            kept = moves[i, j]
-            if not depot[i]:
-                moves[i] = True
-            if not depot[j]:
-                moves[:, j] = True
-            moves[i, j] = kept
-        fleet = tuple(v if v.count is not None and v.count <= most else replace(v, count=most) for v in self.fleet)
-        return self.altered(forbidden=moves, min_vehicles=least, fleet=fleet if most < len(self.sites) else self.fleet)
-
-    def given(self, values: Sequence[float]) -> RoutingProblem | None:
-        """The levels after those of ``values``. Where a level before counts vehicles alone, there are no more of them than its value
-        says; where it counts rewards or penalties alone, sites without whom its value is out of reach are required. Other levels restrict
-        nothing, so that bounds hold for more answers than they need to."""
-        levels = self.objective.levels()
-        if not 0 < len(values) < len(levels):
-            return None
-        fleet, sites = self.fleet, self.sites
-        for level, value in zip(levels, values, strict=False):
-            ((weight, term), *others) = level.terms
-            if isinstance(term, Vehicles) and not others and weight > 0 and math.isfinite(value):
-                most = max(1, math.floor(value / weight * (1.0 + 1e-9)))
-                fleet = tuple(v if v.count is not None and v.count <= most else replace(v, count=most) for v in fleet)
-            elif isinstance(term, Reward | Penalties) and not others and weight > 0 and math.isfinite(value):
-                sites = _with_needed(sites, term, value / weight)
-        return self.altered(fleet=fleet, sites=sites, objective=Objective(levels[len(values) :]))
-
-    def in_words(self, statement: Any, holds: bool) -> str:
-        tail, head = statement["arc"]
-        return f"{'some' if holds else 'no'} route goes from {tail} straight to {head}"
+    check_statement = statements.check_statement
+    restricted = statements.restricted
+    given = statements.later_levels
+    in_words = statements.in_words
 
     def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
         if kind == "arc-multipliers":
@@ -406,14 +351,13 @@ class RoutingProblem(Problem):
         -----
         Source: Mitchell (2020), sections 3.2 and 5, virtual nodes; docs/formulations/routing.md#horizons.
         """
-        from .horizon import continued
+        from .rolling_horizon import continued
 
         own = getattr(plan, "problem", self) is self  # sites of another problem are told by their ids
         return continued(self, self.answer_of(getattr(plan, "answer", plan) if own else plan.routes), float(time))
 
     def vehicle_names(self, answer: Routes) -> list[str]:
-        """Name of the vehicle of each route: that of its type, and a number from 1 within the type; none is the name of a type, so that
-        whoever reads it knows the type."""
+        """Name of the vehicle of each route: that of its type, and a number from 1 within the type; none is the name of a type."""
         types = {v.name for v in self.fleet}
         numbers = [_numbered(v.name, types) for v in self.fleet]
         kinds = (route.vehicle if 0 <= route.vehicle < len(self.fleet) else 0 for route in answer)
@@ -423,29 +367,25 @@ class RoutingProblem(Problem):
         """Required sites that no vehicle can serve, or else proofs that the fleet is too small."""
         ids, sites = self.sites.ids, [(k, why) for k, why in unreachable(self).items() if self.sites.required[k]]
         for k, why in sites:
-            yield Reason("site", ids[k], why, Evidence("infeasible-site", f"site {ids[k]}: {why}", none(self), {"site": ids[k]}))
+            yield Reason(
+                "site", ids[k], why, Evidence("infeasible-site", f"site {ids[k]}: {why}", infeasible_bound(self), {"site": ids[k]})
+            )
         if not sites and not stopped():
-            for found in fleet_conflicts(self, stopped):
-                site = found.data.get("site")
-                yield Reason("fleet" if site is None else "site", "fleet" if site is None else site, found.source, found)
+            for evidence in fleet_conflicts(self, stopped):
+                site = evidence.data.get("site")
+                yield Reason("fleet" if site is None else "site", "fleet" if site is None else site, evidence.source, evidence)
 
-    def left_out(self, answer: Routes) -> tuple[LeftOut, ...]:
-        """Customers that ``answer`` does not visit, each with the reason: that no vehicle can serve it, or what every place for it in these
-        routes would break or cost."""
-        return left_out(self, answer)
+    left_out = left_out
 
     # -- answers as files and tables ---------------------------------------------------------------------------------
 
-    def answer_to_json(self, answer: Routes) -> dict[str, Any]:
-        return routes_to_json(self, answer)
-
-    def answer_from_json(self, data: Any) -> Routes:
-        return routes_from_json(self, data)
-
-    def answer_of(self, given: Any) -> Routes:
-        """``Routes``; or what says clearly which: a list of routes, each a ``Route`` or a list of site indices or ids, with or without the
-        depot at its ends; such a list by the name of each vehicle; or a frame with the columns ``vehicle`` and ``site``."""
-        return routes_given(self, given)
+    answer_to_json = routes_to_json
+    answer_from_json = routes_from_json
+    answer_of = routes_given
+    answer_to_frame = routes_to_frame
+    answer_lines = routes_lines
+    answer_routes = visits_of
+    answer_to_networkx = answer_graph
 
     def answer_from_frame(self, frame: pd.DataFrame) -> Routes:
         return routes_given(self, frame)
@@ -462,30 +402,11 @@ class RoutingProblem(Problem):
         """The routes without stated timetables."""
         return answer.untimed()
 
-    def answer_to_frame(self, answer: Routes) -> pd.DataFrame:
-        """One row a stop: vehicle, position, site, arrival, begin, departure, load, distance (cumulated); ``on_board`` where loads are
-        collected or shipped, ``energy`` where stores are filled on the way; then the attributes of sites. Times are moments where the
-        problem was made of timestamps.
-        """
-        return routes_to_frame(self, answer)
-
     def answer_frames(self, answer: Routes) -> dict[str, pd.DataFrame]:
         """``visits``, as of ``answer_to_frame``, and ``routes``, one row each."""
         return {"visits": routes_to_frame(self, answer), "routes": routes_frame(self, answer)}
 
-    def answer_lines(self, answer: Routes) -> list[Line]:
-        return routes_lines(self, answer)
-
-    def answer_routes(self, answer: Routes) -> list[Visits]:
-        return visits_of(self, answer)
-
-    def answer_to_networkx(self, answer: Routes) -> Any:
-        """A ``MultiDiGraph`` of sites and the moves between them."""
-        return answer_graph(self, answer)
-
     def to_instance(self) -> RoutingInstance:
-        from .members import default_objective, pointless
-
         usual = str(self.objective) == str(default_objective(self.problem, self.sites)) and pointless(self.sites) < len(self.customers)
         objective = () if usual else tuple(str(level) for level in self.objective.levels())
         return RoutingInstance(
@@ -520,9 +441,9 @@ class RoutingProblem(Problem):
 
     def answer_from_text(self, text: str) -> tuple[Routes, float | None]:
         """From CVRPLIB's ``.sol`` or TSPLIB's ``.tour``."""
-        found = routes_from_text(text, self.sites)
+        file = routes_from_text(text, self.sites)
         self._need_one_type()
-        return Routes.of(found.routes), found.cost
+        return Routes.of(file.routes), file.cost
 
     def _need_one_type(self) -> None:
         if len(self.fleet) > 1:
@@ -534,26 +455,6 @@ class RoutingProblem(Problem):
             raise UsageError("such a file has no place for stops at depots on the way; use .json")
 
 
-def _with_needed(sites: Sites, term: Reward | Penalties, value: float) -> Sites:
-    """``sites``, of which those are required whose loss alone is more than rewards, or penalties, of ``value`` leave; members of groups
-    are not, for a group may have another."""
-    worth = sites.reward if isinstance(term, Reward) else np.where(sites.required, 0.0, sites.penalty)
-    total = math.fsum(worth)
-    sizes = math.fsum(sites.reward if isinstance(term, Reward) else sites.penalty)
-    spare = (total - value if isinstance(term, Reward) else value) + NEARLY * max(sizes, abs(value))
-    needed = ~sites.depot & (worth > spare)
-    for group in sites.groups:
-        needed[list(group.sites)] = False
-    ends = [[s.pickup, s.delivery] for s in sites.shipments]  # both are visited, or none
-    while any(needed[pair].any() != needed[pair].all() for pair in ends):
-        for pair in ends:
-            needed[pair] = needed[pair].any()
-    try:
-        return replace(sites, required=sites.required | needed)
-    except InputError:  # no answer visits them: then more answers are looked at than there are
-        return sites
-
-
 def _numbered(name: str, taken: Collection[str]) -> Iterator[str]:
     """The name with 1, 2, ... behind it, but for those that are taken."""
-    return (made for k in itertools.count(1) if (made := f"{name} {k}") not in taken)
+    return (numbered for k in itertools.count(1) if (numbered := f"{name} {k}") not in taken)

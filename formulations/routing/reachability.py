@@ -7,19 +7,17 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.clock import moment_told
 from ...instances.routing.reach import Use, least_use, shortest_ways, ways_alone
 from ..tolerance import LIMIT, widened
 from .overrun import quantile
+from .routes import Flags, Floats
 
 if TYPE_CHECKING:
     from ...instances.routing.vehicle_type import VehicleType
     from .problem import RoutingProblem
 
-Flags = NDArray[np.bool_]
-Floats = NDArray[np.float64]
 
 MOST_DETOURS = 5_000
 """Customers up to which ways through others are looked at: each pass looks at all pairs."""
@@ -40,25 +38,15 @@ WORDS = {
 
 
 def unreachable(problem: RoutingProblem) -> dict[int, str]:
-    """Customers that no vehicle can serve, not even alone, and why.
+    """Customers that no vehicle can serve, not even alone, and why, by site index; with several vehicle types, the reason of each.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-
-    Returns
-    -------
-    dict
-        From site index to the reason, with its amounts; with several vehicle types, the reason of each. Ways are shortest ways
-        through any other customers, services on the way included, and over depots where the vehicle reloads or recharges; only sites are
-        named that the checker confirms to be out of reach.
-        Beyond ``MOST_DETOURS`` customers, only those whose demand is too large are looked for.
-
-    Notes
-    -----
-    The mathematics: docs/formulations/routing.md#proofs-that-there-is-no-answer.
+    Ways are shortest ways through any other customers, services on the way included, and over depots where the vehicle reloads or
+    recharges;
+    only sites are named that the checker confirms to be out of reach. Beyond ``MOST_DETOURS`` customers, only those whose demand is too
+    large
+    are looked for. The mathematics: docs/formulations/routing.md#proofs-that-there-is-no-answer.
     """
-    from .checking.stops_on_the_way import without_stops
+    from .checking.known_features import without_stops
 
     relaxed = without_stops(problem)
     with np.errstate(over="ignore", invalid="ignore"):  # sums that overflow are for the checker to judge
@@ -67,30 +55,25 @@ def unreachable(problem: RoutingProblem) -> dict[int, str]:
         for k, why in _unable(problem, kind):
             reasons[k] = reasons[k] or why
     customers = problem.customers
-    found = {}
+    reasons_by_site = {}
     for k, site in enumerate(customers.tolist()):
         reasons = [v[k] for v in verdicts]
         if all(r is not None for r in reasons):
             named = zip(problem.fleet, reasons, strict=True)
-            found[site] = str(reasons[0]) if len(reasons) == 1 else "; ".join(f"{kind.name}: {r}" for kind, r in named)
-    if not found:
+            reasons_by_site[site] = str(reasons[0]) if len(reasons) == 1 else "; ".join(f"{kind.name}: {r}" for kind, r in named)
+    if not reasons_by_site:
         return {}
-    from .checking.infeasible_site import out_of_reach
+    from .checking.no_answer import out_of_reach
 
     confirmed = out_of_reach(problem)
-    return {site: why for site, why in found.items() if confirmed[site]}
+    return {site: why for site, why in reasons_by_site.items() if confirmed[site]}
 
 
 def minimum_vehicles(problem: RoutingProblem) -> int:
-    """A lower bound on the number of routes of any feasible answer.
+    """A lower bound on the number of routes of any feasible answer; one more than the fleet has where it cannot carry the demands.
 
-    The largest vehicles together must carry all required demands, rounding and the checker's tolerance granted; every answer
-    has at least ``min_vehicles`` routes, and one if any customer is required. Where vehicles reload, loads tell nothing.
-
-    Returns
-    -------
-    int
-        One more than the fleet has where it cannot carry the demands at all.
+    The largest vehicles together must carry all required demands, rounding and the checker's tolerance granted; every answer has at least
+    ``min_vehicles`` routes, and one if any customer is required. Where vehicles reload, loads tell nothing.
     """
     sites, customers = problem.sites, problem.customers
     must = customers[sites.required[customers]]
@@ -147,7 +130,7 @@ def _reasons(problem: RoutingProblem, kind: int) -> list[str | None]:
 
 
 def _unable(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
-    """What a vehicle cannot serve wherever it is, or wherever it stops on the way, by number of the customer."""
+    """Customers, by their number, that a vehicle cannot serve wherever it is, or wherever it stops on the way, and why."""
     vehicle = problem.fleet[kind]
     sites, place = problem.sites, {site: k for k, site in enumerate(problem.customers.tolist())}
     for site, k in place.items() if sites.skills else ():
@@ -165,7 +148,7 @@ def _unable(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
 
 
 def _unloaded(problem: RoutingProblem, vehicle: VehicleType) -> Iterator[tuple[int, str]]:
-    """What is too large for an empty vehicle."""
+    """Customers whose load is too large for an empty vehicle."""
     sites, at = problem.sites, problem.customers
     for word, first, further in (("load", sites.demand, sites.further_demand), ("pickup", sites.pickup, sites.further_pickup)):
         for loads, capacity in zip(np.column_stack([first, further])[at].T, vehicle.capacities, strict=False):
@@ -174,7 +157,7 @@ def _unloaded(problem: RoutingProblem, vehicle: VehicleType) -> Iterator[tuple[i
 
 
 def _unlasting(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
-    """What lies too far from start and stations."""
+    """Customers that lie too far from start and stations."""
     vehicle, at, durations = problem.fleet[kind], problem.customers, problem.travel_of(kind).durations
     energy = vehicle.energy
     assert energy is not None
@@ -193,7 +176,7 @@ def _unlasting(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
 
 
 def _unsafe(problem: RoutingProblem, kind: int) -> Iterator[tuple[int, str]]:
-    """What no route serves that keeps the risk."""
+    """Customers that no route serves which keeps the risk."""
     if len(problem.customers) > MOST_DETOURS:
         return
     for detours in (False, True):

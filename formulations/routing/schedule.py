@@ -1,4 +1,4 @@
-"""When a route is where, what it carries and what it draws, recomputed from the data alone: what every output shows.
+"""The schedule of a route, its loads and energy, recomputed from the data alone: what every output shows.
 
 Part of the judge: it walks each route stop by stop, knows no program and no solver, and shares no code with the forms.
 """
@@ -11,28 +11,27 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..tolerance import allowance, widening
-from .routes import Route
-from .timetable import Astray, Timetable
+from .routes import Astray, Floats, Route, Timetable
 
 if TYPE_CHECKING:
     from ...instances.routing.vehicle_type import VehicleType
     from .problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class Schedule:
-    """When a route is where: the one schedule by which its limits and the objective are judged, and which every output shows.
+    """The one schedule by which a route's limits and the objective are judged, and which every output shows.
 
-    Arrays have one entry a stop between start and end, ``leaves`` and ``closing`` one a move: when it begins, and when it must have begun.
-    ``duration`` is that from ``departure`` to ``finish``. ``charged`` holds the time charged under each of the four ways, before it is
-    multiplied by the rate of the store, ``stretches`` the time on the move between recharging stops. ``load`` adds up the demands, of the
-    first load dimension; ``on_board`` of shape (load dimensions, stops + 1) is what the vehicle carries on leaving start and stops.
-    ``variance`` is that of the time on the move. ``astray`` lists what a stated timetable says that does not go with the data.
+    Arrays have one entry a stop between start and end, ``leaves`` and ``closing`` one a move: when it begins, and when it must have
+    begun.
+    ``charged`` holds the time charged under each of the four ways, before it is multiplied by the rate of the store, ``stretches`` the
+    time on
+    the move between recharging stops. ``load`` adds up the demands, of the first load dimension; ``on_board`` of shape (load dimensions,
+    stops + 1) is the load on leaving start and stops. ``variance`` is that of the time on the move, ``astray`` what a stated timetable
+    says
+    that does not go with the data.
     """
 
     arrival: Floats
@@ -55,7 +54,7 @@ class Schedule:
     astray: tuple[Astray, ...] = ()
 
     def cost(self, vehicle: VehicleType) -> float:
-        """What the route adds to the total cost."""
+        """Part of the total cost that is the route's."""
         paid = vehicle.fixed_cost + vehicle.unit_cost * self.total_distance
         if vehicle.unit_duration_cost or vehicle.unit_overtime_cost:
             over = max(0.0, self.duration - vehicle.regular_duration)
@@ -121,8 +120,8 @@ def schedule(problem: RoutingProblem, route: Route, departure: float | None = No
     if departure is None:
         last = np.minimum(due[:-1], closes - service[:-1])  # begin of service that lets the next move begin in time
         if several:
-            found = _departures(opens, ready, due, last, service + np.append(time, 0.0), several)
-            chosen = _best(problem, vehicle, opens, found)
+            departures = _departures(opens, ready, due, last, service + np.append(time, 0.0), several)
+            chosen = _best(problem, vehicle, opens, departures)
         else:
             chosen = _latest(*clock[:2], last, due, busy)
         if chosen is not None:
@@ -170,7 +169,7 @@ def schedule(problem: RoutingProblem, route: Route, departure: float | None = No
 
 
 class Departure(NamedTuple):
-    """How long a route takes from a moment on, and when it returns."""
+    """Duration of a route from a moment on, and its return."""
 
     duration: float
     finish: float
@@ -203,15 +202,15 @@ def _best(problem: RoutingProblem, vehicle: VehicleType, opens: float, found: Se
     def within(value: float, limit: float, finish: float) -> bool:
         return value - limit <= float(widening(limit, max(abs(opens), abs(finish))))
 
-    left = [one for one in found if within(one.duration, longest, one.finish) and within(one.finish, latest, one.finish)] or found
-    if not left:
+    kept = [one for one in found if within(one.duration, longest, one.finish) and within(one.finish, latest, one.finish)] or found
+    if not kept:
         return None
     # What differs by rounding alone is the same.
     if "objective:latest-return" in problem.features():
-        first = min(one.finish for one in left)
-        return min(one for one in left if within(one.finish, first, one.finish))
-    least = min(one.duration for one in left)
-    return min((one for one in left if within(one.duration, least, one.finish)), key=lambda one: (one.finish, one.duration, one.departure))
+        first = min(one.finish for one in kept)
+        return min(one for one in kept if within(one.finish, first, one.finish))
+    least = min(one.duration for one in kept)
+    return min((one for one in kept if within(one.duration, least, one.finish)), key=lambda one: (one.finish, one.duration, one.departure))
 
 
 def _opens(windows: tuple[tuple[float, float], ...], arrival: float) -> float:
@@ -225,7 +224,7 @@ def _opens(windows: tuple[tuple[float, float], ...], arrival: float) -> float:
 def _departures(
     opens: float, ready: Floats, due: Floats, last: Floats, busy: Floats, several: dict[int, tuple[tuple[float, float], ...]]
 ) -> list[Departure]:
-    """Where sites have several windows: for each choice of windows the departure of least duration, which is one of first return too.
+    """Departures of least duration for each choice of several windows, which are those of first return too.
 
     Begin of service, as a function of the departure t, is max(c, t + w) on each of a few intervals of t, one for each choice of
     windows: (from, to, c, w). Who comes before a window is over begins in it, and is late for the next move if that closes before the
@@ -235,24 +234,25 @@ def _departures(
     for k in range(1, len(due)):
         step, returns = float(busy[k - 1]), k == len(due) - 1
         windows = several.get(k) or ((-math.inf if returns else float(ready[k]), float(due[k])),)
-        made = []
+        later = []
         for low, high, c, w in pieces:
             c, w, over = c + step, w + step, -math.inf
             for begins, ends in windows:
                 end, first = ends if returns else min(ends, float(last[k])), low if c > over else max(low, over - w)
                 begun = max(begins, c, first + w)
                 if first <= high and begun - end <= float(allowance(end, begun, abs(opens))):
-                    made.append((first, max(min(high, end - w), first), max(c, begins), w))
+                    later.append((first, max(min(high, end - w), first), max(c, begins), w))
                 over = ends
-        pieces = made
+        pieces = later
     # The longer it takes to leave, the less is waited for, until the end of the piece, or the first return without waiting.
     return [Departure(max(c - high, w), max(c, low + w), min(high, max(low, c - w))) for low, high, c, w in pieces]
 
 
 def _on_board(problem: RoutingProblem, route: Route) -> Floats:
-    """What the vehicle carries on leaving its start and each stop, shape (load dimensions, stops + 1).
+    """Load on leaving the start and each stop, shape (load dimensions, stops + 1).
 
-    It leaves with what it delivers until it reloads or returns, and keeps what it picks up for as long; shipments stay on board from
+    A vehicle leaves with what it delivers until it reloads or returns, and keeps what it picks up for as long; shipments stay on board
+    from
     their pickup to their delivery.
     """
     sites, vehicle = problem.sites, problem.fleet[route.vehicle]
@@ -264,9 +264,9 @@ def _on_board(problem: RoutingProblem, route: Route) -> Floats:
     aboard = np.zeros((len(delivered), len(visits) + 1))
     for low, high in zip([0, *(k + 1 for k in reloads)], [*reloads, len(visits)], strict=True):
         # Position 0 is the start; a trip from stop ``low`` on begins at position ``low``, which is its depot.
-        left = delivered[:, low:high]
-        aboard[:, low] = [math.fsum(row) for row in left]
-        aboard[:, low + 1 : high + 1] = left[:, ::-1].cumsum(axis=1)[:, ::-1] - left + collected[:, low:high].cumsum(axis=1)
+        undelivered = delivered[:, low:high]
+        aboard[:, low] = [math.fsum(row) for row in undelivered]
+        aboard[:, low + 1 : high + 1] = undelivered[:, ::-1].cumsum(axis=1)[:, ::-1] - undelivered + collected[:, low:high].cumsum(axis=1)
     place = {site: k for k, site in reversed(list(enumerate(route.visits, start=1)))}
     for shipment in sites.shipments:
         first, end = place.get(shipment.pickup), place.get(shipment.delivery)

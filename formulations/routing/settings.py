@@ -10,8 +10,7 @@ from ...instances.errors import InputError, UsageError
 from ...instances.formats import FORMATS
 from ...instances.routing.travel import convention_named
 from ...instances.suggestions import did_you_mean
-from .members import default_objective, pointless
-from .objective import Objective
+from .objective import Objective, default_objective, pointless
 
 if TYPE_CHECKING:
     from ...instances.routing.instance import RoutingInstance
@@ -20,28 +19,17 @@ KNOWN = ("vehicles", "vehicles-exactly", "capacity", "customers", "risk", "team-
 
 
 def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Arguments of ``RoutingProblem`` for the problem that an instance stands for, or another that its data allow.
+    """Arguments of ``RoutingProblem`` for an instance, read as ``problem``, with ``settings`` of ``KNOWN`` and ``convention``.
 
-    Parameters
-    ----------
-    instance : RoutingInstance
-    problem : str, optional
-        Name of the member of the family; that of the instance by default.
-    settings : mapping
-        Of ``KNOWN``, and ``convention``.
-
-    Raises
-    ------
-    UsageError
-        For a problem that the data do not allow, and a setting that is unknown, out of range or means nothing here.
+    Raises UsageError for a problem that the data do not allow, and a setting that is unknown, out of range or means nothing here.
     """
     name = problem or instance.problem
     if name not in instance.problems:
         allowed = ", ".join(instance.problems)
         raise UsageError(f"{instance.name} ({instance.format}) cannot be read as {name}; it allows {allowed}")
-    given = dict(settings)
-    convention = given.pop("convention", None)
-    customers = given.pop("customers", None)
+    rest = dict(settings)
+    convention = rest.pop("convention", None)
+    customers = rest.pop("customers", None)
     if customers is not None:
         instance = instance.with_customers(_whole("customers", customers))
     travel = instance.travel
@@ -50,55 +38,56 @@ def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[s
         known = convention_named(convention)
         travel = travel.with_convention(known)
         fleet = tuple(v if v.travel is None else replace(v, travel=v.travel.with_convention(known)) for v in fleet)
-    if "capacity" in given:
-        fleet = tuple(replace(v, capacity=_positive("capacity", given["capacity"])) for v in fleet)
-        del given["capacity"]
-    risks = {key: _positive(key, given.pop(key)) for key in ("risk", "team-risk") if key in given}
+    if "capacity" in rest:
+        fleet = tuple(replace(v, capacity=_positive("capacity", rest["capacity"])) for v in fleet)
+        del rest["capacity"]
+    risks = {key: _positive(key, rest.pop(key)) for key in ("risk", "team-risk") if key in rest}
     if risks and not any(t.uncertain for t in (travel, *(v.travel for v in fleet if v.travel is not None))):
         raise UsageError(f"durations of {instance.name} are certain, so that a risk limits nothing; its travel needs variances")
     if "risk" in risks:
         fleet = tuple(replace(v, risk=risks["risk"]) for v in fleet)
-    if {"vehicles", "vehicles-exactly"} <= given.keys():
+    if {"vehicles", "vehicles-exactly"} <= rest.keys():
         raise UsageError("set either vehicles or vehicles-exactly, not both")
     for key in ("vehicles", "vehicles-exactly"):
-        if key in given:
-            value = given.pop(key)
+        if key in rest:
+            value = rest.pop(key)
             if len(fleet) > 1:
                 raise UsageError(f"{key} can only be set for a fleet of one type; {instance.name} has {len(fleet)}")
             count = None if key == "vehicles" and value in ("unlimited", None) else _whole(key, value)
             fleet = (replace(fleet[0], count=count),)
             least = 0 if key == "vehicles" or count is None else count
             notes = ()
-    asked = given.pop("objective", None)
-    if given:
+    asked = rest.pop("objective", None)
+    if rest:
         read = FORMATS[instance.format].settings if instance.format in FORMATS.names() else ()
         keys = tuple(dict.fromkeys((*KNOWN, *read)))
-        known = f"{', '.join(keys)}{did_you_mean(min(given), keys)}"
-        raise UsageError(f"unknown setting {', '.join(sorted(given))}; routing problems take {known}")
-    usual = objective = default_objective(name, instance.sites)
-    if asked is not None:
-        objective = Objective.of(asked)
-        _refuse_empty_terms(objective, instance)
-    elif instance.objective and (name == instance.problem or usual == Objective()):
-        objective = Objective.named(instance.objective)
-    elif not instance.min_vehicles and pointless(instance.sites) == len(instance.sites.customers):
-        raise InputError(
-            "all sites may be left out, and nothing tells what a visit is worth, so that none would be visited",
-            expected="a reward or a penalty, or the objective total-cost by name",
-        )
+        known = f"{', '.join(keys)}{did_you_mean(min(rest), keys)}"
+        raise UsageError(f"unknown setting {', '.join(sorted(rest))}; routing problems take {known}")
     return {
-        "sites": instance.sites, "travel": travel, "fleet": fleet, "objective": objective, "min_vehicles": least, "name": instance.name,
+        "sites": instance.sites, "travel": travel, "fleet": fleet, "objective": _objective(instance, name, asked),
+        "min_vehicles": least, "name": instance.name,
         "problem": name, "notes": notes, "team_risk": risks.get("team-risk", instance.team_risk),
         "forbidden": instance.forbidden, "clock": instance.clock,
     }  # fmt: skip
 
 
-def _refuse_empty_terms(objective: Objective, instance: RoutingInstance) -> None:
-    """Raise UsageError for a term that is 0 for every answer, because the data hold nothing that it counts."""
-    sites = instance.sites
-    for name, values in (("reward", sites.reward), ("penalties", sites.penalty)):
-        if f"objective:{name}" in objective.features() and not values.any():
-            raise UsageError(f"objective {str(objective)!r}: no site of {instance.name} has any {name}, so that it would count nothing")
+def _objective(instance: RoutingInstance, name: str, asked: Any) -> Objective:
+    """The objective that is asked for, or that of the file, or the usual one of the problem."""
+    sites, usual = instance.sites, default_objective(name, instance.sites)
+    if asked is not None:
+        objective = Objective.of(asked)
+        for term, values in (("reward", sites.reward), ("penalties", sites.penalty)):
+            if f"objective:{term}" in objective.features() and not values.any():
+                raise UsageError(f"objective {str(objective)!r}: no site of {instance.name} has any {term}, so that it would count nothing")
+        return objective
+    if instance.objective and (name == instance.problem or usual == Objective()):
+        return Objective.named(instance.objective)
+    if not instance.min_vehicles and pointless(sites) == len(sites.customers):
+        raise InputError(
+            "all sites may be left out, and nothing tells what a visit is worth, so that none would be visited",
+            expected="a reward or a penalty, or the objective total-cost by name",
+        )
+    return usual
 
 
 def _whole(name: str, value: Any) -> int:

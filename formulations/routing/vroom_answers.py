@@ -1,4 +1,4 @@
-"""Answers as VROOM's JSON: what ``vroom`` prints, and what can be shown where its output is."""
+"""Answers as VROOM's JSON: the output of ``vroom``, and answers written in its place."""
 
 from __future__ import annotations
 
@@ -32,15 +32,10 @@ def is_vroom_output(data: Mapping[str, Any]) -> bool:
 
 
 def routes_from_vroom(problem: RoutingProblem, data: Mapping[str, Any]) -> Routes:
-    """The routes of VROOM's output.
+    """The routes of VROOM's output; raises InputError if it is broken, tells of an error, or names an unknown task or vehicle.
 
     Jobs are sites with their number as id, shipments have sites ``pickup 3`` and ``delivery 3``, and vehicles the types that
     are named for their numbers; where there is one type alone, it drives all routes.
-
-    Raises
-    ------
-    InputError
-        If the document is broken, tells of an error, or names a task or a vehicle that does not exist.
     """
     code = integer(data.get("code", 0), "code", 0)
     if code:
@@ -67,13 +62,13 @@ def routes_from_vroom(problem: RoutingProblem, data: Mapping[str, Any]) -> Route
 
 def _types(problem: RoutingProblem) -> dict[int, int]:
     """Type of each vehicle number; empty where types do not have one number for each of their vehicles, so that names tell them."""
-    found: dict[int, int] = {}
+    types: dict[int, int] = {}
     for kind, vehicle in enumerate(problem.fleet):
         numbers = _numbers(problem, kind)
-        if vehicle.count is None or vehicle.count > len(numbers) or found.keys() & set(numbers):
+        if vehicle.count is None or vehicle.count > len(numbers) or types.keys() & set(numbers):
             return {}
-        found |= dict.fromkeys(numbers, kind)
-    return found
+        types |= dict.fromkeys(numbers, kind)
+    return types
 
 
 def _named(problem: RoutingProblem, description: Any, path: str) -> int:
@@ -166,6 +161,6 @@ def vroom_output(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
             }
         )
     visited = {site for route in answer for site in route.visits}
-    left = [tasks[k] for k in tasks if k not in visited]
-    summary = {"cost": math.fsum(route["cost"] for route in routes), "routes": len(routes), "unassigned": len(left)}
-    return {"code": 0, "summary": summary, "unassigned": left, "routes": routes}
+    unassigned = [tasks[k] for k in tasks if k not in visited]
+    summary = {"cost": math.fsum(route["cost"] for route in routes), "routes": len(routes), "unassigned": len(unassigned)}
+    return {"code": 0, "summary": summary, "unassigned": unassigned, "routes": routes}

@@ -12,7 +12,6 @@ from small_routing import small, varied
 
 import waybound as wb
 from waybound.formulations.programs.program import Program
-from waybound.formulations.routing import members
 from waybound.formulations.routing.objective import (
     Composable,
     LatestReturn,
@@ -85,10 +84,10 @@ def test_reward_before_makespan_is_no_weighted_sum() -> None:
     places = Sites.of("oab", reward=[0, 10, 9])
     travel = Travel("euclidean", np.array([(0, 0), (5, 0), (-0.5, 0)]))
     asked: dict[str, Any] = {"vehicles": 1, "max_duration": 10.0}
-    printed = wb.solve(members.makespan_orienteering(places, travel, weight="printed", **asked), "highs", bound_time=0.0)
+    printed = wb.solve(wb.makespan_orienteering(places, travel, weight="printed", **asked), "highs", bound_time=0.0)
     assert printed.objective == pytest.approx(8.1)
-    assert wb.solve(members.makespan_orienteering(places, travel, **asked), "highs", bound_time=0.0).objective == pytest.approx([10, 10])
-    tie = members.makespan_orienteering(Sites.of("oa", reward=[0, 4]), Travel("euclidean", np.array([(0, 0), (5.0, 0)])), **asked)
+    assert wb.solve(wb.makespan_orienteering(places, travel, **asked), "highs", bound_time=0.0).objective == pytest.approx([10, 10])
+    tie = wb.makespan_orienteering(Sites.of("oa", reward=[0, 4]), Travel("euclidean", np.array([(0, 0), (5.0, 0)])), **asked)
     assert wb.solve(tie, "highs", bound_time=0.0).objective == pytest.approx([4, 10])
 
 

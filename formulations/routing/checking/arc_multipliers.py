@@ -1,20 +1,8 @@
 """Evidence ``arc-multipliers``: a Lagrangian bound from prices of sites and of resources, such as the duals of a two-index LP.
 
-With x_ij in {0,1} for each arc, out_i, in_i and phi free, mu >= 0, and f_ij the level of a resource on leaving i along ij::
-
-    sum_j x_ij = 1, sum_j x_ji = 1            each customer i          (out_i, in_i)
-    sum_j x_0j = k, fewest <= k <= most                                (phi)
-    sum_j f_ij - sum_h (f_hi + w_hi x_hi) >= 0 each customer i, resource (mu_i)
-    lower_i x_ij <= f_ij <= min(upper_i, upper_j - w_ij) x_ij
-
-every answer obeys these rows, so for any multipliers its cost is at least the minimum over x, f and k of::
-
-    sum out + sum in + k phi + sum_ij r_ij x_ij,
-    r_ij = c_ij - out_i - in_j - [i = 0] phi + sum over resources of (mu_j w_ij + min over f of (mu_j - mu_i) f)
-
-(out_0 = in_0 = mu_0 = 0; f_0j is the constant level at departure). Two sets of x that hold every answer are minimised over by
-hand, and the better of the two counts: one arc into each customer and k into the depot; one arc out of each customer and k out of
-the depot.
+The rows and the bound are in docs/formulations/routing.md#arc-multipliers. Two sets of x that hold every answer are minimised over by
+hand, and the better of the two counts: one arc into each customer and k into the depot; one arc out of each customer and k out of the
+depot.
 """
 
 from __future__ import annotations
@@ -25,67 +13,44 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
-from ...evidence import CHECKERS
+from .known_features import RESOURCES, Flags, Floats, routing_evidence
 from .relaxation import Relaxation, Resource, order_resource, relax
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
 
-RESOURCES = ("time", "load", "distance", "duration", "energy", "order")
+PRICED = (*RESOURCES, "order")
 
 
-@CHECKERS.register("arc-multipliers")
+@routing_evidence("arc-multipliers", "arc-multipliers are")
 def check_arc_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the first level of the objective that any multipliers prove (weak duality).
+    """Bound on total cost, the number of vehicles, or a weighted sum of them, by any multipliers (weak duality).
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        Objective: total cost, the number of vehicles, or a weighted sum of them; no optional sites. Several depots and vehicle
-        types are bounded through ``relaxation.relax``.
-    data : dict
-        ``out`` and ``in``: lists with one number a site (entries of depots are ignored); ``fleet``: one number;
-        ``resources``, optional: lists with one number a site by name (``time, load, distance, duration, energy``, and ``order``, the
-        number of moves so far), negative ones read as 0. ``ray``, optional: true for multipliers of the rows alone, as if no arc cost
-        anything.
+    ``data``: ``out`` and ``in``, lists with one number a site (entries of depots are ignored); ``fleet``, one number; ``resources``,
+    optional:
+    lists with one number a site by name (also ``order``, the number of moves so far), negative ones read as 0; ``ray``, optional: true
+    for
+    multipliers of the rows alone, as if no arc cost anything. A ray with a bound above 0 proves that there is no answer.
 
-    Returns
-    -------
-    float
-        The bound, rounded up to the granularity of the costs; minus infinity where nothing is proved, infinity where the arcs
-        that are left allow no answer at all, or where a ray has a bound above 0: an answer would have the cost 0.
-
-    Raises
-    ------
-    InputError
-        If a list is missing, too short or too long, or holds anything but finite numbers.
-
-    Notes
-    -----
-    Source: Geoffrion (1974), "Lagrangean relaxation for integer programming"; rows as in Bard, Kontoravdis, Yu (2002);
-    docs/formulations/routing.md#arc-multipliers.
+    Source: Geoffrion (1974), "Lagrangean relaxation for integer programming"; rows as in Bard, Kontoravdis, Yu (2002).
     """
-    if problem.family != "routing":
-        raise InputError("arc-multipliers are evidence for routing problems", found=problem.family)
     sites = len(problem.sites)
     out, into, phi = numbers(data, "out", sites), numbers(data, "in", sites), number(data, "fleet", 0.0)
-    given = data.get("resources", {})
-    if not isinstance(given, Mapping) or not set(given) <= set(RESOURCES):
-        raise InputError("evidence 'resources' must be an object", expected=", ".join(RESOURCES), found=str(given)[:80])
-    prices = {str(name): np.maximum(numbers(given, name, sites), 0.0) for name in given}
+    lists = data.get("resources", {})
+    if not isinstance(lists, Mapping) or not set(lists) <= set(PRICED):
+        raise InputError("evidence 'resources' must be an object", expected=", ".join(PRICED), found=str(lists)[:80])
+    prices = {str(name): np.maximum(numbers(lists, name, sites), 0.0) for name in lists}
     ray = data.get("ray", False)
     if not isinstance(ray, bool):
         raise InputError("evidence 'ray' must be true or false", found=str(ray)[:80])
     relaxed = relax(problem)
     if relaxed is None:
-        return -math.inf if problem.sense == "min" else math.inf
+        return -math.inf
     if relaxed.fewest > relaxed.most:
         return math.inf
     at = relaxed.customers
@@ -125,12 +90,12 @@ def _bound(relaxed: Relaxation, out: Floats, into: Floats, phi: float, prices: d
     return math.fsum([*out, *into, max(bounds), -error]) if max(bounds) < math.inf else math.inf
 
 
-def _resource_cost(resource: Resource, mu: Floats, usable: NDArray[np.bool_]) -> Floats:
+def _resource_cost(resource: Resource, mu: Floats, usable: Flags) -> Floats:
     """``mu_j w_ij`` plus the least of ``(mu_j - mu_i) f`` over the levels at which a route may leave i for j."""
     low = resource.lower[:, None] - resource.slack
     high = np.minimum(resource.upper[:, None], resource.upper[None, :] - resource.weight) + resource.slack
     slope = mu[None, :] - mu[:, None]
     level = np.where(usable, np.where(slope > 0, low, high), 0.0)
-    made: Floats = mu[None, :] * resource.weight + slope * level
-    made[0] = mu * (resource.weight[0] + resource.start)
-    return made
+    cost: Floats = mu[None, :] * resource.weight + slope * level
+    cost[0] = mu * (resource.weight[0] + resource.start)
+    return cost

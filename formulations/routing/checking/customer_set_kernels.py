@@ -12,24 +12,12 @@ from ...stop_kernel import asked
 
 @kernel("f8[:,::1](i8[::1], f8[:,:,::1], f8[:,:,::1], f8[::1], f8[:,::1], f8[:,::1], i8[::1])")
 def set_values(flag, costs, weights, start, lower, upper, before):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """The least of each cost of a route through exactly the customers of each set, a mask; infinite if there is none, NaN where it was
-    stopped.
+    """Least of each cost of a route through exactly the customers of each set, a mask; inf without one, NaN where it was stopped.
 
-    The least level of each resource at the last customer of a set is found by itself, and so is each cost, over all orders that no level
-    by itself rules out (Held, Karp 1962).
-
-    Parameters
-    ----------
-    flag : array
-        Of a ``Stop``.
-    costs : array of shape (costs, nodes, nodes)
-        Of moves, node 0 being the depot; infinite in the first of them where there is no move.
-    weights : array of shape (resources, nodes, nodes)
-    start : array of shape (resources,)
-    lower, upper : arrays of shape (resources, nodes)
-        A level is raised to ``lower``, and is ``upper`` at most; entry 0 is for the return.
-    before : array of shape (nodes - 1,)
-        Who must have been visited before each customer, a mask.
+    The least level of each resource at the last customer of a set, and each cost, are found by themselves over all orders that no level
+    alone rules out (Held, Karp 1962). ``costs`` of shape (costs, nodes, nodes), node 0 being the depot, are infinite in the first of them
+    where there is no move; ``weights`` have shape (resources, nodes, nodes), ``lower`` and ``upper`` (resources, nodes), where entry 0 is
+    for the return; ``before`` is a mask of who must have been visited before each customer; ``flag`` is that of a ``Stop``.
     """
     n, many, kinds = len(before), len(start), len(costs)
     level = np.full((1 << n, n, many), math.inf)
@@ -78,29 +66,25 @@ def set_values(flag, costs, weights, start, lower, upper, before):  # type: igno
 def with_route(flag, best, sets, values):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """``best``, or less with one more route through one of ``sets``; NaN first where it was stopped.
 
-    Parameters
-    ----------
-    flag : array
-        Of a ``Stop``.
-    best : array of shape (counts, 2^customers)
-        Least value of routes through each set of customers, by their number; the last counts for all larger ones.
-    sets, values : arrays of shape (routes,)
+    ``best`` of shape (counts, 2^customers) is the least value of routes through each set of customers, by their number; the last counts
+    for
+    all larger ones.
     """
-    made = best.copy()
+    joined = best.copy()
     last, full = len(best) - 1, best.shape[1] - 1
     for t in range(len(sets)):
         if asked(flag):
-            made[0, 0] = math.nan
-            return made
+            joined[0, 0] = math.nan
+            return joined
         mine, others = sets[t], full & ~sets[t]
         for k in range(last + 1):
             more = min(k + 1, last)
             rest = others
             while True:
                 value = best[k, rest] + values[t]
-                if value < made[more, rest | mine]:
-                    made[more, rest | mine] = value
+                if value < joined[more, rest | mine]:
+                    joined[more, rest | mine] = value
                 if rest == 0:
                     break
                 rest = (rest - 1) & others
-    return made
+    return joined

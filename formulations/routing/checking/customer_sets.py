@@ -1,11 +1,11 @@
-"""Evidence ``customer-sets``: the cheapest route of each type of vehicle through each set of a few customers, and the best of all ways to
+"""Evidence ``customer-sets``: the cheapest route of each type of vehicle through each set of a few customers, and the best of all ways
+to
 divide the customers among routes.
 
 Routes are relaxed one limit at a time: a set is ruled out where the least level of some resource, over all orders of its members, breaks
-a limit, and its cost is the least over all orders that no level by itself rules out. Pickups come before their deliveries on the same
-route, alternatives exclude each other, and each vehicle is of its own type. Where the objective weighs the largest of all routes with
-other terms, limits on the largest route divide the answers: of those whose largest route lies between two of them, it costs the lower at
-least, and no route is beyond the upper.
+a limit, and its cost is the least over all orders that no level by itself rules out. Where the objective weighs the largest of all routes
+with other terms, limits on the largest route divide the answers: of those whose largest route lies between two of them, it costs the
+lower at least, and no route is beyond the upper. docs/formulations/routing.md#customer-sets.
 """
 
 from __future__ import annotations
@@ -17,24 +17,19 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...checking.granularity import lift
-from ...evidence import CHECKERS
 from ...stop import current_stop
-from .known_features import departure, own_moves, unknown_features
+from .known_features import EPS, Floats, Longs, departure, own_moves, routing_evidence, unknown_features, with_fleet, without_stops
 from .relaxation import with_depot
 from .round_trips import least_peak
-from .stops_on_the_way import with_fleet, without_stops
 from .vehicle_moves import Terms, VehicleMoves, alike, constants, terms_of, value_grain
 
 if TYPE_CHECKING:
     from ....instances.routing.vehicle_type import VehicleType
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Masks = NDArray[np.int64]
 
 CUSTOMERS = 16
 """More are not looked at: their sets are too many."""
@@ -48,11 +43,9 @@ LIMITS = 64
 JOINED = ("longest-route", "makespan")
 """Maxima that are told set by set."""
 
-_EPS = float(np.finfo(np.float64).eps)
-
 
 def joined_peak(terms: Terms) -> str:
-    """The maximum that is told set by set, none if empty."""
+    """The maximum that is counted set by set; empty if there is none."""
     return next((name for name in JOINED if name in terms.peaks), "")
 
 
@@ -60,26 +53,15 @@ def joined_peak(terms: Terms) -> str:
 class CustomerSets:
     """What routes through sets of customers cost; sets are masks over the customers in site order.
 
-    Parameters
-    ----------
-    types : list of (sets, values, peaks, count)
-        One entry a type of vehicle, and how many of it there are; what each set adds to the objective at least, and its least length or
-        duration, by which the largest route is told.
-    ends : array of int
-        Sets that an answer may visit in all.
-    fewest : int
-        Routes of an answer at least.
-    fixed : float
-        What routes do not change.
-    weight, least : float
-        Of the largest route in the objective, and a bound on it.
-    error, blur : float
-        What sums of values, and one peak, may be wrong by.
-    customers : int
+    ``types`` has for each type of vehicle its sets, what each adds to the objective at least, its least length or duration (by which the
+    largest route is told), and the number of vehicles. ``ends`` are the sets that an answer may visit in all, ``fewest`` its least number
+    of
+    routes, ``fixed`` what routes do not change, ``weight`` and ``least`` those of the largest route in the objective; sums of values are
+    wrong by ``error`` at most, one peak by ``blur``.
     """
 
-    types: list[tuple[Masks, Floats, Floats, int]]
-    ends: Masks
+    types: list[tuple[Longs, Floats, Floats, int]]
+    ends: Longs
     fewest: int
     fixed: float
     weight: float
@@ -117,19 +99,19 @@ class CustomerSets:
         types, size, largest = [], 0.0, 0.0
         for vehicle, count in kinds.items():
             alone = without_stops(with_fleet(problem, (vehicle,)))
-            found, sizes = _values(alone, others, peak, before)
+            values, sizes = _values(alone, others, peak, before)
             if vehicle.reloads:
                 trips, more = _of_trips(problem, vehicle, others, peak)
-                found, sizes = np.maximum(found, trips), np.maximum(sizes, more)
-            if np.isnan(found).any() or not np.isfinite(sizes).all():
+                values, sizes = np.maximum(values, trips), np.maximum(sizes, more)
+            if np.isnan(values).any() or not np.isfinite(sizes).all():
                 return None
-            kept = np.flatnonzero(np.isfinite(found[0]) & whole)
-            types.append((kept, found[0, kept], found[1, kept], min(count, n)))
+            kept = np.flatnonzero(np.isfinite(values[0]) & whole)
+            types.append((kept, values[0, kept], values[1, kept], min(count, n)))
             size, largest = max(size, float(sizes[0])), max(largest, float(sizes[1]))
         parts = constants(relaxed, others)
         size += max((abs(part) for part in parts), default=0.0)
         # Each route is added up from its first move on, so that no sum is larger than nodes sizes; there are n routes at most.
-        rounding = 16.0 * _EPS * (n + 2) ** 2
+        rounding = 16.0 * EPS * (n + 2) ** 2
         weight, least = terms.peaks.get(peak, 0.0), least_peak(relaxed, peak) if peak else 0.0
         if not math.isfinite(64.0 * (n + 2) ** 2 * (size + largest) * max(1.0, abs(weight))):
             return None
@@ -137,8 +119,7 @@ class CustomerSets:
         return cls(types, np.flatnonzero(ends), problem.min_vehicles, fixed, weight, least, rounding * size, rounding * largest, n)
 
     def cheapest(self, limit: float = math.inf, work: float = WORK) -> tuple[float, float]:
-        """Least value without that of the largest route, where none is beyond ``limit``, and the work it took; infinite if there is no
-        answer, NaN where it was stopped or is too much work."""
+        """Least value without the largest route, where none is beyond ``limit``, and the work it took; NaN where that is too much."""
         from .customer_set_kernels import with_route
 
         best = np.full((self.fewest + 1, 1 << self.customers), math.inf)
@@ -162,19 +143,19 @@ class CustomerSets:
         return float(best[-1, self.ends].min(initial=math.inf)), done
 
     def bound(self, limits: Sequence[float]) -> float:
-        """What holds of every answer, of a minimisation, divided by ``limits`` on the largest route, in ascending order."""
-        left, found = float(WORK), math.inf
+        """Bound of a minimisation whose answers are divided by ``limits`` on the largest route, in ascending order."""
+        work, least = float(WORK), math.inf
         for low, high in zip([self.least, *limits], [*limits, math.inf], strict=True):
-            value, done = self.cheapest(high, left)
+            value, done = self.cheapest(high, work)
             if math.isnan(value):
                 return -math.inf
-            left -= done
-            found = min(found, value + self.weight * max(low, self.least))
-        made = self.fixed + found
-        return made - self.error - 4.0 * _EPS * (abs(made) + abs(self.fixed)) if math.isfinite(made) else made
+            work -= done
+            least = min(least, value + self.weight * max(low, self.least))
+        total = self.fixed + least
+        return total - self.error - 4.0 * EPS * (abs(total) + abs(self.fixed)) if math.isfinite(total) else total
 
 
-def _values(alone: RoutingProblem, terms: Terms, peak: str, before: Masks) -> tuple[Floats, Floats]:
+def _values(alone: RoutingProblem, terms: Terms, peak: str, before: Longs) -> tuple[Floats, Floats]:
     """Value, and length or duration, of the routes of a fleet of one through each set, and the sizes of what they are added up from."""
     from .customer_set_kernels import set_values
 
@@ -186,17 +167,17 @@ def _values(alone: RoutingProblem, terms: Terms, peak: str, before: Masks) -> tu
     limits = [r for name, r in moves.resources.items() if name != "order"]
     usable = np.isfinite(moves.cost)
     nothing = np.where(usable, 0.0, math.inf)
-    found = set_values(
+    values = set_values(
         current_stop().flag, np.ascontiguousarray([moves.cost, np.where(usable, lengths, math.inf)]),
         np.ascontiguousarray([r.weight + nothing for r in limits]).reshape(len(limits), *usable.shape),
         np.array([r.start for r in limits]), np.ascontiguousarray([r.lower for r in limits]),
         np.ascontiguousarray([r.upper + r.slack for r in limits]), before,
     )  # fmt: skip
-    return found, np.array([moves.size, float(np.abs(lengths).max())])
+    return values, np.array([moves.size, float(np.abs(lengths).max())])
 
 
 def _work_of_trips(n: int, vehicle: VehicleType) -> float:
-    """Sets that are joined for a vehicle that reloads."""
+    """Number of sets that are joined for a vehicle that reloads."""
     stops = set(vehicle.reloads)
     return len(stops | {vehicle.start, vehicle.end}) * len(stops | {vehicle.end}) * (n + 1) * 3.0**n if stops else 0.0
 
@@ -207,8 +188,10 @@ def _opens_at_once(problem: RoutingProblem, vehicle: VehicleType) -> bool:
 
 
 def _of_trips(problem: RoutingProblem, vehicle: VehicleType, terms: Terms, peak: str) -> tuple[Floats, Floats]:
-    """The same of a vehicle that reloads on its way: as many trips between depots as it may make, each with its own load. What is carried
-    over a stop may be delivered on a later trip."""
+    """``_values`` of a vehicle that reloads: as many trips between depots as it may make, each with its own load.
+
+    What is carried over a stop may be delivered on a later trip.
+    """
     from .customer_set_kernels import with_route
 
     n = len(problem.sites.customers)
@@ -216,7 +199,7 @@ def _of_trips(problem: RoutingProblem, vehicle: VehicleType, terms: Terms, peak:
     free, sizes, energy = replace(terms, vehicles=0.0), np.zeros(2), vehicle.energy
     if energy and energy.charge == "elapsed-fixed-start":  # later trips begin later, where the store has lost nothing more
         energy = replace(energy, charge="elapsed")
-    table: dict[tuple[int, int], tuple[Masks, Floats]] = {}
+    table: dict[tuple[int, int], tuple[Longs, Floats]] = {}
     for a in depots:
         for b in stops | {vehicle.end}:
             trip = replace(vehicle, count=1, start=a, end=b, reloads=(), max_reloads=None, fixed_cost=0.0, energy=energy)
@@ -228,7 +211,7 @@ def _of_trips(problem: RoutingProblem, vehicle: VehicleType, terms: Terms, peak:
             sizes = np.maximum(sizes, size)
     far, move = (matrix[np.ix_(depots, depots)] for matrix in own_moves(problem, vehicle))
     paid = terms.cost * vehicle.unit_cost * far + (terms.cost * vehicle.unit_duration_cost + terms.duration) * move
-    found = np.full((2, 1 << n), math.inf)
+    least = np.full((2, 1 << n), math.inf)
     for c, between in enumerate((paid, move if peak == "makespan" else far)):
         sizes[c] = max(sizes[c], float(between.max()))
         at = np.full((len(depots), 1 << n), math.inf)  # least by where the next trip begins, and who was visited
@@ -237,63 +220,41 @@ def _of_trips(problem: RoutingProblem, vehicle: VehicleType, terms: Terms, peak:
             after = at.copy()
             for (a, b), (sets, values) in table.items():
                 i, k = depots.index(a), depots.index(b)
-                made = with_route(current_stop().flag, at[i][None, :], sets, np.ascontiguousarray(values[c]))[0]
-                if math.isnan(made[0]):
+                joined = with_route(current_stop().flag, at[i][None, :], sets, np.ascontiguousarray(values[c]))[0]
+                if math.isnan(joined[0]):
                     return np.full((2, 1 << n), math.nan), sizes
-                np.minimum(made, at[i] + between[i, k], out=made)  # a trip may visit nobody
+                np.minimum(joined, at[i] + between[i, k], out=joined)  # a trip may visit nobody
                 if b == vehicle.end:
-                    np.minimum(found[c], made, out=found[c])
+                    np.minimum(least[c], joined, out=least[c])
                 if b in stops:
-                    np.minimum(after[k], made, out=after[k])
+                    np.minimum(after[k], joined, out=after[k])
             if trips - 1 == vehicle.max_reloads or (after == at).all():
                 break
             at = after
-    found[0] += terms.cost * vehicle.fixed_cost + terms.vehicles
-    found[:, 0] = math.inf  # a route visits somebody
-    return found, sizes + abs(terms.cost * vehicle.fixed_cost + terms.vehicles)
+    least[0] += terms.cost * vehicle.fixed_cost + terms.vehicles
+    least[:, 0] = math.inf  # a route visits somebody
+    return least, sizes + abs(terms.cost * vehicle.fixed_cost + terms.vehicles)
 
 
-@CHECKERS.register("customer-sets")
+@routing_evidence("customer-sets", "customer-sets are")
 def check_customer_sets(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the first level of the objective, or infinity where no answer is left.
+    """Bound on the first level of the objective; minus infinity beyond 16 customers, or where it is too much work.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        With any features and any terms; several loads, windows and risks count as far as ``known_features`` says.
-    data : dict
-        ``longest-route`` or ``makespan``, optional: at most 64 numbers, limits on the largest route by which the
-        answers are divided.
+    ``data``: ``longest-route`` or ``makespan``, optional: at most 64 limits on the largest route by which the answers are divided.
 
-    Returns
-    -------
-    float
-        The bound, moved to the next multiple that the objective can take; minus infinity (of a minimisation) beyond 16 customers, or where
-        it is too much work.
-
-    Raises
-    ------
-    InputError
-        If limits are no finite numbers, or too many.
-
-    Notes
-    -----
-    Source: Held, Karp (1962) for the sets; docs/formulations/routing.md#customer-sets.
+    Source: Held, Karp (1962) for the sets.
     """
-    if problem.family != "routing":
-        raise InputError("customer-sets are evidence for routing problems", found=problem.family)
     terms = terms_of(problem)
     peak = "" if terms is None else joined_peak(terms)
-    given = data.get(peak, []) if peak else []
-    if not isinstance(given, list) or len(given) > LIMITS or any(isinstance(x, bool) or not isinstance(x, int | float) for x in given):
-        raise InputError("evidence 'limits' must be a list of numbers", expected=f"at most {LIMITS}", found=str(given)[:80])
-    limits = sorted(map(float, given))
+    stated = data.get(peak, []) if peak else []
+    if not isinstance(stated, list) or len(stated) > LIMITS or any(isinstance(x, bool) or not isinstance(x, int | float) for x in stated):
+        raise InputError("evidence 'limits' must be a list of numbers", expected=f"at most {LIMITS}", found=str(stated)[:80])
+    limits = sorted(map(float, stated))
     if not all(map(math.isfinite, limits)):
-        raise InputError("evidence 'limits' must be finite", found=str(given)[:80])
-    sign = 1.0 if problem.sense == "min" else -1.0
+        raise InputError("evidence 'limits' must be finite", found=str(stated)[:80])
     if terms is None or unknown_features(without_stops(problem)) or not 0 < len(problem.sites.customers) <= CUSTOMERS:
-        return -sign * math.inf
+        return -math.inf
     with np.errstate(over="ignore", invalid="ignore"):
         sets = CustomerSets.of(problem, terms)
         bound = -math.inf if sets is None else sets.bound(limits)
-    return sign * lift(bound, "min", value_grain(problem, terms)) if math.isfinite(bound) else sign * bound
+    return lift(bound, "min", value_grain(problem, terms)) if math.isfinite(bound) else bound

@@ -1,15 +1,7 @@
 """Evidence ``cut-multipliers``: a Lagrangian bound from prices of sites, of limits that all vehicles share, and of cuts around sets.
 
-With x_ij in {0, 1} for each move of any route, y_i in {0, 1} for each visit and k for the number of routes, every answer obeys::
-
-    sum_h x_hi = y_i,  sum_j x_ij = y_i                     each customer i             (in_i, out_i)
-    sum_j x_0j = sum_i x_i0 = k,  fewest <= k <= most
-    sum_ij w_ij x_ij <= what all vehicles have              each limited resource       (mu >= 0)
-    x(into S) >= y_i and x(out of S) >= y_i                 sets S of customers, i in S (lambda >= 0)
-    x(into S) >= q(S) and x(out of S) >= q(S)               sets S of customers         (lambda >= 0)
-
-where q(S) routes at least serve the required customers of S: one if there are any, and as many as their loads take. At any prices the
-least of the Lagrangian over x, y and k is a bound; of the moves i-j and j-i an answer makes one at most.
+The rows are in docs/formulations/routing.md#cuts. At any prices the least of the Lagrangian over moves, visits and number of routes is a
+bound; of the moves i-j and j-i an answer makes one at most.
 """
 
 from __future__ import annotations
@@ -19,82 +11,53 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
-from ...evidence import CHECKERS
-from .known_features import unknown_features
-from .stops_on_the_way import without_stops
-from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, terms_of, value_grain, worth_of_visits
+from .known_features import EPS, RESOURCES, Flags, Floats, Longs, refuse_unknown_resources, routing_evidence
+from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, relaxed_terms, value_grain, worth_of_visits
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
-RESOURCES = ("time", "load", "distance", "duration", "energy")
-
-_EPS = float(np.finfo(np.float64).eps)
-
-
-@CHECKERS.register("cut-multipliers")
+@routing_evidence("cut-multipliers")
 def check_cut_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the first level of the objective that any prices prove (weak duality).
+    """Bound on the first level of the objective that any prices prove (weak duality); maxima count by the farthest round trip.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        With any features and any terms; maxima (makespan, ...) count by the farthest round trip.
-    data : dict
-        ``out`` and ``in``: lists with one number a site (entries of depots are ignored); ``rates``: the price of a unit of a resource
-        (``time, load, distance, duration, energy``) by its name; ``cuts``: objects with ``sites``, positions of customers, ``price``, and
-        ``of``, the position of that one of them whose visit is the right side, or null for what the required ones among them need.
-        Prices of resources and cuts that are negative are read as 0.
+    ``data``: ``out`` and ``in``, lists with one number a site (entries of depots are ignored); ``rates``, the price of a unit of a
+    resource by
+    its name; ``cuts``, objects with ``sites``, positions of customers, ``price``, and ``of``, the position of that one of them whose
+    visit is
+    the right side, or null for what the required ones among them need. Negative prices of resources and cuts are read as 0.
 
-    Returns
-    -------
-    float
-        The bound, moved to the next multiple that the objective can take; minus infinity (of a minimisation) where nothing is proved.
-
-    Raises
-    ------
-    InputError
-        If numbers are missing or not finite, a resource is unknown, or a cut names anything but customers.
-
-    Notes
-    -----
     Source: Fischetti, Salazar González, Toth (1998), "Solving the orienteering problem through branch-and-cut", for sets that hold a
-    visit; Laporte, Nobert, Desrochers (1985) for those that need vehicles; docs/formulations/routing.md#cuts.
+    visit;
+    Laporte, Nobert, Desrochers (1985) for those that need vehicles.
     """
-    if problem.family != "routing":
-        raise InputError("cut-multipliers are evidence for routing problems", found=problem.family)
     sites, customers = problem.sites, problem.sites.customers
     out, into = numbers(data, "out", len(sites)), numbers(data, "in", len(sites))
-    given = data.get("rates", {})
-    if not isinstance(given, Mapping) or not set(given) <= set(RESOURCES):
-        raise InputError("evidence names an unknown resource", expected=", ".join(RESOURCES), found=str(given)[:80])
-    rates = {str(name): max(0.0, number(given, name)) for name in given}
+    stated = data.get("rates", {})
+    refuse_unknown_resources(stated if isinstance(stated, Mapping) else [repr(stated)], RESOURCES, str(stated))
+    rates = {str(name): max(0.0, number(stated, name)) for name in stated}
     inside, of, prices = _cuts(problem, data.get("cuts", []))
-    sign = 1.0 if problem.sense == "min" else -1.0
-    relaxed, terms = without_stops(problem), terms_of(problem)
-    if terms is None or unknown_features(relaxed) or not len(customers):
-        return -sign * math.inf
+    relaxed, terms = relaxed_terms(problem)
+    if terms is None:
+        return -math.inf
     with np.errstate(over="ignore", invalid="ignore"):
         bound = _bound(relaxed, terms, out[customers], into[customers], rates, inside, of, prices)
-    return sign * lift(bound, "min", value_grain(problem, terms)) if bound > -math.inf else -sign * math.inf
+    return lift(bound, "min", value_grain(problem, terms)) if bound > -math.inf else -math.inf
 
 
-def _cuts(problem: RoutingProblem, given: object) -> tuple[Flags, NDArray[np.int64], Floats]:
+def _cuts(problem: RoutingProblem, cuts: object) -> tuple[Flags, Longs, Floats]:
     """Which customers each set holds, shape (cuts, customers), whose visit is its right side (-1: nobody's), and its price."""
-    if not isinstance(given, list) or not all(isinstance(cut, Mapping) for cut in given):
-        raise InputError("evidence 'cuts' must be a list of objects", found=str(given)[:80])
+    if not isinstance(cuts, list) or not all(isinstance(cut, Mapping) for cut in cuts):
+        raise InputError("evidence 'cuts' must be a list of objects", found=str(cuts)[:80])
     node = {site: k for k, site in enumerate(problem.sites.customers.tolist())}
-    inside, of = np.zeros((len(given), len(node)), dtype=bool), np.full(len(given), -1, np.int64)
-    prices = np.array([max(0.0, number(cut, "price")) for cut in given], dtype=np.float64)
-    for k, cut in enumerate(given):
+    inside, of = np.zeros((len(cuts), len(node)), dtype=bool), np.full(len(cuts), -1, np.int64)
+    prices = np.array([max(0.0, number(cut, "price")) for cut in cuts], dtype=np.float64)
+    for k, cut in enumerate(cuts):
         members, visit = cut.get("sites"), cut.get("of")
         if not isinstance(members, list) or not members or not all(type(site) is int and site in node for site in members):
             raise InputError("a cut of the evidence must be around customers", found=str(members)[:80])
@@ -106,7 +69,7 @@ def _cuts(problem: RoutingProblem, given: object) -> tuple[Flags, NDArray[np.int
 
 
 def _bound(
-    problem: RoutingProblem, terms: Terms, out: Floats, into: Floats, rates: dict[str, float], inside: Flags, of: NDArray[np.int64],
+    problem: RoutingProblem, terms: Terms, out: Floats, into: Floats, rates: dict[str, float], inside: Flags, of: Longs,
     prices: Floats,
 ) -> float:  # fmt: skip
     n = len(out)
@@ -139,7 +102,7 @@ def _bound(
     visits = out + into + 2.0 * np.bincount(of[of >= 0], prices[of >= 0], minlength=n)
     parts = [*worth_of_visits(problem, visits).tolist(), *constants(problem, terms), *(-rate * rooms[name] for name, rate in rates.items())]
     parts += (2.0 * prices * needed_routes(problem, inside) * (of < 0)).tolist()
-    slip = 8.0 * _EPS * (len(prices) + 8) * size
+    slip = 8.0 * EPS * (len(prices) + 8) * size
     total = float(np.abs(parts).sum())
     if not math.isfinite(64.0 * (n + 2) ** 2 * (slip + size) + total):
         return -math.inf
@@ -148,12 +111,7 @@ def _bound(
     inner = np.minimum(reduced[1:, 1:], reduced[1:, 1:].T)
     pairs = math.fsum(inner[np.triu(inner < 0.0, k=1)])
     fewest = max(problem.min_vehicles, int(needed_routes(problem, np.ones(n, dtype=bool))))
-    ends = _least_ends(np.sort(reduced[0, 1:]), np.sort(reduced[1:, 0]), fewest, min(n, most))
-    bound = math.fsum([*parts, pairs, ends, -16.0 * _EPS * (total + abs(pairs) + (n + 1) ** 2 * size)])
+    sums = np.concatenate([[0.0], np.cumsum(np.sort(reduced[0, 1:]) + np.sort(reduced[1:, 0]))])  # k first and k last moves
+    ends = float(sums[fewest : min(n, most) + 1].min(initial=math.inf))
+    bound = math.fsum([*parts, pairs, ends, -16.0 * EPS * (total + abs(pairs) + (n + 1) ** 2 * size)])
     return bound if math.isfinite(bound) else -math.inf
-
-
-def _least_ends(first: Floats, last: Floats, fewest: int, most: int) -> float:
-    """Least sum of k first and k last moves over all numbers k of routes; both come sorted."""
-    sums = np.concatenate([[0.0], np.cumsum(first + last)])[fewest : most + 1]
-    return float(sums.min(initial=math.inf))

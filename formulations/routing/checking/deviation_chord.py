@@ -1,14 +1,9 @@
 """Evidence ``deviation-chord``: a bound on problems with risks, by one of certain durations that has every answer of theirs.
 
-The risk of the team is given to each route whole: no route of an answer overruns a limit more often than any of them does. So with r the
-lesser of a vehicle's risk and the team's, and z = Phi^-1(1 - r), the mean D and the variance V of every route keep D + z sqrt(V) <= B.
-The root is concave, so that it is no less than its chord from 0 to the largest deviation s that a route may have::
-
-    z sqrt(V) >= (z / s) V          for V <= s^2
-
-so that z / s times the variances are added to durations, and the limit stays. No move has more than ``ratio`` times its duration of
-variance, so V <= ratio D, and s is where s^2 / ratio + z s = B. Evidence on this problem, of any kind that knows routes, is evidence on the
-one with risks. Windows, and limits on time other than B, are left out.
+The risk of the team is given to each route whole. The deviation of a route is concave in its variance, so that it is no less than its
+chord from 0 to the largest deviation that a route may have: the slope of the chord times the variances is added to durations, and the
+limit stays. Evidence on that problem, of any kind that knows routes, is evidence on the one with risks. Windows, and limits on time other
+than the longest duration or the store, are left out. docs/formulations/routing.md#the-chord-of-the-deviation.
 """
 
 from __future__ import annotations
@@ -19,20 +14,17 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...certificate import verified_bound
-from ...evidence import CHECKERS, Evidence
-from .known_features import own_moves, unknown_features
+from ...evidence import Evidence
+from .known_features import Floats, explicit, own_moves, routing_evidence, unknown_features, with_fleet
 from .route_limits import limits_of
-from .stops_on_the_way import explicit, with_fleet
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
 
 KIND = "deviation-chord"
 
@@ -43,50 +35,23 @@ _NEAR = 1e-9
 """What limits concede for the rounding of sums and roots."""
 
 
-@CHECKERS.register(KIND)
+@routing_evidence(KIND)
 def check_deviation_chord(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the first level of the objective.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-        With risks, and an objective of ``TERMS``.
-    data : dict
-        ``kind`` and ``data``: evidence on the problem of certain durations.
-
-    Returns
-    -------
-    float
-        Minus infinity (of a minimisation) where nothing is proved.
-
-    Raises
-    ------
-    InputError
-        If the evidence is malformed, or its own evidence is.
-
-    Notes
-    -----
-    Source: docs/formulations/routing.md#the-chord-of-the-deviation.
-    """
-    if problem.family != "routing":
-        raise InputError(f"{KIND} is evidence for routing problems", found=problem.family)
+    """Bound on the first level of the objective; ``data``: ``kind`` and ``data`` of evidence on the problem of certain durations."""
     kind, inner = data["kind"], data["data"]
     if not isinstance(kind, str) or kind == KIND or not isinstance(inner, Mapping):
         raise InputError(f"the evidence within {KIND} is malformed, or of the same kind", found=str(kind)[:80])
-    made = without_risks(problem)
-    nothing = -math.inf if problem.sense == "min" else math.inf
-    if made is None:
-        return nothing
-    bound = verified_bound(made, Evidence(kind, "", 0.0, dict(inner)))
-    return nothing if math.isnan(bound) else bound
+    certain = without_risks(problem)
+    bound = math.nan if certain is None else verified_bound(certain, Evidence(kind, "", 0.0, dict(inner)))
+    return -math.inf if math.isnan(bound) else bound * (1.0 if problem.sense == "min" else -1.0)
 
 
 def lacks_chord(problem: RoutingProblem) -> frozenset[str]:
     """Features for which nothing is proved."""
-    held = problem.features()
-    found = (held & {"duration-cost", "overtime", "reloads", "recharging", "committed-vehicles"}) | unknown_features(problem)
-    found |= {f"objective:{term.name}" for _, term in problem.objective.levels()[0].terms if term.name not in TERMS}
-    return found if held & {"route-risk", "team-risk"} else found | {"certain durations"}
+    features = problem.features()
+    lacking = (features & {"duration-cost", "overtime", "reloads", "recharging", "committed-vehicles"}) | unknown_features(problem)
+    lacking |= {f"objective:{term.name}" for _, term in problem.objective.levels()[0].terms if term.name not in TERMS}
+    return lacking if features & {"route-risk", "team-risk"} else lacking | {"certain durations"}
 
 
 def without_risks(problem: RoutingProblem) -> RoutingProblem | None:
@@ -95,10 +60,10 @@ def without_risks(problem: RoutingProblem) -> RoutingProblem | None:
         return None
     sites = problem.sites
     fleet = [_certain(problem, vehicle) for vehicle in problem.fleet]
-    made = with_fleet(problem, fleet, replace(problem.travel, variances=None, closing=None))
+    certain = with_fleet(problem, fleet, replace(problem.travel, variances=None, closing=None))
     zeros = np.zeros(len(sites))
     timeless = replace(sites, ready=zeros, due=np.full(len(sites), math.inf), service=zeros, windows=())
-    return made.altered(sites=timeless, team_risk=None)
+    return certain.altered(sites=timeless, team_risk=None)
 
 
 def _certain(problem: RoutingProblem, vehicle: VehicleType) -> VehicleType:
@@ -117,7 +82,7 @@ def _certain(problem: RoutingProblem, vehicle: VehicleType) -> VehicleType:
 
 
 def _largest_deviation(means: Floats, variances: Floats, deviations: float, limit: float) -> float:
-    """The largest root of the variance that a route within the limit may have."""
+    """Largest root of the variance that a route within the limit may have: s where s^2 / ratio + deviations s = limit."""
     m, v = means[:-1, 1:], variances[:-1, 1:]
     used = (v > 0.0) & (m + deviations * np.sqrt(v) <= limit * (1.0 + _NEAR))
     if not used.any() or limit <= 0.0 or not deviations > 0.0:

@@ -1,11 +1,8 @@
 """Evidence ``knapsack``: what visits are worth at most, where each takes a part of what all routes have of one resource.
 
-A route has one move into each of its sites and one out of it, so that it takes at least::
-
-    half of the least first move  +  sum over its sites of w_i  +  half of the least last move,   w_i half of the least moves in and out
-
-and all routes together at most the limits of all vehicles. At any price mu >= 0 of the resource the visits of an answer are worth at most
-mu times what the vehicles have, and sum_i max(0, r_i - mu w_i): the dual of the fractional knapsack.
+At any price of the resource it is the dual of a fractional knapsack, in which a visit takes half of the least moves in and out of its
+site;
+docs/formulations/routing.md#knapsack.
 """
 
 from __future__ import annotations
@@ -15,30 +12,22 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ....instances.errors import InputError
 from ...checking.evidence_numbers import number
 from ...checking.granularity import grain, lift
-from ...evidence import CHECKERS
-from .known_features import unknown_features
+from .known_features import EPS, RESOURCES, Floats, refuse_unknown_resources, routing_evidence
 from .round_trips import least_peak
-from .stops_on_the_way import without_stops
-from .vehicle_moves import VehicleMoves, alike, terms_of
+from .vehicle_moves import VehicleMoves, alike, relaxed_terms, terms_of
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-
-RESOURCES = ("time", "load", "distance", "duration", "energy")
-
-_EPS = float(np.finfo(np.float64).eps)
-
 
 def needs(problem: RoutingProblem, name: str) -> tuple[Floats, float] | None:
-    """What each visit takes of a resource at least, and what all vehicles have without half of their first and last moves; None where it
-    is not limited. For a problem without stops on the way."""
+    """What each visit takes of a resource at least, and what all vehicles have without half of their first and last moves.
+
+    None where the resource is not limited. For a problem without stops on the way.
+    """
     terms, customers = terms_of(problem), problem.sites.customers
     assert terms is not None
     least, room = np.full(len(customers), math.inf), 0.0
@@ -56,33 +45,20 @@ def needs(problem: RoutingProblem, name: str) -> tuple[Floats, float] | None:
     return np.where(np.isfinite(least), least, 0.0), room
 
 
-@CHECKERS.register("knapsack")
+@routing_evidence("knapsack")
 def check_knapsack(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on an objective of rewards or penalties; costs beside them count as nothing.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    data : dict
-        ``resource``: ``time, load, distance, duration`` or ``energy``; ``rate``: the price of a unit of it, negative ones read as 0.
-
-    Notes
-    -----
-    Source: Dantzig (1957); Leifer and Rosenwein (1994) for orienteering; docs/formulations/routing.md#knapsack.
+    ``data``: ``resource``, and ``rate``, the price of a unit of it, negative ones read as 0.
+    Source: Dantzig (1957); Leifer and Rosenwein (1994) for orienteering.
     """
-    if problem.family != "routing":
-        raise InputError("knapsack is evidence for routing problems", found=problem.family)
     name, rate = data.get("resource"), max(0.0, number(data, "rate"))
-    if name not in RESOURCES:
-        raise InputError("evidence names an unknown resource", expected=", ".join(RESOURCES), found=str(name)[:80])
-    sign = 1.0 if problem.sense == "min" else -1.0
-    relaxed, terms, sites, customers = without_stops(problem), terms_of(problem), problem.sites, problem.customers
-    if terms is None or terms.vehicles < 0 or unknown_features(relaxed) or not len(customers):
-        return -sign * math.inf
-    found = needs(relaxed, str(name))
-    if found is None:
-        return -sign * math.inf
-    least, room = found
+    refuse_unknown_resources([str(name)], RESOURCES, str(name))
+    sites, customers, (relaxed, terms) = problem.sites, problem.customers, relaxed_terms(problem)
+    taken = None if terms is None or terms.vehicles < 0 else needs(relaxed, str(name))
+    if terms is None or taken is None:
+        return -math.inf
+    least, room = taken
     worth = terms.reward * sites.reward[customers] - terms.penalties * sites.penalty[customers] + rate * least
     parts = np.concatenate([
         np.where(sites.required[customers], worth, np.minimum(worth, 0.0)),
@@ -90,10 +66,9 @@ def check_knapsack(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
         terms.reward * sites.reward[sites.depots],
         [-rate * room, *(w * least_peak(relaxed, peak) for peak, w in terms.peaks.items())],
     ])  # fmt: skip
-    bound = math.fsum(parts) - 32.0 * _EPS * (math.fsum(np.abs(parts)) + rate * float(least.sum()))
+    bound = math.fsum(parts) - 32.0 * EPS * (math.fsum(np.abs(parts)) + rate * float(least.sum()))
     if not math.isfinite(bound):
-        return -sign * math.inf
+        return -math.inf
     alone = not (terms.peaks or terms.cost or terms.duration or terms.vehicles)
-    return sign * lift(
-        bound, "min", grain(np.concatenate([terms.reward * sites.reward, terms.penalties * sites.penalty])) if alone else None
-    )
+    parts = np.concatenate([terms.reward * sites.reward, terms.penalties * sites.penalty])
+    return lift(bound, "min", grain(parts) if alone else None)

@@ -1,9 +1,9 @@
-"""What every set of routes obeys, written down for the checkers: one depot, one kind of vehicle, arcs with costs and resources.
+"""What every set of routes obeys, for the checkers: one depot, one kind of vehicle, arcs with costs and resources.
 
 Depots are merged into one node, vehicle types into the best of all of them, which only adds routes and lowers costs: a bound for
 the merged fleet is one for the fleet. All limits are widened by what ``evaluate`` lets pass (``tolerance``), so that a bound holds for
-every answer that it accepts. Plain numpy over full matrices. Which levels and arcs are within reach is worked out here once more, apart
-from ``preparation`` and ``instances.routing.reach``: an arc that these drop by mistake is still priced here.
+every answer that it accepts. Which levels and arcs are within reach is worked out here once more, apart from ``preparation`` and
+``instances.routing.reach``: an arc that these drop by mistake is still priced here.
 """
 
 from __future__ import annotations
@@ -15,21 +15,16 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...checking.granularity import Grain, grain, is_decimal
 from ...tolerance import widening
-from .known_features import departure, last_return, least_moves, unknown_features
-from .stops_on_the_way import without_stops
+from .known_features import EPS, Flags, Floats, Longs, departure, earliest_levels, last_return, least_moves, unknown_features, without_stops
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
-_EPS = float(np.finfo(np.float64).eps)
 _ROUNDS = 10
 _LEAST_STEP = 1e-4
 """What is let pass must be less than this for multiples of 0.001 to be compared exactly."""
@@ -39,18 +34,11 @@ _LEAST_STEP = 1e-4
 class Resource:
     """Something that grows along a route; node 0 is the depot, the others are the customers in site order.
 
-    Parameters
-    ----------
-    weight : array of shape (nodes, nodes)
-        What the move i -> j adds at least; waiting may add more.
-    start : float
-        Level on leaving the depot.
-    lower, upper : arrays of shape (nodes,)
-        Levels at which a route of an accepted answer can stand at a node; ``upper[0]`` on return. After ``narrowed``: reachable levels.
-    slack : float
-        By how much a level may lie outside from rounding.
-    size : float
-        No level, limit or weight is larger than half of it.
+    ``weight`` is what each move adds at least, shape (nodes, nodes), ``start`` the level on leaving the depot, ``lower`` and ``upper``
+    the levels
+    at which a route of an accepted answer can stand at a node (``upper[0]`` on return); rounding may add ``slack``, and no level, limit
+    or
+    weight is larger than half of ``size``.
     """
 
     weight: Floats
@@ -65,23 +53,16 @@ class Resource:
 class Relaxation:
     """Arcs that some route may use, their costs, and how many routes there are.
 
-    Parameters
-    ----------
-    customers : array of int
-        Site index of nodes 1, 2, ...
-    cost : array of shape (nodes, nodes)
-        Share of an arc in the first level of the objective; infinite for an arc that no feasible route can use.
-    fewest, most : int
-        Number of routes of any feasible answer; ``fewest > most`` if there is none.
-    resources : dict
-        By name: ``time, load, distance, duration, energy``; only those that are limited, and ``time`` always.
-    grain : Grain or None
-        Of which the objective of every answer is a multiple.
-    first, last : bool arrays of shape (customers,)
-        Customers who can only be the first of their route, and only the last, for no arc joins them to another one.
+    ``customers`` are the sites of nodes 1, 2, ...; ``cost`` of shape (nodes, nodes) is the share of an arc in the first level of the
+    objective,
+    infinite for one that no feasible route can use; there is no answer if ``fewest > most``. ``resources`` are those that are limited,
+    and
+    ``time`` always; the objective of every answer is a multiple of ``grain``; ``first`` and ``last`` mark customers who can only be the
+    first
+    and the last of their route.
     """
 
-    customers: NDArray[np.int64]
+    customers: Longs
     cost: Floats
     fewest: int
     most: int
@@ -91,15 +72,15 @@ class Relaxation:
     last: Flags
 
     def cheapest_routes(self, depot: Floats, per_route: float, surely: Flags) -> float:
-        """Least sum of ``k`` of ``depot``, those of ``surely`` among them, plus ``k per_route`` over all numbers k of routes; infinite if
-        none fits."""
+        """Least sum of ``k`` of ``depot``, those of ``surely`` among them, plus ``k per_route`` over all numbers k of routes; infinite
+        if none fits."""
         least, rest = int(surely.sum()), np.sort(depot[~surely])
         fixed = depot[surely]
         return min(math.fsum([*fixed, *rest[: k - least]]) + per_route * k for k in range(self.fewest, self.most + 1))
 
 
 def relax(problem: RoutingProblem) -> Relaxation | None:
-    """The relaxation of ``problem``; None where its objective is no sum over arcs, where sites may be left out, or for unknown features."""
+    """The relaxation; None where the objective is no sum over arcs, where sites may be left out, or for unknown features."""
     problem = without_stops(problem)
     weights = None if unknown_features(problem) else _term_weights(problem)
     customers = problem.sites.customers
@@ -140,14 +121,14 @@ def moves_left(problem: RoutingProblem) -> Flags:
 
 def _term_weights(problem: RoutingProblem) -> tuple[float, float] | None:
     """Weights of total cost and of the number of vehicles in the first level; None if it holds anything else."""
-    found = {"total-cost": 0.0, "vehicles": 0.0}
+    weights = {"total-cost": 0.0, "vehicles": 0.0}
     if problem.sense != "min":
         return None
     for weight, term in problem.objective.levels()[0].terms:
-        if term.name not in found or not 0 <= weight < math.inf:
+        if term.name not in weights or not 0 <= weight < math.inf:
             return None
-        found[term.name] += weight
-    return found["total-cost"], found["vehicles"]
+        weights[term.name] += weight
+    return weights["total-cost"], weights["vehicles"]
 
 
 def _fleet(problem: RoutingProblem) -> tuple[int, int]:
@@ -155,10 +136,10 @@ def _fleet(problem: RoutingProblem) -> tuple[int, int]:
     customers = problem.sites.customers
     counts = [len(customers) if v.count is None else min(v.count, len(customers)) for v in problem.fleet]
     most = min(len(customers), sum(counts))
-    total = math.fsum(problem.sites.demand[customers]) * (1.0 - 4 * _EPS)
+    total = math.fsum(problem.sites.demand[customers]) * (1.0 - 4 * EPS)
     capacities = np.array([v.capacity for v in problem.fleet])
     room = np.sort(np.repeat(capacities + widening(capacities), counts))[::-1]
-    enough = np.nonzero(np.cumsum(room) * (1.0 + 4 * len(room) * _EPS) >= total)[0]
+    enough = np.nonzero(np.cumsum(room) * (1.0 + 4 * len(room) * EPS) >= total)[0]
     fewest = int(enough[0]) + 1 if len(enough) else most + 1
     return max(fewest, problem.min_vehicles), most
 
@@ -166,9 +147,9 @@ def _fleet(problem: RoutingProblem) -> tuple[int, int]:
 def merged(problem: RoutingProblem, matrix: Floats) -> Floats:
     """``matrix`` over the merged nodes: customers among themselves, row and column 0 left for the caller."""
     customers = problem.sites.customers
-    made = np.zeros((len(customers) + 1, len(customers) + 1))
-    made[1:, 1:] = matrix[np.ix_(customers, customers)]
-    return made
+    joined = np.zeros((len(customers) + 1, len(customers) + 1))
+    joined[1:, 1:] = matrix[np.ix_(customers, customers)]
+    return joined
 
 
 def first_move(problem: RoutingProblem, of: Callable[[VehicleType], Floats]) -> Floats:
@@ -177,7 +158,7 @@ def first_move(problem: RoutingProblem, of: Callable[[VehicleType], Floats]) -> 
 
 
 def limited_resources(problem: RoutingProblem) -> dict[str, Resource]:
-    """What grows along a route and is limited: ``time`` always, the others where every vehicle has a limit on them."""
+    """Resources that are limited: ``time`` always, the others where every vehicle has a limit on them."""
     sites, fleet = problem.sites, problem.fleet
     at = sites.customers
     zeros, free = np.zeros(len(at) + 1), np.full(len(at) + 1, math.inf)
@@ -200,18 +181,18 @@ def limited_resources(problem: RoutingProblem) -> dict[str, Resource]:
     # Where vehicles or windows that are merged differ, levels need not be sums of what is looked at here.
     alike = not problem.features() & {"vehicle-travel", "vehicle-speeds", "shifts", "several-windows"}
     widened = partial(_widened_resource, alike=alike)
-    found = {"time": widened(busy, start, ready, due, clock, rounded=clock)}
-    clock = found["time"].size  # what the judge computes elapsed time from
+    resources = {"time": widened(busy, start, ready, due, clock, rounded=clock)}
+    clock = resources["time"].size  # what the judge computes elapsed time from
 
     demand = np.concatenate([[0.0], sites.demand[at]])
     limits = {name: max(getattr(v, name) for v in fleet) for name in ("capacity", "max_distance", "max_duration")}
     if math.isfinite(limits["capacity"]):
         weight = np.tile(demand, (len(demand), 1))
-        found["load"] = widened(weight, 0.0, zeros, np.minimum(free, limits["capacity"]))
+        resources["load"] = widened(weight, 0.0, zeros, np.minimum(free, limits["capacity"]))
     if math.isfinite(limits["max_distance"]):
-        found["distance"] = widened(driven, 0.0, zeros, np.minimum(free, limits["max_distance"]))
+        resources["distance"] = widened(driven, 0.0, zeros, np.minimum(free, limits["max_distance"]))
     if math.isfinite(limits["max_duration"]):
-        found["duration"] = widened(busy, 0.0, zeros, np.minimum(free, limits["max_duration"]), rounded=clock)
+        resources["duration"] = widened(busy, 0.0, zeros, np.minimum(free, limits["max_duration"]), rounded=clock)
     stores = [v.energy for v in fleet if v.energy is not None]
     if len(stores) == len(fleet):
         charges = {e.charge for e in stores}
@@ -224,12 +205,12 @@ def limited_resources(problem: RoutingProblem) -> dict[str, Resource]:
             first = 0 if len({departure(problem, v) for v in fleet}) == 1 else 1
             weight[first:, 1:] = np.maximum(busy[first:, 1:], ready[None, 1:] - ready[first:, None])
         rate, capacity = min(e.rate for e in stores), max(e.capacity for e in stores)
-        found["energy"] = widened(rate * weight, 0.0, zeros, np.minimum(free, capacity), rounded=max(e.rate for e in stores) * clock)
-    return found
+        resources["energy"] = widened(rate * weight, 0.0, zeros, np.minimum(free, capacity), rounded=max(e.rate for e in stores) * clock)
+    return resources
 
 
 def order_resource(customers: int) -> Resource:
-    """Moves so far: a route that visits each of its customers once makes one more at most."""
+    """Number of moves so far: a route that visits each of its customers once makes one more at most."""
     n = customers + 1
     lower, upper = np.ones(n), np.full(n, float(customers))
     lower[0], upper[0] = 0.0, float(n)
@@ -239,12 +220,12 @@ def order_resource(customers: int) -> Resource:
 def with_depot(problem: RoutingProblem, matrix: Floats, before: Floats) -> Floats:
     """Merged matrix of ``before[i] + matrix[i, j]``; ``before`` has one entry a node."""
     at = problem.sites.customers
-    made = merged(problem, matrix)
-    made[0] = first_move(problem, lambda v: matrix[v.start, at])
-    made[1:, 0] = np.min([matrix[at, v.end] for v in problem.fleet], axis=0)
-    made += before[:, None]
-    made[0, 0] = 0.0
-    return made
+    joined = merged(problem, matrix)
+    joined[0] = first_move(problem, lambda v: matrix[v.start, at])
+    joined[1:, 0] = np.min([matrix[at, v.end] for v in problem.fleet], axis=0)
+    joined += before[:, None]
+    joined[0, 0] = 0.0
+    return joined
 
 
 def _widened_resource(
@@ -252,9 +233,9 @@ def _widened_resource(
 ) -> Resource:
     """Limits widened by what a check lets pass; infinite ones are replaced by a level that no earliest schedule exceeds.
 
-    ``clock`` is the largest time at which a route starts, ``rounded`` the size of numbers from which the judge computes levels.
-    Where all data are multiples of 0.001 (and all that counts is looked at: ``alike``), levels are, and none can exceed a limit by as
-    little as what is let pass.
+    ``clock`` is the largest time at which a route starts, ``rounded`` the size of numbers from which the judge computes levels. Where all
+    data
+    are multiples of 0.001 (and all that counts is looked at: ``alike``), no level can exceed a limit by as little as what is let pass.
     """
     top = max(start, float(lower.max())) + float(weight.max(axis=1).sum())
     wider = widening(upper, clock)
@@ -266,48 +247,33 @@ def _widened_resource(
         wider = np.zeros(len(upper))
     upper = np.minimum(upper + wider, max(top, start))
     size = max(rounded, abs(start), float(np.abs(lower).max()), float(np.abs(upper).max()), float(weight.max()))
-    return Resource(weight, start, lower, upper, 16 * len(lower) * _EPS * size, 4.0 * size)
+    return Resource(weight, start, lower, upper, 16 * len(lower) * EPS * size, 4.0 * size)
 
 
 def narrowed(resources: dict[str, Resource], allowed: Flags) -> dict[str, Resource]:
     """Reachable levels of every resource; clears from ``allowed`` what no route can use, until nothing changes."""
     for _ in range(_ROUNDS):
         before = int(allowed.sum())
-        made = {}
+        reachable = {}
         for name, r in resources.items():
             earliest, latest = _earliest(r, allowed), _latest(r, allowed)
-            made[name] = replace(r, lower=earliest, upper=latest)
+            reachable[name] = replace(r, lower=earliest, upper=latest)
             allowed &= earliest[:, None] + r.weight <= latest[None, :] + r.slack
         if int(allowed.sum()) == before:
             break
-    return made
+    return reachable
 
 
 def _earliest(r: Resource, allowed: Flags) -> Floats:
-    """Least level at each node over all walks from the depot, waiting included (Bellman-Ford); infinite if none arrives."""
-    steps = np.where(allowed, r.weight, math.inf)
-    level = np.full(len(steps), math.inf)
-    level[0] = r.start
-    for _ in range(len(steps) + 1):
-        reached = np.maximum(r.lower, (level[:, None] + steps).min(axis=0))
-        reached[reached > r.upper + r.slack] = math.inf
-        reached[0] = r.start
-        if (reached >= level).all():
-            return level
-        level = np.minimum(level, reached)
-    raise AssertionError("weights are not negative, so shortest walks have at most as many moves as nodes")
+    """Least level at each node over all walks from the depot, waiting included; infinite if none arrives."""
+    steps, due = np.where(allowed, r.weight, math.inf), r.upper + r.slack
+    due = np.where(r.lower > due, -math.inf, due)[1:]
+    return np.append(r.start, earliest_levels(r.start + steps[0, 1:], steps[1:, 1:], r.lower[1:], due))
 
 
 def _latest(r: Resource, allowed: Flags) -> Floats:
-    """Greatest level at each node from which the depot is still reached in time; minus infinity if it never is."""
-    steps = np.where(allowed, r.weight, math.inf)
-    level = np.full(len(steps), -math.inf)
-    level[0] = r.upper[0]
-    for _ in range(len(steps) + 1):
-        kept = np.minimum(r.upper, (level[None, :] - steps).max(axis=1))
-        kept[kept < r.lower - r.slack] = -math.inf
-        kept[0] = r.upper[0]
-        if (kept <= level).all():
-            return level
-        level = np.maximum(level, kept)
-    raise AssertionError("weights are not negative, so shortest walks have at most as many moves as nodes")
+    """Greatest level at each node from which the depot is still reached in time: the least of the negated levels, backwards."""
+    steps, due = np.where(allowed, r.weight, math.inf), r.slack - r.lower
+    due = np.where(-r.upper > due, -math.inf, due)[1:]
+    ways = earliest_levels(steps[1:, 0] - r.upper[0], steps[1:, 1:].T, -r.upper[1:], due)
+    return 0.0 - np.append(-r.upper[0], ways)

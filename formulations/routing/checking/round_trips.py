@@ -1,56 +1,60 @@
-"""Evidence ``farthest-round-trip``: whoever serves the farthest required site goes there and comes back."""
+"""Evidence on the largest of all routes: ``farthest-round-trip`` and ``averaged-tour``.
+
+Whoever serves the farthest required site goes there and comes back; and the largest of all routes is at least their mean, which a bound of
+their sum bounds.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...evidence import CHECKERS
-from .known_features import departure, own_moves, unknown_features
-from .stops_on_the_way import without_stops
+from ..objective import Objective, TotalCost
+from .known_features import (
+    EPS,
+    Floats,
+    departure,
+    earliest_levels,
+    explicit,
+    own_moves,
+    routing_evidence,
+    unknown_features,
+    with_fleet,
+    without_stops,
+)
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
 
 PEAKS = ("makespan", "longest-route", "latest-return")
 """Terms that are the largest of all routes."""
 
-_EPS = float(np.finfo(np.float64).eps)
 
-
-@CHECKERS.register("farthest-round-trip")
+@routing_evidence("farthest-round-trip")
 def check_farthest_round_trip(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on a first level of maxima (makespan, longest route, latest return) that should be small; nothing of ``data`` is read.
+    """Bound on a minimised first level of maxima (makespan, longest route, latest return); nothing of ``data`` is read.
 
-    Returns
-    -------
-    float
-        Minus infinity where the level holds anything else.
-
-    Notes
-    -----
     Source: Frederickson, Hecht, Kim (1978), "Approximation algorithms for some routing problems"; ways lead over other sites and depots,
-    so that no triangle inequality is assumed; docs/formulations/routing.md#makespan.
+    so
+    that no triangle inequality is assumed; docs/formulations/routing.md#makespan.
     """
-    if problem.family != "routing":
-        raise InputError("farthest-round-trip is evidence for routing problems", found=problem.family)
     level = problem.objective.levels()[0].terms
     relaxed = without_stops(problem)
     if problem.sense != "min" or unknown_features(relaxed) or any(t.name not in PEAKS or w < 0 for w, t in level):
-        return -math.inf if problem.sense == "min" else math.inf
-    return math.fsum(w * least_peak(relaxed, t.name) for w, t in level) * (1.0 - 4.0 * _EPS * len(level))
+        return -math.inf
+    return math.fsum(w * least_peak(relaxed, t.name) for w, t in level) * (1.0 - 4.0 * EPS * len(level))
 
 
 def least_peak(problem: RoutingProblem, name: str) -> float:
-    """A bound on the term ``name`` of any answer of a problem without stops on the way."""
+    """Bound on the term ``name`` of any answer of a problem without stops on the way."""
     sites, customers = problem.sites, problem.sites.customers
     clock = name == "latest-return"
     start = min(departure(problem, v) for v in problem.fleet) if clock else 0.0
@@ -65,7 +69,7 @@ def least_peak(problem: RoutingProblem, name: str) -> float:
         return start  # no vehicle serves a required site: that is for another proof
     farthest = float(trips.max())
     size = farthest + (max(abs(departure(problem, v)) for v in problem.fleet) + float(np.abs(sites.ready[customers]).max()) if clock else 0)
-    return max(start, farthest - 16.0 * (len(customers) + 2) * _EPS * size)
+    return max(start, farthest - 16.0 * (len(customers) + 2) * EPS * size)
 
 
 def _round_trips(problem: RoutingProblem, vehicle: VehicleType, name: str) -> Floats:
@@ -73,20 +77,59 @@ def _round_trips(problem: RoutingProblem, vehicle: VehicleType, name: str) -> Fl
     sites, at = problem.sites, problem.sites.customers
     far, move = own_moves(problem, vehicle)
     if name == "longest-route":
-        return ways(far[vehicle.start, at], far[np.ix_(at, at)]) + ways(far[at, vehicle.end], far[np.ix_(at, at)].T)
+        return earliest_levels(far[vehicle.start, at], far[np.ix_(at, at)]) + earliest_levels(far[at, vehicle.end], far[np.ix_(at, at)].T)
     busy = sites.service[at][:, None] + move[np.ix_(at, at)]
-    home = ways(sites.service[at] + move[at, vehicle.end], busy.T)
+    home = earliest_levels(sites.service[at] + move[at, vehicle.end], busy.T)
     if name == "makespan":
-        return ways(move[vehicle.start, at], busy) + home
-    return ways(departure(problem, vehicle) + move[vehicle.start, at], busy, sites.ready[at]) + home
+        return earliest_levels(move[vehicle.start, at], busy) + home
+    return earliest_levels(departure(problem, vehicle) + move[vehicle.start, at], busy, sites.ready[at]) + home
 
 
-def ways(first: Floats, between: Floats, ready: Floats | float = -math.inf) -> Floats:
-    """Least level at each node of all ways that begin with a move of ``first`` and wait for each node to be ready (Bellman-Ford)."""
-    level = np.maximum(first, ready)
-    for _ in range(len(first)):
-        better = np.minimum(level, np.maximum((level[:, None] + between).min(axis=0), ready))
-        if (better >= level).all():
-            break
-        level = better
-    return level
+SUMS = ("spanning-tree", "arc-multipliers", "set-partitioning-duals", "state-space")
+"""Evidence that bounds sums over routes."""
+
+
+def totals(problem: RoutingProblem) -> RoutingProblem | None:
+    """The problem whose total cost is the sum of what the first level is the largest of; None where that is no single maximum.
+
+    A service counts half on the move into its site and half on the move out, so that a symmetric problem stays one.
+    """
+    relaxed, level = without_stops(problem), problem.objective.levels()[0].terms
+    if problem.sense != "min" or len(level) != 1 or level[0][1].name not in PEAKS or unknown_features(relaxed):
+        return None
+    long, fleet = level[0][1].name == "longest-route", []
+    half = np.where(problem.sites.depot, 0.0, problem.sites.service / 2.0)
+    for v in relaxed.fleet:
+        far, move = own_moves(relaxed, v)
+        free = {"fixed_cost": 0.0, "unit_cost": 1.0, "unit_duration_cost": 0.0, "unit_overtime_cost": 0.0, "regular_duration": math.inf}
+        if long and v.travel is None and v.speed == 1.0:
+            fleet.append(replace(v, **free))  # type: ignore[arg-type]
+            continue
+        counted = far if long else move + half[:, None] + half[None, :]
+        # Only what is counted can be limited as a distance.
+        limits = {} if long else {"max_distance": math.inf}
+        fleet.append(replace(v, travel=explicit(counted, move), speed=1.0, **free, **limits))  # type: ignore[arg-type]
+    travel = relaxed.travel if long else explicit(fleet[0].travel.distances, fleet[0].travel.durations)  # type: ignore[union-attr]
+    return with_fleet(relaxed, fleet, travel).altered(objective=Objective.of(TotalCost()))
+
+
+@routing_evidence("averaged-tour")
+def check_averaged_tour(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
+    """Bound on the makespan, the longest route or the latest return; ``data``: ``kind`` and ``data`` of evidence of ``SUMS``.
+
+    Source: Frederickson, Hecht, Kim (1978); docs/formulations/routing.md#makespan.
+    """
+    kind, inner = data.get("kind"), data.get("data")
+    if kind not in SUMS or not isinstance(inner, Mapping):
+        raise InputError("evidence of an averaged tour lacks that of its sum", expected=", ".join(SUMS), found=str(kind)[:80])
+    summed = totals(problem)
+    if summed is None:
+        return -math.inf
+    total = CHECKERS[kind](summed, inner)
+    if math.isinf(total):
+        return total
+    counts = [len(problem.customers) if v.count is None else v.count for v in problem.fleet]
+    (weight, term), routes = problem.objective.levels()[0].terms[0], min(len(problem.customers), sum(counts))
+    start = min(departure(problem, v) for v in problem.fleet) if term.name == "latest-return" else 0.0
+    mean = max(0.0, total) / routes
+    return weight * (start + mean - 8.0 * EPS * (abs(start) + mean))

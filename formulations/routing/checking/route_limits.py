@@ -1,30 +1,30 @@
 """Which sites one vehicle can serve on one route at most: the arithmetic that every proof of infeasibility in routing rests on.
 
 Whatever is not shown to be impossible counts as possible. Visits that a proof does not name are free detours, so that the triangle
-inequality is never assumed, and every limit is widened by what ``evaluate`` lets pass. Shortest ways and earliest times are worked out here
-once more, apart from ``reachability`` and ``instances.routing.reach``, which only suspect: what is wrong there must not be confirmed here.
+inequality is never assumed, and every limit is widened by what ``evaluate`` lets pass. Shortest ways and earliest times are worked out
+here
+once more, apart from ``reachability`` and ``instances.routing.reach``, which only suspect: what is wrong there must not be confirmed
+here.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....instances.errors import InputError
 from ...tolerance import widening
-from .known_features import departure, last_return, own_moves, own_variances, unknown_features
+from .known_features import Flags, Floats, Longs, departure, earliest_levels, last_return, own_moves, own_variances, unknown_features
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Nodes = NDArray[np.int64]
 
 LARGEST_RATE = 1e100
 """With a larger rate of energy sums may overflow, and nothing is proved."""
@@ -42,22 +42,14 @@ def summable(problem: RoutingProblem) -> bool:
 
 @dataclass(frozen=True)
 class Limits:
-    """One vehicle type over the nodes start (0), customers in site order (1 to n) and end (n + 1).
+    """Limits of one vehicle type, all widened, over the nodes start (0), customers in site order (1 to n) and end (n + 1).
 
-    Attributes
-    ----------
-    ready, due, demand : arrays of shape (nodes,)
-    busy : array of shape (nodes, nodes)
-        Service at the tail and the move.
-    budgets : list of (weights of shape (nodes, nodes), limit)
-        Sums along a route that are limited; the limits are widened for good.
-    spans : list of (rate, limit, fixed)
-        ``rate`` times the time to the return is limited: from the opening of the depot (``fixed``), or from the latest departure.
-        Widened too.
-    chances : list of (means, variances, deviations, limit)
-        Sums along a route of ``means``, and so many times the root of those of ``variances``, are limited together. Widened too.
-    capacity, horizon, rounding : float
-        ``horizon``: no earliest schedule runs longer; ``rounding``: what sums of times along any route may be wrong by.
+    ``busy`` is the service at the tail and the move, shape (nodes, nodes). ``budgets`` are weights of moves of which the sum along a
+    route is
+    limited, ``spans`` (rate, limit, fixed) limits on ``rate`` times the time to the return, from the opening of the depot (``fixed``) or
+    from the latest departure, ``chances`` (means, variances, deviations, limit) limits on a sum of means and so many times the root of
+    one
+    of variances. No earliest schedule runs longer than ``horizon``; sums of times along any route may be wrong by ``rounding``.
     """
 
     ready: Floats
@@ -88,7 +80,7 @@ class Limits:
 
 
 def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
-    """What ``vehicle`` must keep to."""
+    """The limits that ``vehicle`` must keep to."""
     sites = problem.sites
     at = np.concatenate([[vehicle.start], sites.customers, [vehicle.end]])
     grid = np.ix_(at, at)
@@ -116,10 +108,10 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
     further = zip(vehicle.further_capacity, sites.further_demand.T, sites.further_pickup.T, strict=False)
     carried = [(vehicle.capacity, sites.pickup), *((limit, loads) for limit, *both in further for loads in both)]
     for limit, loads in carried if not vehicle.reloads else ():
-        held = loads[at].copy()
-        held[[0, -1]] = 0.0
-        if held.any():  # all that is delivered is on board at the start, all that is collected at the end
-            budgets.append((np.broadcast_to(held, far.shape), limit, ulps * float(held.sum())))
+        amounts = loads[at].copy()
+        amounts[[0, -1]] = 0.0
+        if amounts.any():  # all that is delivered is on board at the start, all that is collected at the end
+            budgets.append((np.broadcast_to(amounts, far.shape), limit, ulps * float(amounts.sum())))
     if problem.forbidden is not None:  # what lies beyond every limit is on no route
         shut = problem.forbidden[grid]
         busy, budgets = np.where(shut, math.inf, busy), [(np.where(shut, math.inf, w), x, wide) for w, x, wide in budgets]
@@ -131,7 +123,7 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
 
 
 def _chances(
-    problem: RoutingProblem, vehicle: VehicleType, at: Nodes, moves: tuple[Floats, Floats], rounding: float
+    problem: RoutingProblem, vehicle: VehicleType, at: Longs, moves: tuple[Floats, Floats], rounding: float
 ) -> list[tuple[Floats, Floats, float, float]]:
     """Limits on uncertain durations of ``moves``, without and with service. A risk of the team is one of each route, which forbids less."""
     risks = [risk for risk in (vehicle.risk, problem.team_risk) if risk is not None]
@@ -139,14 +131,14 @@ def _chances(
         return []
     deviations = -NormalDist().inv_cdf(min(0.5, min(risks) * (1.0 + 1e-8))) * (1.0 - 1e-9)  # the quantile may be off by less
     spread, (move, busy), energy = own_variances(problem, vehicle)[np.ix_(at, at)], moves, vehicle.energy
-    found = [(busy, spread, deviations, allowed(vehicle.max_duration, 0.0, rounding))]
+    chances = [(busy, spread, deviations, allowed(vehicle.max_duration, 0.0, rounding))]
     if energy is not None:
         drawn = energy.rate * (move if energy.charge == "travel" else busy)
-        found.append((drawn, spread, energy.rate * deviations, allowed(energy.at_departure, 0.0, energy.rate * rounding)))
-    return [chance for chance in found if math.isfinite(chance[-1])]
+        chances.append((drawn, spread, energy.rate * deviations, allowed(energy.at_departure, 0.0, energy.rate * rounding)))
+    return [chance for chance in chances if math.isfinite(chance[-1])]
 
 
-def able(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.bool_]:
+def able(problem: RoutingProblem, vehicle: VehicleType) -> Flags:
     """Customers for which it has the skills, room for what is delivered and collected there, and for each shipment; shape (n,)."""
     sites = problem.sites
     good = np.array([needs <= vehicle.skills for needs in sites.skills] if sites.skills else [True] * len(sites))
@@ -160,7 +152,7 @@ def able(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.bool_]:
     return good[sites.customers]
 
 
-def within_stores(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.bool_]:
+def within_stores(problem: RoutingProblem, vehicle: VehicleType) -> Flags:
     """Customers that lie on some way from start or station to station or end that one store lasts for; all without stations."""
     customers, energy = problem.sites.customers, vehicle.energy
     if energy is None or not energy.stations or energy.rate > LARGEST_RATE:
@@ -168,24 +160,26 @@ def within_stores(problem: RoutingProblem, vehicle: VehicleType) -> NDArray[np.b
     draws = energy.rate * own_moves(problem, vehicle)[1]
     between, stations = draws[np.ix_(customers, customers)], np.array(energy.stations)
     rounding = 8.0 * (len(customers) + 2) * float(np.finfo(np.float64).eps) * 2.0 * float(draws.max(axis=0).sum())
-    begins = [(energy.at_departure, _shortest(draws[vehicle.start, customers], between))]
-    begins.append((energy.capacity, _shortest(draws[np.ix_(stations, customers)].min(axis=0), between)))
-    last = _shortest(draws[np.ix_(customers, np.append(stations, vehicle.end))].min(axis=1), between.T)
-    near: NDArray[np.bool_] = np.any([there + last <= allowed(store, 0.0, rounding) for store, there in begins], axis=0)
+    begins = [(energy.at_departure, earliest_levels(draws[vehicle.start, customers], between))]
+    begins.append((energy.capacity, earliest_levels(draws[np.ix_(stations, customers)].min(axis=0), between)))
+    last = earliest_levels(draws[np.ix_(customers, np.append(stations, vehicle.end))].min(axis=1), between.T)
+    near: Flags = np.any([there + last <= allowed(store, 0.0, rounding) for store, there in begins], axis=0)
     return near
 
 
-def within_reach(limits: Limits) -> NDArray[np.bool_]:
+def within_reach(limits: Limits) -> Flags:
     """Customers that the vehicle may be able to visit, by any detours over other customers; shape (n,)."""
     inner = slice(1, -1)
     good = limits.demand[inner] <= allowed(limits.capacity)
     for weight, limit in limits.budgets:
         mid = weight[inner, inner]
-        need = _shortest(weight[0, inner], mid) + _shortest(weight[inner, -1], mid.T)
+        need = earliest_levels(weight[0, inner], mid) + earliest_levels(weight[inner, -1], mid.T)
         good &= need <= limit
     for means, variances, deviations, limit in limits.chances:
-        least = [_shortest(w[0, inner], w[inner, inner]) + _shortest(w[inner, -1], w[inner, inner].T) for w in (means, variances)]
-        good &= least[0] + deviations * np.sqrt(least[1]) <= limit
+        mean, variance = (
+            earliest_levels(w[0, inner], w[inner, inner]) + earliest_levels(w[inner, -1], w[inner, inner].T) for w in (means, variances)
+        )
+        good &= mean + deviations * np.sqrt(variance) <= limit
     reached, home = clocks(limits)
     finish = reached + home
     good &= np.isfinite(reached) & (finish <= limits.latest(float(limits.due[-1])))
@@ -199,36 +193,43 @@ def clocks(limits: Limits) -> tuple[Floats, Floats]:
     """Earliest begin of service at each customer, infinite where its window is missed, and the least time from there to the return."""
     busy, inner = limits.busy, slice(1, -1)
     due = np.array([limits.latest(d) for d in limits.due.tolist()])
-    reached = _earliest(limits.ready[0] + busy[0, inner], busy[inner, inner], limits.ready[inner], due[inner])
-    return reached, _shortest(busy[inner, -1], busy[inner, inner].T)
+    reached = earliest_levels(limits.ready[0] + busy[0, inner], busy[inner, inner], limits.ready[inner], due[inner])
+    return reached, earliest_levels(busy[inner, -1], busy[inner, inner].T)
 
 
-def servable_sets(limits: Limits, named: Nodes, through: Nodes, most: int) -> set[int]:
-    """Subsets of the nodes ``named``, as bit masks, that may be all of them on one route.
+def servable_sets(limits: Limits, named: Longs, through: Longs, most: int) -> set[int]:
+    """Subsets of the customers ``named``, as bit masks, that may be all of them on one route; it may visit those ``through`` besides.
 
-    Parameters
-    ----------
-    limits : Limits
-    named : array of int
-        Nodes of customers.
-    through : array of int
-        Nodes of customers that a route may visit besides.
-    most : int
-        Largest size of a set; the time taken grows as its factorial.
+    The time taken grows as the factorial of ``most``, the largest size of a set.
+    """
+    sets: set[int] = set()
+    walk_orders(limits, named, through, most, lambda mask, *_: sets.add(mask))
+    return sets
+
+
+def walk_orders(
+    limits: Limits, named: Longs, through: Longs, most: int, ended: Callable[..., None], counted: Sequence[Floats] = ()
+) -> None:
+    """Call ``ended`` with each order of at most ``most`` of the customers ``named`` that keeps to the limits.
+
+    It is given the set as a mask, the earliest return, the time without waiting, the latest departure that delays nothing, and the sums of
+    the weights of moves ``counted``.
     """
     nodes = np.concatenate([[0], named, [len(limits.ready) - 1]]).astype(np.int64)
     end = len(nodes) - 1
     busy = _ways(limits.busy, nodes, through).tolist()
     budgets = [(_ways(weight, nodes, through).tolist(), limit) for weight, limit in limits.sums()]
+    tallies = [weight[np.ix_(nodes, nodes)].tolist() for weight in counted]
     ready, demand = limits.ready[nodes].tolist(), limits.demand[nodes].tolist()
     due = [limits.latest(d) for d in limits.due[nodes].tolist()]
     opening, capacity = float(limits.ready[0]), allowed(limits.capacity)
-    found: set[int] = set()
 
     def spends(clock: float, latest: float) -> bool:
         return all(rate * (clock - (opening if fixed else latest)) <= limit for rate, limit, fixed in limits.spans)
 
-    def extend(last: int, mask: int, size: int, clock: float, spent: float, latest: float, load: float, sums: list[float]) -> None:
+    def extend(
+        last: int, mask: int, size: int, clock: float, spent: float, latest: float, load: float, sums: list[float], counts: list[float]
+    ) -> None:
         for node in range(1, end + 1):
             if (mask >> node) & 1 or (node == end and not mask) or (node < end and size == most):
                 continue
@@ -242,59 +243,27 @@ def servable_sets(limits: Limits, named: Nodes, through: Nodes, most: int) -> se
                 continue
             if limits.uncertain(used):
                 continue
+            counts_there = [c + tally[last][node] for c, tally in zip(counts, tallies, strict=True)]
             if node == end:
-                found.add(mask >> 1)
+                ended(mask >> 1, begin, total, leave, *counts_there)
             else:
-                extend(node, mask | 1 << node, size + 1, begin, total, leave, load + demand[node], used)
+                extend(node, mask | 1 << node, size + 1, begin, total, leave, load + demand[node], used, counts_there)
 
-    extend(0, 0, 0, opening, 0.0, due[0], 0.0, [0.0] * len(budgets))
-    return found
+    extend(0, 0, 0, opening, 0.0, due[0], 0.0, [0.0] * len(budgets), [0.0] * len(tallies))
 
 
-def _ways(weight: Floats, nodes: Nodes, through: Nodes) -> Floats:
+def _ways(weight: Floats, nodes: Longs, through: Longs) -> Floats:
     """Weights of the shortest ways between ``nodes`` over nodes of ``through``, shape (nodes, nodes)."""
-    made = weight[np.ix_(nodes, nodes)].copy()
+    lengths = weight[np.ix_(nodes, nodes)].copy()
     if len(through):
         inner, last = weight[np.ix_(through, through)], weight[np.ix_(through, nodes)]
         for k, node in enumerate(nodes[:-1].tolist()):
-            made[k] = np.minimum(made[k], (_shortest(weight[node, through], inner)[:, None] + last).min(axis=0))
-    return made
-
-
-def _shortest(first: Floats, between: Floats) -> Floats:
-    """Length of the shortest way to each node that begins with a move of ``first`` (Bellman-Ford)."""
-    length = first.copy()
-    for _ in range(len(first)):
-        better = np.minimum(length, (length[:, None] + between).min(axis=0))
-        if (better >= length).all():
-            break
-        length = better
-    return length
-
-
-def _earliest(first: Floats, between: Floats, ready: Floats, due: Floats) -> Floats:
-    """Earliest begin of service at each customer over all ways that meet every window on them; infinite where there is none."""
-    begin = np.maximum(first, ready)
-    begin[first > due] = math.inf
-    for _ in range(len(first)):
-        arrival = (begin[:, None] + between).min(axis=0)
-        better = np.minimum(begin, np.where(arrival > due, math.inf, np.maximum(arrival, ready)))
-        if (better >= begin).all():
-            break
-        begin = better
-    return begin
+            lengths[k] = np.minimum(lengths[k], (earliest_levels(weight[node, through], inner)[:, None] + last).min(axis=0))
+    return lengths
 
 
 def named_customers(problem: RoutingProblem, names: object) -> list[int]:
-    """Nodes of the customers that evidence names.
-
-    Raises
-    ------
-    InputError
-        If ``names`` is no list of different ids of customers.
-    """
-    from ....instances.errors import InputError
-
+    """Longs of the customers that evidence names; raises InputError if ``names`` is no list of different ids of customers."""
     index = problem.sites.index()
     if not isinstance(names, Sequence) or isinstance(names, str) or not names or not all(isinstance(x, str) and x in index for x in names):
         raise InputError("evidence names unknown sites", expected="a list of ids of sites", found=str(names)[:80])

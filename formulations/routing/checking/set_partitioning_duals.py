@@ -1,12 +1,8 @@
 """Evidence ``set-partitioning-duals``: a Lagrangian bound from one price a customer, over the cheapest route at these prices.
 
-An answer is a set of k routes, fewest <= k <= most, that visit each customer once. At any prices u of visits its cost is::
-
-    sum u  +  sum over its routes of (cost of the route - sum of u over its visits)  >=  sum u + min over k of k z
-
-with z at most the reduced cost of any route. The routes are relaxed to walks that may come back to a customer whom they forgot: at each
-customer some neighbours are remembered, all others are forgotten there (ng-routes). z is the least reduced cost of all such walks
-whose levels keep every limit, found here by labels.
+Routes are relaxed to walks that may come back to a customer whom they forgot: at each customer some neighbours are remembered, all others
+are forgotten there (ng-routes). The least reduced cost of all such walks whose levels keep every limit is found here by labels. The bound
+is derived in docs/proofs.md#routes.
 """
 
 from __future__ import annotations
@@ -21,14 +17,13 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import numbers
 from ...checking.granularity import lift
-from ...evidence import CHECKERS
 from ...stop import current_stop
+from .known_features import Flags, Floats, routing_evidence
 from .relaxation import Relaxation, Resource, relax
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
 
 CUSTOMERS = 400
 """More are not looked at: nothing is proved."""
@@ -40,47 +35,29 @@ WORK = 3_000_000_000
 """Comparisons in one proof at most, some 5 s."""
 
 
-@CHECKERS.register("set-partitioning-duals")
+@routing_evidence("set-partitioning-duals", "set-partitioning-duals are")
 def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the first level of the objective that any prices of visits prove (weak duality).
+    """Bound on total cost, the number of vehicles, or a weighted sum of them, by any prices of visits (weak duality).
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        Objective: total cost, the number of vehicles, or a weighted sum of them; no optional sites. Several depots and vehicle
-        types are bounded through ``relaxation.relax``.
-    data : dict
-        ``visits``: one number a site (entries of depots are ignored). ``memory``: how many of the nearest customers are remembered at each
-        one, of those next to whom he can be visited. ``ray``, optional: true for prices of the visits alone, as if no arc cost anything.
+    ``data``: ``visits``, one number a site (entries of depots are ignored); ``memory``, how many of the nearest customers are remembered
+    at each
+    one, of those next to whom he can be visited; ``ray``, optional: true for prices of the visits alone, as if no arc cost anything.
+    Minus
+    infinity where labels exceed their limits, infinity where no answer is left.
 
-    Returns
-    -------
-    float
-        The bound, rounded up to the granularity of the costs; minus infinity where nothing is proved, where the labels exceed their limits
-        as well; infinity where the arcs that are left allow no answer at all, or where a ray has a bound above 0.
-
-    Raises
-    ------
-    InputError
-        If the prices are not finite numbers, one a site, or ``memory`` is no whole number from 0 on.
-
-    Notes
-    -----
     Source: Desrochers, Desrosiers, Solomon (1992) for the relaxation and its bound; Baldacci, Mingozzi, Roberti (2011) for ng-routes;
     Feillet, Dejax, Gendreau, Gueguen (2004) for customers out of reach; docs/proofs.md#routes.
     """
-    if problem.family != "routing":
-        raise InputError("set-partitioning-duals are evidence for routing problems", found=problem.family)
     prices, memory, ray = numbers(data, "visits", len(problem.sites)), data.get("memory"), data.get("ray", False)
     if type(memory) is not int or memory < 0:
         raise InputError("evidence 'memory' must be a whole number", expected="0 or more", found=str(memory)[:80])
     if not isinstance(ray, bool):
         raise InputError("evidence 'ray' must be true or false", found=str(ray)[:80])
     if len(problem.sites.customers) > CUSTOMERS:
-        return -math.inf if problem.sense == "min" else math.inf
+        return -math.inf
     relaxed = relax(problem)
     if relaxed is None:
-        return -math.inf if problem.sense == "min" else math.inf
+        return -math.inf
     usable = np.isfinite(relaxed.cost)
     if relaxed.fewest > relaxed.most or not usable[1:].any(axis=1).all() or not usable[:, 1:].any(axis=0).all():
         return math.inf
@@ -132,8 +109,8 @@ def _limits_time(problem: RoutingProblem) -> bool:
     return fixed or bool(np.isfinite(problem.sites.due[[*problem.sites.customers, *ends]]).any())
 
 
-def _ways(resource: Resource, usable: NDArray[np.bool_]) -> Floats:
-    """What the shortest way from node to node adds, over customers (Floyd 1962); infinite where there is none."""
+def _ways(resource: Resource, usable: Flags) -> Floats:
+    """Length of the shortest way from node to node over customers (Floyd 1962); infinite where there is none."""
     length = np.where(usable, resource.weight, math.inf)
     for k in range(1, len(length)):
         np.minimum(length, length[:, k, None] + length[None, k], out=length)
@@ -141,8 +118,7 @@ def _ways(resource: Resource, usable: NDArray[np.bool_]) -> Floats:
 
 
 def _remembered(problem: RoutingProblem, relaxed: Relaxation, memory: int) -> NDArray[np.uint64]:
-    """One bit for each customer himself and for the ``memory`` nearest of those next to whom he can be visited; row 0, of the depot, is
-    empty."""
+    """One bit for each customer himself and for the ``memory`` nearest of those next to whom he can be visited; none for the depot."""
     usable = np.isfinite(relaxed.cost[1:, 1:])
     far = problem.travel.distances[np.ix_(relaxed.customers, relaxed.customers)]
     far = np.where(usable | usable.T, np.minimum(far, far.T), math.inf)

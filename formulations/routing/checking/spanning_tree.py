@@ -1,11 +1,7 @@
 """Evidence ``spanning-tree``: a bound from node prices, in the manner of Held and Karp, for any number of routes.
 
-Take k routes through all customers and drop the closing arc of each. What is left is a spanning tree of depot and customers in
-which k edges touch the depot (the routes' first arcs); the k dropped arcs end in k different customers. Each customer has two
-ends in all of them, so for any prices lambda, and any price theta of a tree edge at the depot, the cost is at least::
-
-    min over k of  [ MST(c_ij + lambda_i + lambda_j, c_0j + lambda_j + theta)  -  k theta
-                     + the k smallest of (c_i0 + lambda_i) ]  -  2 sum lambda
+k routes through all customers without their closing arcs are a spanning tree of depot and customers in which k edges touch the depot, and
+the k dropped arcs end in k different customers; docs/formulations/routing.md#spanning-tree has the bound.
 """
 
 from __future__ import annotations
@@ -15,53 +11,29 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
-from ...evidence import CHECKERS
+from .known_features import Floats, Longs, routing_evidence
 from .relaxation import Relaxation, relax
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
 
-
-@CHECKERS.register("spanning-tree")
+@routing_evidence("spanning-tree", "a spanning tree is")
 def check_spanning_tree(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the first level of the objective that any node prices prove.
+    """Bound on total cost, the number of vehicles, or a weighted sum of them, that any node prices prove.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        Objective: total cost, the number of vehicles, or a weighted sum of them; no optional sites.
-    data : dict
-        ``multipliers``: one number a site (entries of depots are ignored); ``depot``, optional: the price theta.
+    ``data``: ``multipliers``, one number a site (entries of depots are ignored); ``depot``, optional: the price of a tree edge at the
+    depot.
 
-    Returns
-    -------
-    float
-        The bound, rounded up to the granularity of the costs; minus infinity where nothing is proved, infinity where no tree of
-        usable arcs joins all customers.
-
-    Raises
-    ------
-    InputError
-        If the list is missing, too short or too long, or holds anything but finite numbers.
-
-    Notes
-    -----
-    Source: Held and Karp (1970, 1971) for one route; Christofides, Mingozzi, Toth (1981) for k-degree centre trees;
-    docs/formulations/routing.md#spanning-tree.
+    Source: Held and Karp (1970, 1971) for one route; Christofides, Mingozzi, Toth (1981) for k-degree centre trees.
     """
-    if problem.family != "routing":
-        raise InputError("a spanning tree is evidence for routing problems", found=problem.family)
     prices, theta = numbers(data, "multipliers", len(problem.sites)), number(data, "depot", 0.0)
     relaxed = relax(problem)
     if relaxed is None:
-        return -math.inf if problem.sense == "min" else math.inf
+        return -math.inf
     if relaxed.fewest > relaxed.most:
         return math.inf
     with np.errstate(over="ignore"):
@@ -88,7 +60,7 @@ def _bound(relaxed: Relaxation, prices: Floats, theta: float) -> float:
     return math.fsum([tree, rest, -2.0 * math.fsum(prices), -error])
 
 
-def _smallest_tree(tails: NDArray[np.int64], heads: NDArray[np.int64], weights: Floats, nodes: int) -> float:
+def _smallest_tree(tails: Longs, heads: Longs, weights: Floats, nodes: int) -> float:
     """Weight of a minimum spanning tree; infinite if the edges do not join all nodes."""
     import scipy.sparse as sp
     from scipy.sparse.csgraph import minimum_spanning_tree

@@ -1,13 +1,9 @@
 """Evidence ``state-space``: a Lagrangian bound from one price a site, over the best walk of each type of vehicle at these prices.
 
-An answer is a set of routes; with prices u of visits, u_i <= 0 counted for a site that may be left out, it costs at least::
-
-    sum of u_i (required)  +  sum of min(0, u_i) (optional)  +  min over numbers k_v of routes of   sum_v k_v z_v
-
-with z_v at most the cost of any route of a vehicle of type v less the prices of its visits. Routes are relaxed to walks from the start to
-the end of the vehicle that never return straight to where they came from (no i-j-i), and on which one resource, such as time, load or
-distance, is counted in whole steps and within its limits. z_v is found by dynamic programming over steps and sites. The limits of
-other resources may be priced as well (``shares``): each route keeps them, so that a multiple of what it leaves over is no cost.
+Routes are relaxed to walks from the start to the end of the vehicle that never return straight to where they came from (no i-j-i), and on
+which one resource is counted in whole steps and within its limits, by dynamic programming over steps and sites. The limits of other
+resources may be priced as well (``shares``): each route keeps them, so that a multiple of what it leaves over is no cost.
+docs/formulations/routing.md#state-space.
 """
 
 from __future__ import annotations
@@ -17,23 +13,19 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
-from ...evidence import CHECKERS
 from ...stop import current_stop
-from .known_features import unknown_features
-from .stops_on_the_way import without_stops
-from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, terms_of, value_grain, worth_of_visits
+from .known_features import EPS, RESOURCES, Floats, refuse_unknown_resources, routing_evidence
+from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, relaxed_terms, value_grain, worth_of_visits
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
 
-RESOURCES = ("time", "load", "distance", "duration", "energy", "order")
+COUNTED = (*RESOURCES, "order")
 
 STEPS = 20_000
 """Of the resource on the way of one vehicle, at most."""
@@ -44,72 +36,49 @@ WORK = 2_000_000_000
 _NEAR = 1e-9
 """Of a step: a weight that lacks no more than this counts as whole, and limits concede as much for each move."""
 
-_EPS = float(np.finfo(np.float64).eps)
 
-
-@CHECKERS.register("state-space")
+@routing_evidence("state-space")
 def check_state_space(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Bound on the first level of the objective that any prices of visits prove (weak duality).
+    """Bound on the first level of the objective that any prices of visits prove; maxima count by the farthest round trip.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        With any features and any terms; maxima (makespan, ...) count by the farthest round trip.
-    data : dict
-        ``prices``: one number a site (entries of depots are ignored); ``resource``: what is counted (``time, load, distance, duration,
-        energy``, or ``order``, the number of moves); ``step``: a positive number of its units; ``shares``, optional: non-negative prices
-        by the name of another resource.
+    ``data``: ``prices``, one number a site (entries of depots are ignored); ``resource``, which is counted (also ``order``, the number of
+    moves);
+    ``step``, a positive number of its units; ``shares``, optional: non-negative prices by the name of another resource. Nothing is proved
+    where
+    there are too many steps, or no walk at all.
 
-    Returns
-    -------
-    float
-        The bound, moved to the next multiple that the objective can take; minus infinity (of a minimisation) where nothing is proved,
-        because there are too many steps, or no walk at all.
-
-    Raises
-    ------
-    InputError
-        If numbers are missing or not finite, or a resource is unknown.
-
-    Notes
-    -----
     Source: Christofides, Mingozzi, Toth (1981), "State-space relaxation procedures"; Houck, Picard, Queyranne, Vemuganti (1980) for walks
-    without i-j-i; docs/formulations/routing.md#state-space.
+    without i-j-i.
     """
-    if problem.family != "routing":
-        raise InputError("state-space is evidence for routing problems", found=problem.family)
     prices, step, name = numbers(data, "prices", len(problem.sites)), number(data, "step"), data.get("resource")
-    given = data.get("shares", {})
-    if name not in RESOURCES or not isinstance(given, Mapping) or not set(given) <= set(RESOURCES):
-        raise InputError("evidence names an unknown resource", expected=", ".join(RESOURCES), found=f"{name} {given}"[:80])
+    stated = data.get("shares", {})
+    refuse_unknown_resources([str(name), *(stated if isinstance(stated, Mapping) else [repr(stated)])], COUNTED, f"{name} {stated}")
     if not step > 0:
         raise InputError("evidence 'step' must be positive", found=str(step))
-    shares = {str(r): max(0.0, number(given, r)) for r in given if r != name}
-    sign = 1.0 if problem.sense == "min" else -1.0
-    relaxed, terms = without_stops(problem), terms_of(problem)
-    customers = problem.sites.customers
-    if terms is None or unknown_features(relaxed) or not len(customers):
-        return -sign * math.inf
+    shares = {str(r): max(0.0, number(stated, r)) for r in stated if r != name}
+    relaxed, terms = relaxed_terms(problem)
+    if terms is None:
+        return -math.inf
     with np.errstate(over="ignore", invalid="ignore"):
-        bound = _bound(relaxed, terms, prices[customers], str(name), step, shares)
-    return sign * lift(bound, "min", value_grain(problem, terms)) if bound > -math.inf else -sign * math.inf
+        bound = _bound(relaxed, terms, prices[problem.sites.customers], str(name), step, shares)
+    return lift(bound, "min", value_grain(problem, terms)) if bound > -math.inf else -math.inf
 
 
 def _bound(problem: RoutingProblem, terms: Terms, prices: Floats, name: str, step: float, shares: dict[str, float]) -> float:
     sites, customers = problem.sites, problem.sites.customers
     required = sites.required[customers]
     parts = [*worth_of_visits(problem, prices).tolist(), *constants(problem, terms)]
-    n, size, left = len(customers), 0.0, WORK
+    n, size, work = len(customers), 0.0, WORK
     slots: list[tuple[float, int]] = []
     for vehicle, count in alike(problem).items():
         moves = VehicleMoves.of(problem, vehicle, terms, prices, shares)
         if name not in moves.resources:
             return -math.inf
-        walk = _least_walk(moves, name, step, left)
+        walk = _least_walk(moves, name, step, work)
         if walk is None:
             return -math.inf
-        least, work = walk
-        left -= work
+        least, spent = walk
+        work -= spent
         size = max(size, moves.size)
         slots.append((least, min(n, count)))
     fewest = max(problem.min_vehicles, int(needed_routes(problem, required)))
@@ -125,7 +94,7 @@ def _bound(problem: RoutingProblem, terms: Terms, prices: Floats, name: str, ste
         return -math.inf
     size += float(np.abs(prices).max()) + max((abs(x) for x in parts), default=0.0)
     # Each route is added up from its first move on, so that no sum is larger than nodes sizes; there are n routes at most.
-    error = 16.0 * _EPS * (n + 2) ** 2 * size
+    error = 16.0 * EPS * (n + 2) ** 2 * size
     return math.fsum([*parts, worth, -error]) if math.isfinite(64.0 * (n + 2) ** 2 * size) else -math.inf
 
 

@@ -17,20 +17,10 @@ def least_walk(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Least cost of a walk from the depot over at least one customer and back; infinite if there is none, NaN where it was stopped.
 
     ``best[j, b]`` is the least cost of arriving at ``j`` at a level of at most ``b``, over the predecessor ``before[j, b]``, and
-    ``second[j, b]`` the least over any other predecessor.
-
-    Parameters
-    ----------
-    flag : array
-        Of a ``Stop``.
-    starts : array of shape (nodes + 1,)
-        Moves between customers into node ``j`` are those from ``starts[j]`` on, up to ``starts[j + 1]``.
-    tails, cost, weight : arrays of shape (moves,)
-        Weights are whole and at least 1.
-    first_cost, first_weight, last_cost, last_weight : arrays of shape (nodes,)
-        Moves out of the depot and into it; infinite where there is none.
-    lower, upper : arrays of shape (nodes,)
-        A level is raised to ``lower``, and is ``upper`` at most; entry 0 is for the return.
+    ``second[j, b]`` the least over any other predecessor. Moves between customers into node ``j`` are those from ``starts[j]`` up to
+    ``starts[j + 1]``, with whole weights of at least 1; those out of the depot and into it have shape (nodes,), infinite where there is
+    none.
+    A level is raised to ``lower``, and is ``upper`` at most; entry 0 is for the return. ``flag`` is that of a ``Stop``.
     """
     nodes, steps = len(lower), 1
     for j in range(1, nodes):

@@ -7,22 +7,16 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...checking.granularity import Grain, grain
-from .known_features import own_moves
+from .known_features import EPS, Flags, Floats, Longs, own_moves, unknown_features, with_fleet, without_stops
 from .relaxation import Resource, limited_resources, moves_left, narrowed, order_resource, with_depot
 from .round_trips import PEAKS, least_peak
 from .route_limits import allowed
-from .stops_on_the_way import with_fleet
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
     from ..problem import RoutingProblem
-
-Floats = NDArray[np.float64]
-
-_EPS = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True)
@@ -38,32 +32,38 @@ class Terms:
 
 
 def terms_of(problem: RoutingProblem) -> Terms | None:
-    """None where less cost, duration or a smaller maximum would be worse: no bound of these is known."""
+    """Weights of the first level; None where less cost, duration or a smaller maximum would be worse: no bound of these is known."""
     sign = 1.0 if problem.sense == "min" else -1.0
-    found: dict[str, float] = {}
+    weights: dict[str, float] = {}
     for weight, term in problem.objective.levels()[0].terms:
-        found[term.name] = found.get(term.name, 0.0) + sign * weight
-    peaks = {name: found[name] for name in PEAKS if found.get(name)}
+        weights[term.name] = weights.get(term.name, 0.0) + sign * weight
+    peaks = {name: weights[name] for name in PEAKS if weights.get(name)}
     cost, duration, vehicles, reward, penalties = (
-        found.get(name, 0.0) for name in ("total-cost", "total-duration", "vehicles", "reward", "penalties")
+        weights.get(name, 0.0) for name in ("total-cost", "total-duration", "vehicles", "reward", "penalties")
     )
-    made = Terms(cost, duration, vehicles, reward, penalties, peaks)
+    terms = Terms(cost, duration, vehicles, reward, penalties, peaks)
     known = {"total-cost", "total-duration", "vehicles", "reward", "penalties", *PEAKS}
-    return made if set(found) <= known and min(made.cost, made.duration, *peaks.values(), 0.0) >= 0 else None
+    return terms if set(weights) <= known and min(terms.cost, terms.duration, *peaks.values(), 0.0) >= 0 else None
+
+
+def relaxed_terms(problem: RoutingProblem) -> tuple[RoutingProblem, Terms | None]:
+    """The problem without stops on the way, and its terms; None where nothing is proved of it."""
+    relaxed = without_stops(problem)
+    return relaxed, None if unknown_features(relaxed) or not len(problem.sites.customers) else terms_of(problem)
 
 
 def alike(problem: RoutingProblem) -> dict[VehicleType, int]:
     """Types of vehicle, and how many of each can be on a route at once."""
     n = len(problem.sites.customers)
-    found: dict[VehicleType, int] = {}
+    types: dict[VehicleType, int] = {}
     for v in problem.fleet:
         kind = replace(v, count=1, name="")
-        found[kind] = found.get(kind, 0) + (n if v.count is None else v.count)
-    return found
+        types[kind] = types.get(kind, 0) + (n if v.count is None else v.count)
+    return types
 
 
 def constants(problem: RoutingProblem, terms: Terms) -> list[float]:
-    """What adds up to no more than the part of the objective that routes and visits do not change."""
+    """Numbers that add up to no more than the part of the objective that routes and visits do not change."""
     sites, customers = problem.sites, problem.sites.customers
     parts = [w * least_peak(problem, peak) for peak, w in terms.peaks.items()]
     parts += (terms.penalties * sites.penalty[customers]).tolist()  # visits take it back, also those that must be
@@ -71,36 +71,31 @@ def constants(problem: RoutingProblem, terms: Terms) -> list[float]:
 
 
 def worth_of_visits(problem: RoutingProblem, prices: Floats) -> Floats:
-    """What the prices of an answer's visits add up to at least, site by site; of a group with one visit the least price, at its first."""
+    """Least sum of the prices of an answer's visits, site by site; of a group with one visit the least price, at its first site."""
     sites = problem.sites
-    made = np.where(sites.required[sites.customers], prices, np.minimum(prices, 0.0))
+    worth = np.where(sites.required[sites.customers], prices, np.minimum(prices, 0.0))
     node = {site: k for k, site in enumerate(sites.customers.tolist())}
     for group in sites.groups:
         members = [node[site] for site in group.sites]
         least = float(prices[members].min())
-        made[members] = 0.0
-        made[members[0]] = least if group.required else min(0.0, least)
-    return made
+        worth[members] = 0.0
+        worth[members[0]] = least if group.required else min(0.0, least)
+    return worth
 
 
-def needed_routes(problem: RoutingProblem, members: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """How many routes at least serve the required customers among ``members``: one if there are any, and as many as their loads take.
-
-    Parameters
-    ----------
-    members : bool array of shape (..., customers)
-    """
+def needed_routes(problem: RoutingProblem, members: Flags) -> Longs:
+    """Least number of routes for the required customers among ``members``, of shape (..., customers): as many as their loads take."""
     sites, customers = problem.sites, problem.sites.customers
     required = sites.required[customers]
-    loads = members @ np.where(required, sites.demand[customers], 0.0) * (1.0 - 4.0 * (len(customers) + 2) * _EPS)
+    loads = members @ np.where(required, sites.demand[customers], 0.0) * (1.0 - 4.0 * (len(customers) + 2) * EPS)
     largest = max(allowed(v.capacity) for v in problem.fleet)
     by_load = np.ceil(loads / largest) if 0.0 < largest < math.inf else np.zeros(loads.shape)
-    made: NDArray[np.int64] = np.maximum((members & required).any(axis=-1), by_load).astype(np.int64)
-    return made
+    routes: Longs = np.maximum((members & required).any(axis=-1), by_load).astype(np.int64)
+    return routes
 
 
 def value_grain(problem: RoutingProblem, terms: Terms) -> Grain | None:
-    """Of what every value of the objective is a multiple."""
+    """The number of which every value of the objective is a multiple."""
     timed = {"duration-cost", "overtime", "vehicle-travel", "vehicle-speeds", "committed-vehicles"}
     if terms.peaks or terms.duration or (terms.cost and problem.features() & timed):
         return None
@@ -112,15 +107,11 @@ def value_grain(problem: RoutingProblem, terms: Terms) -> Grain | None:
 
 @dataclass(frozen=True, eq=False)
 class VehicleMoves:
-    """What a type of vehicle can do, over its depot (0: start and end) and the customers.
+    """Moves of a type of vehicle over its depot (0: start and end) and the customers.
 
-    Parameters
-    ----------
-    cost : array of shape (nodes, nodes)
-        Of moves less the prices of the sites they enter; infinite where there is no move.
-    resources : dict of Resource
-    size : float
-        Sum of the sizes of what the costs were added up from.
+    ``cost`` of shape (nodes, nodes) is less the prices of the sites that moves enter, infinite where there is no move; ``size`` is the
+    sum of
+    the sizes of what costs were added up from.
     """
 
     cost: Floats

@@ -20,31 +20,16 @@ def least_walk(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
 ):
     """Least cost of all walks that keep their levels and do not come back to a customer whom they remember.
 
-    Labels are extended stage by stage, a visit a stage, so that each walk of as many visits as there are customers is looked at. One gives
+    Labels are extended stage by stage, a visit a stage, so that each walk of as many visits as there are customers is looked at. One
+    gives
     way to another at its node that costs no more, has no higher level, and remembers nobody whom it does not remember, or can reach.
 
-    Parameters
-    ----------
-    flag : array
-        Of a ``Stop``.
-    cost : array of shape (nodes, nodes)
-        Node 0 is the depot. Infinite where there is no move.
-    weight, way : arrays of shape (resources, nodes, nodes)
-        What a move adds to each level, and the least that any moves add from node to node; infinite where there are none.
-    start : array of shape (resources,)
-    lower, upper : arrays of shape (resources, nodes)
-        A level is raised to ``lower``, and is ``upper`` at most.
-    beyond : array of shape (resources, nodes)
-        A customer is out of reach where the level would be above it.
-    memory : uint64 array of shape (nodes, words)
-        Those who are still remembered at each node, one bit a customer.
-    room, work : int
-        Labels and comparisons at most.
-
-    Returns
-    -------
-    (int, float)
-        Whether it was done, stopped, or had no room; the least cost, infinite if there is no such walk.
+    ``cost`` has shape (nodes, nodes), node 0 being the depot, ``weight`` and ``way`` (the least that any moves add from node to node)
+    shape
+    (resources, nodes, nodes), all infinite where there is no move; ``lower``, ``upper`` and ``beyond`` (a customer is out of reach above
+    it)
+    shape (resources, nodes); ``memory`` of shape (nodes, words) has one bit a customer for those still remembered at a node; ``room`` and
+    ``work`` are the most labels and comparisons; ``flag`` is that of a ``Stop``. Returns whether it was done, stopped, or had no room.
     """
     nodes, words, resources = len(cost), memory.shape[1], len(start)
     # What is never written takes no memory.

@@ -38,7 +38,7 @@ class Priced:
 
 
 def orders_of_stops(problem: RoutingProblem) -> int:
-    """How many orders of stops there may be: between two sites any choice of depots, none twice."""
+    """Number of orders of stops there may be: between two sites any choice of depots, none twice."""
     n, total = len(problem.customers), 0
     for vehicle in problem.fleet:
         depots = len({*vehicle.reloads, *vehicle.stations})
@@ -89,19 +89,19 @@ class Walk:
         yield from self._further((), frozenset())
 
     def _further(self, visits: tuple[int, ...], since: frozenset[int]) -> Iterator[Priced]:
-        """Routes that begin so; ``since`` are the depots since the last site."""
+        """Routes that begin with ``visits``; ``since`` are the depots since the last site."""
         for site in self.customers:
             if site not in visits and all(p in visits for p in self.needs.get(site, ())) and self.may_begin((*visits, site)):
-                found = self.priced((*visits, site))
-                if found is not None:
-                    yield found
+                route = self.priced((*visits, site))
+                if route is not None:
+                    yield route
                 yield from self._further((*visits, site), frozenset())
         for depot in self.pauses:
             if depot not in since and self.may_begin((*visits, depot)):
                 if any(not self.sites.depot[k] for k in visits):
-                    found = self.priced((*visits, depot))
-                    if found is not None:
-                        yield found
+                    route = self.priced((*visits, depot))
+                    if route is not None:
+                        yield route
                 yield from self._further((*visits, depot), since | {depot})
 
     def may_begin(self, visits: tuple[int, ...]) -> bool:
@@ -124,7 +124,7 @@ class Walk:
     # -- one of them -------------------------------------------------------------------------------------------------
 
     def priced(self, visits: tuple[int, ...]) -> Priced | None:
-        """What the route adds up to; None where it breaks a limit."""
+        """Amounts that the route adds up to; None where it breaks a limit."""
         vehicle, stops = self.vehicle, (self.vehicle.start, *visits, self.vehicle.end)
         moves = list(pairwise(stops))
         distance = math.fsum(self.length[i][j] for i, j in moves)
@@ -148,7 +148,8 @@ class Walk:
         return Priced(self.kind, visits, distance, duration, finish, cost, reward, penalty, overrun)
 
     def _overrun(self, moves: list[tuple[int, int]], duration: float) -> float | None:
-        """How likely the route takes too long or draws too much, None where it is too likely. Nobody waits where durations are limited."""
+        """Probability that the route takes too long or draws too much; None where it is too large. Nobody waits where durations are
+        limited."""
         vehicle, energy = self.vehicle, self.vehicle.energy
         variance = 0.0 if self.spread is None else math.fsum(self.spread[i][j] for i, j in moves)
         if variance == 0.0:
@@ -186,26 +187,27 @@ class Walk:
         return clock
 
     def _departing(self, stops: tuple[int, ...], finish: float, size: float) -> tuple[float, float]:
-        """Time from departure to return, and the return, by the schedule that counts: of those that keep the limits the shortest one, or
-        where the latest return is asked for the one that returns first.
+        """Duration and return by the schedule that counts: the shortest within the limits, or the first to return where that is asked
+        for.
 
-        It departs as early as it may, or such that it meets the end of a window or a closing move, or where stops have several windows the
-        begin of one. Where no stop has, it delays nothing.
+        It departs as early as it may, or such that it meets the end of a window or a closing move, or where stops have several windows
+        the begin of
+        one. Where no stop has, it delays nothing.
         """
         busy = math.fsum(self.time[i][j] for i, j in pairwise(stops)) + math.fsum(self.service[k] for k in stops[1:-1])
         if finish - self.opens <= busy:
             return finish - self.opens, finish
         runs = [(finish - self.opens, finish)]
-        before, found = 0.0, {self.last_departure, self.home_by - busy}
+        before, departures = 0.0, {self.last_departure, self.home_by - busy}
         several = any(len(self.windows[k]) > 1 for k in stops[1:-1])
         for k, i in enumerate(stops[:-1]):
             service = self.service[i] if k else 0.0
             ends = [t for opens, closes in self.windows[i] for t in ((opens, closes) if several else (closes,))] if k else []
-            found |= {t - before for t in (*ends, self.closes[i][stops[k + 1]] - service)}
+            departures |= {t - before for t in (*ends, self.closes[i][stops[k + 1]] - service)}
             before += service + self.time[i][stops[k + 1]]
         # The latest departure that waits nowhere after it delays nothing.
-        found |= {finish - busy}
-        for departure in found:
+        departures |= {finish - busy}
+        for departure in departures:
             if self.opens < departure <= self.last_departure and math.isfinite(departure):
                 end = self._run(stops, departure)
                 runs += [] if end is None else [(max(end - departure, busy), end)]
@@ -216,9 +218,9 @@ class Walk:
             if _within(lasts, vehicle.max_duration, size)
             and (not self.timed_store or self._energy_lasts(stops, lasts, end - self.opens, size))
         ]
-        left, key, other = kept or runs, int(self.early), 1 - int(self.early)
-        least = min(run[key] for run in left)
-        return min((run for run in left if _within(run[key], least, size)), key=lambda run: run[other])
+        eligible, key, other = kept or runs, int(self.early), 1 - int(self.early)
+        least = min(run[key] for run in eligible)
+        return min((run for run in eligible if _within(run[key], least, size)), key=lambda run: run[other])
 
     def _carries(self, visits: tuple[int, ...]) -> bool:
         """Whether all that is on board fits in, wherever the route is."""
@@ -229,31 +231,31 @@ class Walk:
         for dimension, capacity in enumerate(self.vehicle.capacities):
             if math.isinf(capacity):
                 continue
-            left = [0.0] * (len(visits) + 1)  # to deliver on this trip, on leaving the start and each stop
+            undelivered = [0.0] * (len(visits) + 1)  # to deliver on this trip, on leaving the start and each stop
             for p in range(len(visits) - 1, -1, -1):
-                left[p] = 0.0 if visits[p] in self.vehicle.reloads else left[p + 1] + float(self.demand[visits[p], dimension])
+                undelivered[p] = 0.0 if visits[p] in self.vehicle.reloads else undelivered[p + 1] + float(self.demand[visits[p], dimension])
             collected = shipped = 0.0
-            if not _within(left[0], capacity):
+            if not _within(undelivered[0], capacity):
                 return False
             for p, k in enumerate(visits):
                 collected = 0.0 if k in self.vehicle.reloads else collected + float(self.pickup[k, dimension])
                 for s in self.sites.shipments:
                     load = s.load[dimension] if dimension < len(s.load) else 0.0
                     shipped += load * ((s.pickup == k) - (s.delivery == k))
-                if not _within(left[p + 1] + collected + shipped, capacity):
+                if not _within(undelivered[p + 1] + collected + shipped, capacity):
                     return False
         return True
 
     def _store_lasts(self, stops: tuple[int, ...]) -> bool:
         energy = self.vehicle.energy
         assert energy is not None
-        left, drawn = energy.at_departure, 0.0
+        store, drawn = energy.at_departure, 0.0
         for i, j in pairwise(stops):
             drawn += energy.rate * self.time[i][j]
-            if not _within(drawn, left):
+            if not _within(drawn, store):
                 return False
             if j in energy.stations:
-                left, drawn = energy.capacity, 0.0
+                store, drawn = energy.capacity, 0.0
         return True
 
     def _energy_lasts(self, stops: tuple[int, ...], duration: float, elapsed: float, size: float) -> bool:
@@ -274,5 +276,5 @@ class Walk:
 
 
 def way_home(problem: RoutingProblem, kind: int) -> Priced | None:
-    """That of a committed vehicle which serves nobody; None where it breaks a limit."""
+    """The way straight home of a committed vehicle that serves nobody; None where it breaks a limit."""
     return Walk(problem, kind).priced(())

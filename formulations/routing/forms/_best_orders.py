@@ -1,9 +1,8 @@
 """The orders of stops that can be best, set of sites by set of sites, where all that counts of a route adds up along it.
 
-Of two orders of the same sites with the same last one, the one with less distance, less time and less variance is as good however the route
-goes on, since a risk of at most 1/2 rises with the mean and with the variance. What is left of each set is what the form prices: of 12
-sites 4,095 sets, where 1,300,000,000 orders would have to be walked.
-
+Of two orders of the same sites with the same last one, the one with less distance, less time and less variance is as good however the
+route
+goes on, since a risk of at most 1/2 rises with the mean and with the variance.
 Source: Held and Karp (1962); with several sums the labels of Desrochers and Soumis (1988).
 """
 
@@ -88,12 +87,9 @@ def best_orders(walk: Walk) -> Iterator[tuple[int, ...]]:
 
 
 class _Sums:
-    """What grows along the routes of a vehicle type: distance, time without service and variance, as far as one says more than the others.
+    """Sums along the routes of a vehicle type: distance, time without service and variance, as far as one says more than the others.
 
-    Attributes
-    ----------
-    first, home : arrays of shape (sums, sites)
-    between : array of shape (sums, sites, sites)
+    ``first`` and ``home`` have shape (sums, sites), ``between`` (sums, sites, sites).
     """
 
     def __init__(self, walk: Walk, sites: Longs) -> None:
@@ -153,7 +149,7 @@ class _Sums:
 
 
 def _undominated(group: Longs, sums: Floats, at: Longs) -> Longs:
-    """Those of ``at`` that no other one of their group has as little of every sum as; of equal ones one."""
+    """The labels of ``at`` that no other one of their group dominates in all sums; of equal ones one."""
     order = np.lexsort((*sums[::-1, at], group[at]))
     at = at[order]
     rank = 0

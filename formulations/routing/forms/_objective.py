@@ -29,7 +29,7 @@ from ..preparation import waiting_is_possible
 if TYPE_CHECKING:
     from ....instances.routing.vehicle_type import VehicleType
     from ..problem import RoutingProblem
-    from ._vehicle_columns import Drive, VehicleColumns, Written
+    from ._vehicles import Drive, VehicleBlocks, VehicleColumns
 
 
 Weights = dict[str, float]
@@ -37,14 +37,14 @@ Weights = dict[str, float]
 
 
 def weights_of_levels(problem: RoutingProblem) -> list[Weights]:
-    """Of each level of the objective, those of the terms that some level holds: a term is written whichever level it decides."""
-    found: list[Weights] = []
+    """Weights of each level of the objective, for the terms that any level holds: a term is written whichever level it decides."""
+    levels: list[Weights] = []
     for level in problem.objective.levels():
-        found.append({})
+        levels.append({})
         for weight, term in level.terms:
-            found[-1][term.name] = found[-1].get(term.name, 0.0) + weight
-    held = dict.fromkeys(name for level in found for name, weight in sorted(level.items()) if weight)
-    return [{name: level.get(name, 0.0) for name in sorted(held)} for level in found]
+            levels[-1][term.name] = levels[-1].get(term.name, 0.0) + weight
+    names = dict.fromkeys(name for level in levels for name, weight in sorted(level.items()) if weight)
+    return [{name: level.get(name, 0.0) for name in sorted(names)} for level in levels]
 
 
 def weights(problem: RoutingProblem) -> Weights:
@@ -53,7 +53,7 @@ def weights(problem: RoutingProblem) -> Weights:
 
 
 def _prices(weight: Weights, vehicle: VehicleType) -> tuple[float, float]:
-    """Of one unit of duration and of overtime."""
+    """Weights of one unit of duration and of overtime."""
     of_cost = weight.get("total-cost", 0.0)
     overtime = vehicle.unit_overtime_cost if math.isfinite(vehicle.regular_duration) else 0.0
     return of_cost * vehicle.unit_duration_cost + weight.get("total-duration", 0.0), of_cost * overtime
@@ -66,74 +66,74 @@ def durations_count(problem: RoutingProblem, vehicle: VehicleType) -> bool:
 
 def adverse(problem: RoutingProblem) -> frozenset[str]:
     """Features whose weight makes more of a maximum, or of time spent waiting, better: rows from below cannot express it."""
-    found = set()
+    features = set()
     levels = zip(problem.senses, weights_of_levels(problem), strict=True)
     for sense, name, weight in ((sense, *item) for sense, level in levels for item in level.items()):
         if weight == 0 or (weight > 0) == (sense == "min"):
             continue
         if name in ("makespan", "longest-route", "latest-return") or (name == "total-duration" and waiting_is_possible(problem)):
-            found.add(f"objective:{name}")
+            features.add(f"objective:{name}")
         if name == "total-cost":
-            found |= problem.features() & {"overtime"}
-            found |= problem.features() & {"duration-cost"} if waiting_is_possible(problem) else set()
-    return frozenset(found)
+            features |= problem.features() & {"overtime"}
+            features |= problem.features() & {"duration-cost"} if waiting_is_possible(problem) else set()
+    return frozenset(features)
 
 
 def idle_cost(problem: RoutingProblem, kind: VehicleColumns) -> float:
-    """What a committed vehicle costs on its way straight home, but for durations that have variables."""
+    """Cost of a committed vehicle on its way straight home, but for durations that have variables."""
     weight, vehicle = weights(problem), kind.vehicle
     paid = weight.get("total-cost", 0.0) * (vehicle.fixed_cost + vehicle.unit_cost * kind.idle_distance)
     return paid if waiting_is_possible(problem) else paid + _prices(weight, vehicle)[0] * kind.idle_duration
 
 
-def add_objective(made: Written) -> None:
+def add_objective(blocks: VehicleBlocks) -> None:
     """The columns and rows of the terms that the objective has."""
-    problem, weight = made.problem, weights(made.problem)
+    problem, weight = blocks.problem, weights(blocks.problem)
     if "makespan" in weight:
-        most = max(_longest_time(kind) for kind in made.types)
-        makespan = made.add_columns("makespan", (), (), 0.0, most, weight["makespan"])
-    for kind in made.types:
+        most = max(_longest_time(kind) for kind in blocks.types)
+        makespan = blocks.add_columns("makespan", (), (), 0.0, most, weight["makespan"])
+    for kind in blocks.types:
         if durations_count(problem, kind.vehicle):
-            first = _durations(made, kind)
+            first = _durations(blocks, kind)
             if "makespan" in weight:
                 row = np.arange(kind.count)
                 parts: list[Part] = [(row, np.full(kind.count, makespan), 1.0), (row, first + row, -1.0)]
-                made.rows.append(rows("makespan", kind.count, parts, 0.0, keys=(kind.vehicles,), labels=(kind.numbers,)))
+                blocks.rows.append(rows("makespan", kind.count, parts, 0.0, keys=(kind.vehicles,), labels=(kind.numbers,)))
     if "makespan" in weight:
 
         def encode(x: Floats, drives: list[Drive]) -> None:
             x[makespan] = max((float(d.clock[-1] - d.clock[0]) for d in drives), default=0.0)
 
-        made.encoders.append(encode)
+        blocks.encoders.append(encode)
     if "longest-route" in weight:
-        _longest_route(made, weight["longest-route"])
+        _longest_route(blocks, weight["longest-route"])
     if "latest-return" in weight:
-        _latest_return(made, weight["latest-return"])
+        _latest_return(blocks, weight["latest-return"])
 
 
 def _longest_time(kind: VehicleColumns) -> float:
     return max(0.0, float(kind.upper[-1] - kind.lower[0]))
 
 
-def _durations(made: Written, kind: VehicleColumns) -> int:
+def _durations(blocks: VehicleBlocks, kind: VehicleColumns) -> int:
     """The durations of one type, and their overtime; returns the first column."""
     vehicle, count = kind.vehicle, kind.count
-    price, extra = _prices(weights(made.problem), vehicle)
-    late = any(_prices(weight, vehicle)[1] for weight in weights_of_levels(made.problem))
-    waits, most = waiting_is_possible(made.problem), _longest_time(kind)
+    price, extra = _prices(weights(blocks.problem), vehicle)
+    late = any(_prices(weight, vehicle)[1] for weight in weights_of_levels(blocks.problem))
+    waits, most = waiting_is_possible(blocks.problem), _longest_time(kind)
     keys, labels, row = (kind.vehicles,), (kind.numbers,), np.arange(count)
-    first = made.add_columns("duration", keys, labels, 0.0, most, price if waits else 0.0)
+    first = blocks.add_columns("duration", keys, labels, 0.0, most, price if waits else 0.0)
     if waits:
         end = kind.clock + kind.prep.end * count
         parts: list[Part] = [(row, first + row, 1.0), (row, end + row, -1.0), (row, kind.clock + row, 1.0)]
-        made.rows.append(rows("elapsed", count, parts, 0.0, keys=keys, labels=labels))
+        blocks.rows.append(rows("elapsed", count, parts, 0.0, keys=keys, labels=labels))
     busy = kind.with_idle(kind.prep.time.weight, kind.idle_duration)
-    made.rows.append(kind.over_arcs("worked", np.arange(len(kind.tail)), busy, -math.inf, 0.0, first))
+    blocks.rows.append(kind.over_arcs("worked", np.arange(len(kind.tail)), busy, -math.inf, 0.0, first))
     if late:
         regular = vehicle.regular_duration
-        over = made.add_columns("overtime", keys, labels, 0.0, max(0.0, most - regular), extra)
+        over = blocks.add_columns("overtime", keys, labels, 0.0, max(0.0, most - regular), extra)
         parts = [(row, over + row, 1.0), (row, first + row, -1.0)]
-        made.rows.append(rows("overtime", count, parts, -regular, keys=keys, labels=labels))
+        blocks.rows.append(rows("overtime", count, parts, -regular, keys=keys, labels=labels))
 
     def encode(x: Floats, drives: list[Drive]) -> None:
         for d in drives:
@@ -142,47 +142,37 @@ def _durations(made: Written, kind: VehicleColumns) -> int:
                 if late:
                     x[over + d.number] = max(0.0, x[first + d.number] - regular)
 
-    made.encoders.append(encode)
+    blocks.encoders.append(encode)
     return first
 
 
-def _longest_route(made: Written, weight: float) -> None:
-    lengths = [kind.with_idle(kind.prep.distance, kind.idle_distance) for kind in made.types]
-    most = max(_farthest(kind, length) for kind, length in zip(made.types, lengths, strict=True))
-    column = made.add_columns("longest", (), (), 0.0, most, weight)
-    for kind, length in zip(made.types, lengths, strict=True):
-        every, row = np.arange(len(kind.tail)), np.arange(kind.count)
-        parts: list[Part] = [
-            (np.repeat(row, len(every)), kind.each(every), np.tile(-length, kind.count)), (row, np.full(kind.count, column), 1.0),
-        ]  # fmt: skip
-        made.rows.append(rows("longest", kind.count, parts, 0.0, keys=(kind.vehicles,), labels=(kind.numbers,)))
+def _longest_route(blocks: VehicleBlocks, weight: float) -> None:
+    lengths = [kind.with_idle(kind.prep.distance, kind.idle_distance) for kind in blocks.types]
+    most = max(float(kind.largest_out(length).sum()) for kind, length in zip(blocks.types, lengths, strict=True))
+    column = blocks.add_columns("longest", (), (), 0.0, most, weight)
+    for kind, length in zip(blocks.types, lengths, strict=True):
+        parts: list[Part] = [kind.along(np.arange(len(kind.tail)), -length), (np.arange(kind.count), np.full(kind.count, column), 1.0)]
+        blocks.rows.append(rows("longest", kind.count, parts, 0.0, keys=(kind.vehicles,), labels=(kind.numbers,)))
 
     def encode(x: Floats, drives: list[Drive]) -> None:
         of = [d.kind.prep.distance[d.arcs].sum() if len(d.arcs) else d.kind.idle_distance for d in drives]
         x[column] = max(of, default=0.0)
 
-    made.encoders.append(encode)
+    blocks.encoders.append(encode)
 
 
-def _farthest(kind: VehicleColumns, length: Floats) -> float:
-    """No route is longer than the longest moves out of all nodes together."""
-    out = np.zeros(kind.prep.nodes)
-    np.maximum.at(out, kind.tail, length)
-    return float(out.sum())
-
-
-def _latest_return(made: Written, weight: float) -> None:
-    least = min(float(kind.prep.time.lower[0]) for kind in made.types)
-    column = made.add_columns("latest", (), (), least, max(least, *(float(kind.upper[-1]) for kind in made.types)), weight)
-    for kind in made.types:
+def _latest_return(blocks: VehicleBlocks, weight: float) -> None:
+    least = min(float(kind.prep.time.lower[0]) for kind in blocks.types)
+    column = blocks.add_columns("latest", (), (), least, max(least, *(float(kind.upper[-1]) for kind in blocks.types)), weight)
+    for kind in blocks.types:
         count, row = kind.count, np.arange(kind.count)
         big = 0.0 if kind.committed else max(0.0, float(kind.lower[-1]) - least)
         parts: list[Part] = [(row, np.full(count, column), 1.0), (row, kind.clock + kind.prep.end * count + row, -1.0)]
         if big:
             parts.append((row, kind.first + kind.idle * count + row, big))
-        made.rows.append(rows("latest", count, parts, 0.0, keys=(kind.vehicles,), labels=(kind.numbers,)))
+        blocks.rows.append(rows("latest", count, parts, 0.0, keys=(kind.vehicles,), labels=(kind.numbers,)))
 
     def encode(x: Floats, drives: list[Drive]) -> None:
         x[column] = max([least, *(float(d.clock[-1]) for d in drives)])
 
-    made.encoders.append(encode)
+    blocks.encoders.append(encode)

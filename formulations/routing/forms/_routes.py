@@ -1,17 +1,26 @@
-"""From the arcs that a program uses to routes, and from routes to the levels of resources."""
+"""What all forms of routing write alike: programs block after block, and the way from arcs to routes and back."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ...programs.program import Floats
+from ...programs.compiled import Compiled
+from ...programs.program import Floats, FurtherLevel, Program, Rows, Variables
+from ...programs.reductions.units import scaled
+from ...programs.rows import Ints, Part, rows
 from ...tolerance import INTEGRALITY
+from ..objective import Objective
 from ..preparation import Preparation, Resource
 from ..routes import Route
+
+if TYPE_CHECKING:
+    from ..problem import RoutingProblem
 
 
 def used(x: Floats) -> NDArray[np.bool_]:
@@ -23,13 +32,7 @@ def used(x: Floats) -> NDArray[np.bool_]:
 
 
 def routes_of(prep: Preparation, arcs: NDArray[np.integer], names: Sequence[str]) -> list[Route]:
-    """The routes that the given arcs make up.
-
-    Raises
-    ------
-    InputError
-        If a node is left twice, a route does not end, or arcs form a cycle without the depot.
-    """
+    """The routes that the given arcs make up; raises InputError where they make up none."""
     following: dict[int, int] = {}
     firsts: list[int] = []
     for tail, head in zip(prep.tail[arcs].tolist(), prep.head[arcs].tolist(), strict=True):
@@ -72,14 +75,8 @@ class ArcIndex:
         return np.where(self._keys[at] == keys, at, -1)
 
     def nodes_of(self, route: Route, names: Sequence[str], stops: dict[int, int] | None = None) -> NDArray[np.int64]:
-        """Nodes of a route, both ends included; of a depot on the way the first copy that is not among the ``stops`` counted so far.
-
-        Raises
-        ------
-        InputError
-            For a site that is no customer, or a depot without a copy left.
-        """
-        made, taken = [0], {} if stops is None else stops
+        """Nodes of a route, both ends included; of a depot on the way the first copy that is not among the ``stops`` counted so far."""
+        path, taken = [0], {} if stops is None else stops
         for site in route.visits:
             nodes = self._nodes.get(site)
             if nodes is None:
@@ -88,8 +85,8 @@ class ArcIndex:
             if number >= len(nodes):
                 raise InputError(f"the answer stops at {names[site]} more often than any answer has to", found=str(number + 1))
             taken[site] = number + 1
-            made.append(nodes[number])
-        return np.array([*made, self.prep.end], dtype=np.int64)
+            path.append(nodes[number])
+        return np.array([*path, self.prep.end], dtype=np.int64)
 
     def arcs_of(self, nodes: NDArray[np.int64], names: Sequence[str]) -> NDArray[np.int64]:
         """Arcs along ``nodes``; raises InputError for one that no feasible route can use."""
@@ -103,8 +100,55 @@ class ArcIndex:
 
 def levels(resource: Resource, nodes: NDArray[np.int64], arcs: NDArray[np.int64], start: float | None = None) -> Floats:
     """Least level at each of ``nodes`` along ``arcs``, from ``start`` or the least level at departure."""
-    made = np.empty(len(nodes))
-    made[0] = resource.lower[0] if start is None else start
+    reached = np.empty(len(nodes))
+    reached[0] = resource.lower[0] if start is None else start
     for k, arc in enumerate(arcs.tolist(), start=1):
-        made[k] = max(float(resource.lower[nodes[k]]), made[k - 1] + float(resource.weight[arc]))
-    return made
+        reached[k] = max(float(resource.lower[nodes[k]]), reached[k - 1] + float(resource.weight[arc]))
+    return reached
+
+
+class Blocks:
+    """Columns and rows of a program, block after block."""
+
+    def __init__(self, problem: RoutingProblem) -> None:
+        self.problem = problem
+        self.variables: list[Variables] = []
+        self.rows: list[Rows] = []
+        self.columns = 0
+
+    def add_columns(
+        self, name: str, keys: tuple[Ints, ...], labels: tuple[Any, ...], lower: Any, upper: Any, cost: Any = 0.0, integer: bool = False
+    ) -> int:
+        """Write a block of columns; returns the first of them."""
+        size, first = len(keys[0]) if keys else 1, self.columns
+        spread = [np.array(np.broadcast_to(np.asarray(v, dtype=np.float64), size)) for v in (lower, upper, cost)]
+        self.variables.append(Variables(name, keys, labels, lower=spread[0], upper=spread[1], cost=spread[2], integer=integer))
+        self.columns += size
+        return first
+
+    def add_groups(self, parts: Iterable[Part]) -> None:
+        """At most one site of each group is visited, and exactly one where it is required; ``parts`` are the visits by group."""
+        least = np.array([float(g.required) for g in self.problem.sites.groups])
+        self.rows.append(rows("group", len(least), list(parts), least, 1.0, (np.arange(1, len(least) + 1),), (None,)))
+
+
+def point_of(program: Program, x: Floats) -> Floats:
+    """``x``, if it keeps all rows; else raises InputError."""
+    excess = scaled(program).residual(x)
+    if excess > 1e-5:
+        raise InputError("the answer is no point of the program", found=f"a row exceeded by {excess:g}")
+    return x
+
+
+def with_levels(problem: RoutingProblem, build: Callable[[RoutingProblem], Compiled]) -> Compiled:
+    """The program that ``build`` makes of the first level of the objective, with the costs that it makes of the others.
+
+    All levels are written over the same variables and rows: a term that any level holds has its own.
+    """
+    compiled, levels = build(problem), problem.objective.levels()
+    further = []
+    for at in range(1, len(levels)):
+        first = (levels[at], *levels[:at], *levels[at + 1 :])
+        program = build(replace(problem, objective=Objective(first))).program
+        further.append(FurtherLevel(program.sense, program.cost, program.offset))
+    return replace(compiled, program=replace(compiled.program, further=tuple(further))) if further else compiled

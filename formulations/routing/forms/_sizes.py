@@ -26,10 +26,7 @@ MATRICES_OF_RESOURCE = 3
 
 
 def moves(problem: RoutingProblem, kind: int = 0) -> float:
-    """About how many moves some route of a type of vehicle can make: those that keep windows and capacity by themselves.
-
-    Routes can make fewer, never more but for the sites that were not looked at.
-    """
+    """Estimate of the moves that some route of a type of vehicle can make: those that keep windows and capacity by themselves."""
     vehicle, sites, at, travel = problem.fleet[kind], problem.sites, problem.customers, problem.travel_of(kind)
     n, further = len(at), len(copies(problem))
     some = at[np.unique(np.linspace(0, n - 1, min(SAMPLE, n)).astype(np.int64))] if n else at
@@ -49,34 +46,34 @@ def moves(problem: RoutingProblem, kind: int = 0) -> float:
 
 
 def resources(problem: RoutingProblem, kind: int = 0) -> list[str]:
-    """Names of what a type of vehicle has limits on."""
+    """Names of the resources of which a type of vehicle has limits."""
     vehicle, sites, at = problem.fleet[kind], problem.sites, problem.customers
-    found = []
+    names = []
     last = min(float(sites.due[vehicle.end]), vehicle.shift[1])
     if np.isfinite(sites.due[at]).any() or math.isfinite(last) or "energy:elapsed-fixed-start" in problem.features():
-        found.append("time")
+        names.append("time")
     for k, capacity in enumerate(vehicle.capacities):
         if math.isfinite(capacity) and not vehicle.reloads:
             demand, pickup = (sites.demand, sites.pickup) if k == 0 else (sites.further_demand[:, k - 1], sites.further_pickup[:, k - 1])
-            found += [name for name, amount in (("load", demand), ("pickup", pickup)) if amount[at].any()]
-    found += [name for name in ("distance", "duration") if math.isfinite(getattr(vehicle, f"max_{name}"))]
-    return [*found, "energy"] if vehicle.energy is not None else found
+            names += [name for name, amount in (("load", demand), ("pickup", pickup)) if amount[at].any()]
+    names += [name for name in ("distance", "duration") if math.isfinite(getattr(vehicle, f"max_{name}"))]
+    return [*names, "energy"] if vehicle.energy is not None else names
 
 
 def _work(problem: RoutingProblem, limited: int) -> float:
     """Bytes of the matrices of all moves that are prepared for a type of vehicle."""
     nodes = len(problem.customers) + len(copies(problem)) + 2.0
-    held = 0 if problem.travel.metric == EXPLICIT else 1  # an explicit one is there already
-    return 8.0 * nodes**2 * (held + MATRICES + MATRICES_OF_RESOURCE * (1 + limited))
+    matrices = 0 if problem.travel.metric == EXPLICIT else 1  # an explicit one is there already
+    return 8.0 * nodes**2 * (matrices + MATRICES + MATRICES_OF_RESOURCE * (1 + limited))
 
 
 def two_index(problem: RoutingProblem, flows: Callable[[str], bool], connected: bool = False) -> ProgramSize:
-    """Size of the programs of ``two_index``, which write resources as arc flows where ``flows`` says so, and as node levels elsewhere."""
-    n, arcs, held = len(problem.customers), moves(problem), resources(problem)
-    if connected or set(held) <= {"time"} or not held:
-        held = [*held, "order"]
-    size = ProgramSize(arcs, 2.0 * n + 2.0 + len(problem.sites.groups), 2.0 * arcs + n, _work(problem, len(held)))
-    for name in held:
+    """Size of the programs of ``two_index``; resources are arc flows where ``flows`` says so, and node levels elsewhere."""
+    n, arcs, limited = len(problem.customers), moves(problem), resources(problem)
+    if connected or set(limited) <= {"time"} or not limited:
+        limited = [*limited, "order"]
+    size = ProgramSize(arcs, 2.0 * n + 2.0 + len(problem.sites.groups), 2.0 * arcs + n, _work(problem, len(limited)))
+    for name in limited:
         if flows(name):
             size += ProgramSize(arcs, arcs + n, 6.0 * arcs)
         else:
@@ -92,12 +89,12 @@ def three_index(problem: RoutingProblem, further: float = 0.0) -> ProgramSize:
     waits = float(waiting_is_possible(problem))
     for kind, vehicle in enumerate(problem.fleet):
         count = min(n, float(vehicle.count or n)) if not vehicle.committed else float(vehicle.count or n)
-        arcs, held = moves(problem, kind) + 1.0, len(resources(problem, kind))
+        arcs, limited = moves(problem, kind) + 1.0, len(resources(problem, kind))
         moved = max(moved, arcs)
         closing = float(problem.travel_of(kind).closing is not None) + float(bool(problem.sites.shipments))
-        rows = count * (n + 2.0 + held + arcs * (1.0 + closing) + windows + len(problem.sites.shipments) + 4.0)
-        entries = count * arcs * (6.0 + held + 2.0 * closing + waits + further) + count * (windows * 4.0 + n * 2.0)
-        size += ProgramSize(count * (arcs + n + 8.0), rows, entries, _work(problem, 1 + held))
+        rows = count * (n + 2.0 + limited + arcs * (1.0 + closing) + windows + len(problem.sites.shipments) + 4.0)
+        entries = count * arcs * (6.0 + limited + 2.0 * closing + waits + further) + count * (windows * 4.0 + n * 2.0)
+        size += ProgramSize(count * (arcs + n + 8.0), rows, entries, _work(problem, 1 + limited))
         # Loads, orders and stores on the way are rows of single moves, over all vehicles.
         on_the_way = bool(vehicle.stations) + bool(problem.sites.shipments or problem.sites.pickup.any()) + 1.0
         size += ProgramSize(on_the_way * n, on_the_way * (arcs + 2.0 * n), on_the_way * (2.0 + 2.0 * count) * arcs)

@@ -1,22 +1,12 @@
 """The circuit form, for solvers that know what a circuit is: routes are circuits through the depot, and no row has to join their arcs.
 
-Where all customers must be visited and one variable an arc says enough (the two-index forms can take the problem), start and end of
-routes are one node 0, and routes are several circuits that share it::
+Where all customers must be visited and the two-index forms can take the problem, one variable an arc says enough. Every other problem
+that
+the three-index form can take is written with its variables and rows, less ``depart``, ``flow`` and, without shipments, ``order``: the
+arcs with x_ijk = 1, the loops (i,i) with off_ik = 1, which leave a customer to the other vehicles, and (g,o), which is always used
+(back_k = 1), are one circuit. It has no linear relaxation. Rows: docs/formulations/routing.md#circuit-form.
 
-    min/max  sum c_ij x_ij,   x binary
-    circuit    the arcs with x_ij = 1 make up circuits that share node 0, through every customer once
-    fleet      K_min <= sum_j x_0j <= K
-    r[i,j], r-earliest[i], r-latest[i]     each limited resource r by node levels, as in ``two_index``
-
-Every other problem that the three-index form can take is written with its variables, one an arc and vehicle, and its rows, less
-``depart``, ``flow`` and, without shipments, ``order``. A loop leaves a customer to the other vehicles::
-
-    circuit[k]   the arcs with x_ijk = 1, the loops (i,i) with off_ik = 1, and (g,o), which is always used (back_k = 1), are one circuit
-
-so that an idle vehicle drives (o,g) and back. Resources are no sums along a circuit; their rows are those of the other forms, and the
-circuit takes the place of connectivity alone. Without it the rows say little: it has no linear relaxation.
-
-Source: Laurière (1978) for circuits as a constraint. docs/formulations/routing.md#circuit-form has more.
+Source: Laurière (1978) for circuits as a constraint.
 """
 
 from __future__ import annotations
@@ -30,11 +20,10 @@ from ...forms import FORMS, Form
 from ...programs.circuits import Circuit
 from ...programs.compiled import Compiled
 from ...programs.program import CIRCUITS, INTEGERS, Floats
-from ...programs.size import ProgramSize
 from ..preparation import prepare
 from . import _sizes, three_index, two_index
-from ._priorities import with_levels
-from ._vehicle_columns import Drive, Written
+from ._routes import with_levels
+from ._vehicles import Drive, VehicleBlocks
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
@@ -47,17 +36,12 @@ def arcs_say_enough(problem: RoutingProblem) -> bool:
 
 
 def refuses(problem: RoutingProblem) -> frozenset[str]:
-    """What the three-index form refuses, where that one is needed."""
+    """Features that the three-index form refuses, where that one is needed."""
     return frozenset() if arcs_say_enough(problem) else three_index.refuses(problem)
 
 
 def build(problem: RoutingProblem) -> Compiled:
-    """The program of the circuit form; see the module's text for its mathematics.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-    """
+    """The program of the circuit form."""
     if arcs_say_enough(problem):
         return with_levels(problem, _of_arcs)
     return with_levels(problem, partial(three_index.written, form="circuit", connect=_of_each_vehicle))
@@ -65,46 +49,43 @@ def build(problem: RoutingProblem) -> Compiled:
 
 def _of_arcs(problem: RoutingProblem) -> Compiled:
     prep = prepare(problem)
-    made = two_index.ArcColumns(problem, prep)
-    made.fleet()
+    blocks = two_index.ArcColumns(problem, prep)
+    blocks.fleet()
     for name, resource in two_index.needed_resources(problem, prep).items():
         if name != "order":
-            made.node_levels(resource)
+            blocks.node_levels(resource)
     head = np.where(prep.head == prep.end, 0, prep.head)
-    return two_index.written(made, "circuit", (Circuit("circuit", prep.end, prep.tail, head, made.arcs, several=True),))
+    return two_index.written(blocks, "circuit", (Circuit("circuit", prep.end, prep.tail, head, blocks.arcs, several=True),))
 
 
-def _of_each_vehicle(made: Written) -> tuple[Circuit, ...]:
+def _of_each_vehicle(blocks: VehicleBlocks) -> tuple[Circuit, ...]:
     """One circuit a vehicle, with its loops."""
-    nodes, found = np.arange(1, made.nodes + 1), []
-    for kind in made.types:
+    nodes, circuits = np.arange(1, blocks.nodes + 1), []
+    for kind in blocks.types:
         count, end = kind.count, kind.prep.end
-        keys = (np.repeat(nodes, count), np.tile(kind.vehicles, made.nodes))
-        off = made.add_columns("off", keys, (made.names, kind.numbers), 0.0, 1.0, integer=True)
-        back = made.add_columns("back", (kind.vehicles,), (kind.numbers,), 1.0, 1.0, integer=True)
+        keys = (np.repeat(nodes, count), np.tile(kind.vehicles, blocks.nodes))
+        off = blocks.add_columns("off", keys, (blocks.names, kind.numbers), 0.0, 1.0, integer=True)
+        back = blocks.add_columns("back", (kind.vehicles,), (kind.numbers,), 1.0, 1.0, integer=True)
         tail, head = np.concatenate([kind.tail, nodes, [end]]), np.concatenate([kind.head, nodes, [0]])
         arcs = kind.first + np.arange(len(kind.tail)) * count
         for k, vehicle in enumerate(kind.vehicles.tolist()):
             column = np.concatenate([arcs + k, off + (nodes - 1) * count + k, [back + k]])
-            found.append(Circuit(f"circuit[{kind.numbers[vehicle]}]", end + 1, tail, head, column))
+            circuits.append(Circuit(f"circuit[{kind.numbers[vehicle]}]", end + 1, tail, head, column))
 
         def encode(x: Floats, drives: list[Drive], first: int = off, of: object = kind, count: int = count) -> None:
-            x[first : first + made.nodes * count] = 1.0
+            x[first : first + blocks.nodes * count] = 1.0
             for d in drives:
                 if d.kind is of:
                     x[first + (d.nodes[1:-1] - 1) * count + d.number] = 0.0
 
-        made.encoders.append(encode)
-    return tuple(found)
-
-
-def _size(problem: RoutingProblem) -> ProgramSize:
-    return _sizes.circuit(problem, arcs_say_enough(problem))
+        blocks.encoders.append(encode)
+    return tuple(circuits)
 
 
 FORMS.add(
     "circuit",
     Form(
-        "circuit", "routing", three_index.FEATURES, build, refuses=refuses, makes=lambda problem: INTEGERS | CIRCUITS, order=6, size=_size
+        "circuit", "routing", three_index.FEATURES, build, refuses=refuses, makes=lambda problem: INTEGERS | CIRCUITS, order=6,
+        size=lambda problem: _sizes.circuit(problem, arcs_say_enough(problem)),
     ),
-)
+)  # fmt: skip

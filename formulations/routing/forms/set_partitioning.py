@@ -1,26 +1,21 @@
 """The set-partitioning form: one variable for each route, priced beforehand, so that every limit of a single route is data.
 
-For the routes P_t of each vehicle type t, with c_p the route's share in the objective, and a_ip whether it visits site i::
+For the routes P_t of each vehicle type t, with c_p the route's share in the objective, and a_ip whether it visits site i, beside the rows
+of
+docs/formulations/routing.md#set-partitioning::
 
-    min/max  sum c_p y_p + sum_t C_t z_t + terms,   y binary, z whole
-    visit[i]      sum_p a_ip y_p = 1                          required sites i (<= 1 for optional ones)
     vehicles[t]   sum_{p in P_t} y_p <= K_t                   (+ z_t = K_t for committed types: z_t drive straight home, at C_t each)
     fleet         sum y_p >= K_min                            K_min from ``minimum_vehicles``
     group[g]      sum over the members i, and p, of a_ip y_p = 1   (<= 1 where the group is not required)
     risk          sum_p log(1 - r_p) y_p >= log(1 - Delta)   where the team has a risk Delta; r_p the probability that p overruns a limit
-    makespan[i]   makespan >= sum_p a_ip d_p y_p              each site i, for at most one route visits it; d_p the duration of p
-    longest[i], latest[i]                                     the same with distances, and with times of return
     home[t]       z_t <= K_t b_t,  b binary;   makespan >= d b_t           where a maximum counts a way straight home
 
-A route that is no better in anything that a level of the objective counts than another one of the same type and sites is left out.
-Relaxed, this is the strongest of the forms: its bound is that of the Lagrangian which dualises the visits (Dantzig and Wolfe 1960).
-Rows of maxima by site are stronger than those by route, makespan >= d_p y_p.
+A route that is no better in anything that a level of the objective counts than another one of the same type and sites is left out. Rows
+of
+maxima by site are stronger than those by route, makespan >= d_p y_p.
 
-The form writes down all routes that there are, as long as few orders of stops have to be walked; where all that counts adds up along a
-route (``_best_orders``: no windows, nothing loaded on the way), the best of each set of up to 12 sites. ``over`` takes given ones: a
-restriction.
-
-Source: Balinski and Quandt (1964); Mitchell (2020), CMU-RI-TR-20-52, 3.2, prices its routes one by one.
+Source: Balinski and Quandt (1964); Mitchell (2020), CMU-RI-TR-20-52, 3.2, prices its routes one by one; the bound of the relaxed form is
+that of the Lagrangian which dualises the visits (Dantzig and Wolfe 1960).
 """
 
 from __future__ import annotations
@@ -36,8 +31,7 @@ from ....instances.routing.features import RISKS
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.exactness import Exactness
-from ...programs.program import Floats, Program, Rows, Variables
-from ...programs.reductions.units import scaled
+from ...programs.program import Floats, Program
 from ...programs.rows import Part, rows
 from ..preparation import offset
 from ..reachability import minimum_vehicles
@@ -46,8 +40,7 @@ from . import _sizes
 from ._all_routes import MOST_ROUTES, Priced, Walk, orders_of_stops, way_home
 from ._best_orders import adds_up, best_orders
 from ._objective import Weights, weights_of_levels
-from ._priorities import with_levels
-from ._routes import used
+from ._routes import Blocks, point_of, used, with_levels
 from .three_index import FEATURES
 
 if TYPE_CHECKING:
@@ -60,69 +53,55 @@ MAXIMA = {"makespan": "duration", "longest-route": "distance", "latest-return": 
 def refuses(problem: RoutingProblem) -> frozenset[str]:
     """Problems with many routes, and maxima that should be large."""
     levels = zip(problem.senses, weights_of_levels(problem), strict=True)
-    found = {
+    features = {
         f"objective:{name}"
         for sense, level in levels for name, weight in level.items() if name in MAXIMA and weight * (1.0 if sense == "min" else -1.0) < 0
     }  # fmt: skip
     if orders_of_stops(problem) > MOST_ROUTES and not adds_up(problem):
-        found.add(f"more than {MOST_ROUTES} orders of stops")
-    return frozenset(found)
+        features.add(f"more than {MOST_ROUTES} orders of stops")
+    return frozenset(features)
 
 
 def build(problem: RoutingProblem) -> Compiled:
-    """The program over all routes; see the module's text for its mathematics."""
+    """The program over all routes."""
     walks = [Walk(problem, kind) for kind in range(len(problem.fleet))]
     if orders_of_stops(problem) > MOST_ROUTES:
         every = [route for walk in walks for visits in sorted(best_orders(walk)) if (route := walk.given(visits)) is not None]
     else:
         every = [route for walk in walks for route in walk.routes()]
-    return with_levels(problem, lambda p: _Writing(p, every).compiled(Exactness.EXACT))
+    return with_levels(problem, lambda p: _RouteColumns(p, every).compiled(Exactness.EXACT))
 
 
 def over(problem: RoutingProblem, routes: Iterable[Route]) -> Compiled:
-    """The program over given routes, such as those of several answers: which of them go together best.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-        All of whose features but the number of routes the form can express.
-    routes : iterable of Route
-
-    Raises
-    ------
-    InputError
-        For a route that breaks a limit.
-    """
+    """The program over given routes, such as those of several answers; raises InputError for a route that breaks a limit."""
     walks = [Walk(problem, kind) for kind in range(len(problem.fleet))]
-    found = []
+    priced_routes = []
     for route in dict.fromkeys(routes):
         if not 0 <= route.vehicle < len(walks):
             raise InputError(f"a route uses vehicle type {route.vehicle}, which does not exist")
         priced = walks[route.vehicle].given(route.visits)
         if priced is None:
             raise InputError("a route breaks a limit", found=", ".join(map(str, route.visits)))
-        found.append(priced)
-    return with_levels(problem, lambda p: _Writing(p, found).compiled(Exactness.RESTRICTION))
+        priced_routes.append(priced)
+    return with_levels(problem, lambda p: _RouteColumns(p, priced_routes).compiled(Exactness.RESTRICTION))
 
 
-class _Writing:
+class _RouteColumns(Blocks):
     """Columns and rows of one program."""
 
     def __init__(self, problem: RoutingProblem, every: Iterable[Priced]) -> None:
-        self.problem, self.levels = problem, weights_of_levels(problem)
+        super().__init__(problem)
+        self.levels = weights_of_levels(problem)
         self.weights = self.levels[0]
         self.maxima = {term: what for term, what in MAXIMA.items() if term in self.weights}
         self.opens = min(Walk(problem, kind).opens for kind in range(len(problem.fleet)))
         self.routes = self._best(every)
         self.share = np.array([_share(r, self.weights) for r in self.routes])
         self.homes = {kind: way_home(problem, kind) for kind, v in enumerate(problem.fleet) if v.committed}
-        self.variables: list[Variables] = []
-        self.rows: list[Rows] = []
-        self.columns = 0
         self.maximum: dict[int, tuple[str, float]] = {}
 
     def _best(self, every: Iterable[Priced]) -> list[Priced]:
-        """Those that no other route of the same type and sites is as good as in all that counts."""
+        """Routes that no other route of the same type and sites is as good as in all that counts."""
         kept: dict[Any, list[tuple[tuple[float, ...], Priced]]] = {}
         depot = self.problem.sites.depot
         for r in every:
@@ -133,13 +112,6 @@ class _Writing:
                 same.append((worth, r))
         return [r for same in kept.values() for _, r in same]
 
-    def _add(self, name: str, keys: Any, labels: Any, upper: Any, cost: Any, *, lower: Any = 0.0, integer: bool = False) -> int:
-        size, first = len(keys[0]) if keys else 1, self.columns
-        spread = [np.array(np.broadcast_to(np.asarray(v, dtype=np.float64), size)) for v in (lower, upper, cost)]
-        self.variables.append(Variables(name, keys, labels, lower=spread[0], upper=spread[1], cost=spread[2], integer=integer))
-        self.columns += size
-        return first
-
     def compiled(self, exactness: Exactness) -> Compiled:
         problem, sites = self.problem, self.problem.sites
         ids, several = sites.ids, len(problem.fleet) > 1
@@ -147,7 +119,7 @@ class _Writing:
             (f"{problem.fleet[r.kind].name}:" if several else "") + "-".join(ids[k] for k in r.visits) for r in self.routes
         ]  # fmt: skip
         count, customers = len(self.routes), problem.customers
-        self._add("y", (np.arange(count),), (names,), 1.0, self.share, integer=True)
+        self.add_columns("y", (np.arange(count),), (names,), 0.0, 1.0, self.share, integer=True)
         place = {site: k for k, site in enumerate(customers.tolist())}
         pairs = [(place[k], p) for p, r in enumerate(self.routes) for k in r.visits if k in place]
         self.site, self.of = (np.array([pair[k] for pair in pairs], dtype=np.int64) for k in (0, 1))
@@ -177,11 +149,11 @@ class _Writing:
             if vehicle.committed and most is not None:
                 home = self.homes[kind]
                 upper, cost = (0.0, 0.0) if home is None else (float(most), _share(home, self.weights) - self.weights.get("vehicles", 0.0))
-                self.idle[kind] = self._add("z", key, label, upper, cost, integer=True)
+                self.idle[kind] = self.add_columns("z", key, label, 0.0, upper, cost, integer=True)
                 parts.append((np.zeros(1, dtype=np.int64), np.array([self.idle[kind]]), 1.0))
                 self.rows.append(rows("vehicles", 1, parts, float(most), float(most), key, label))
                 if self.maxima:
-                    self.away[kind] = self._add("b", key, label, 1.0, 0.0, integer=True)
+                    self.away[kind] = self.add_columns("b", key, label, 0.0, 1.0, integer=True)
                     link: list[Part] = [
                         (np.zeros(2, dtype=np.int64), np.array([self.idle[kind], self.away[kind]]), np.array([1.0, -float(most)]))
                     ]
@@ -194,16 +166,15 @@ class _Writing:
             self.rows.append(rows("fleet", 1, [(np.zeros(len(every), dtype=np.int64), every, 1.0)], float(fewest)))
 
     def _groups(self, place: dict[int, int]) -> None:
-        groups, parts = self.problem.sites.groups, []
-        for number, group in enumerate(groups):
+        parts: list[Part] = []
+        for number, group in enumerate(self.problem.sites.groups):
             members = np.isin(self.site, [place[k] for k in group.sites])
             chosen, times = np.unique(self.of[members], return_counts=True)
             parts.append((np.full(len(chosen), number), chosen, times.astype(np.float64)))
-        least = np.array([float(g.required) for g in groups])
-        self.rows.append(rows("group", len(groups), parts, least, 1.0, (np.arange(1, len(groups) + 1),), (None,)))
+        self.add_groups(parts)
 
     def _team_risk(self, risk: float) -> None:
-        """Routes overrun independently; in parts of what there may be."""
+        """Routes overrun independently; in parts of the risk that there may be."""
         homes = [(column, home.overrun) for kind, column in self.idle.items() if (home := self.homes[kind]) is not None]
         columns = np.array([*range(len(self.routes)), *(column for column, _ in homes)], dtype=np.int64)
         overruns = np.array([*(r.overrun for r in self.routes), *(overrun for _, overrun in homes)])
@@ -211,13 +182,13 @@ class _Writing:
         self.rows.append(rows("risk", 1, [(np.zeros(len(columns), dtype=np.int64), columns, share)], upper=1.0))
 
     def _maximum(self, term: str, what: str) -> None:
-        """The greatest of what the routes have of something, a row a site."""
+        """The greatest amount of the routes, a row a site."""
         name = {"longest-route": "longest", "latest-return": "latest"}.get(term, term)
         least = self.opens if term == "latest-return" else 0.0
         amount = np.array([float(getattr(r, what)) for r in self.routes])
         homes = {kind: float(getattr(home, what)) for kind, home in self.homes.items() if home is not None}
         most = max([least, *amount.tolist(), *homes.values()])
-        column = self._add(name, (), (), most, self.weights[term], lower=least)
+        column = self.add_columns(name, (), (), least, most, self.weights[term])
         n, customers = len(self.problem.customers), self.problem.customers
         # In excess of the least value, so that a site without a route asks for nothing.
         parts: list[Part] = [(np.arange(n), np.full(n, column), 1.0), (self.site, self.of, least - amount[self.of])]
@@ -250,13 +221,10 @@ class _Writing:
                     x[self.away[kind]] = 1.0
         for column, (what, least) in self.maximum.items():
             x[column] = max([least, *(float(getattr(r, what)) for r in driven)])
-        excess = scaled(program).residual(x)
-        if excess > 1e-5:
-            raise InputError("the answer is no point of the program", found=f"a row exceeded by {excess:g}")
-        return x
+        return point_of(program, x)
 
     def _position(self, route: Route) -> int:
-        """Of the route, or of one that is as good in all that counts and was kept in its place."""
+        """Position of the route, or of one that is as good in all that counts and was kept in its place."""
         problem, stops = self.problem, ", ".join(map(str, route.visits))
         depot = problem.sites.depot
         priced = Walk(problem, route.vehicle).given(route.visits) if 0 <= route.vehicle < len(problem.fleet) else None

@@ -1,41 +1,22 @@
 """The three-index form: one binary variable for each arc and vehicle, so that every vehicle may be of its own kind.
 
-For each vehicle k with its arcs A_k (those that some route of its type can use, and the idle arc (o,g) from start to end)::
+The rows of single vehicles are in docs/formulations/routing.md#three-index-form. Beside them::
 
-    min/max  sum_k sum_{(i,j) in A_k} c_ij x_ijk + terms of ``_objective``,   x binary
-    visit[i]       sum_k sum_j x_ijk = 1                                  required customers i (<= 1 for optional ones)
-    depart[k]      sum_j x_ojk = 1                                        each k; an idle vehicle uses (o,g)
-    flow[h,k]      sum_i x_ihk = sum_j x_hjk                              customers h, each k; with depart it implies the return
-    fleet          sum_k sum_{j != g} x_ojk >= K_min                      K_min from ``minimum_vehicles``
-    load[k]        sum_{(i,j)} q_i x_ijk <= Q_k                           each load dimension; pickup[k] with what is collected
-    time[i,j,k]    t_ik - t_jk + M_ij x_ijk <= M_ij - s_i - d_ij          (i,j) in A_k but (o,g);   a_i <= t_ik <= b_i
-                   M_ij = b_i + s_i + d_ij - a_j;  rows with M_ij <= 0 always hold and are dropped
     closing[i,j,k] t_ik + (b_i + s_i - e_ij) x_ijk <= b_i                 moves that must have begun by e_ij
-    distance[k]    sum distance_ij x_ijk <= max_distance
-    duration[k]    return_k - departure_k <= max_duration
-    energy[k]      ``travel``   rate sum d_ij x_ijk                           <= energy at departure
-                   ``windows``  rate sum max(s_i + d_ij, a_j - a_i) x_ijk     <= energy at departure   (a as given, s_i + d_ig on return)
-                   ``elapsed``  rate (return_k - departure_k)                 <= energy at departure
-                   ``elapsed-fixed-start`` is the due time a_o + energy / rate of the return
-    order[i,j,k]   u_i - u_j + n x_ijk <= n - 1,  1 <= u_i <= n           where cycles of (almost) no duration are left; with shipments all
-
-Here t_ok is departure_k and t_gk is return_k; departure is free within the depot's window and the vehicle's shift, s_i is the service at
-i (0 at start and end), and [a_i, b_i] is the window tightened by ``prepare``. d, e and distance are those of the vehicle's type. The
-time rows exclude cycles without the depot wherever durations are positive. One t_i for all vehicles would do where no type has windows
-of its own; it has fewer rows, and HiGHS was no faster with it.
-
-Depots where vehicles reload or recharge are nodes like customers, as many copies of each as an answer may need (``copies``), with::
-
     reloads[k]     sum of x_ijk into depots where k reloads <= max_reloads
     serves[k]      sum over customers i of sum_j x_ijk + x_ogk >= 1       nobody drives only to stop at depots
 
-Groups, shipments, several windows: ``_choices``. Loads that rise and fall, residual energy: ``_levels``. A committed vehicle
-that serves nobody drives (o,g), at its cost and within its limits.
+and the terms of ``_objective``, groups, shipments and several windows of ``_groups_and_windows``, loads that rise and fall and residual
+energy of ``_loads_and_energy``. Depots where vehicles reload or recharge are nodes like customers, as many copies of each as an answer
+may
+need (``copies``). A committed vehicle that serves nobody drives the idle arc (o,g), at its cost and within its limits.
 
-Vehicles of one type are alike, so they may be numbered by the first customer (in site order) that each visits, idle ones last: then
-the k-th visits none before the k-th, and x_ijk is fixed to 0 where i or j is a customer before the k-th of the type. With HiGHS and
-the first 15 or 25 customers of Solomon's files this was 2 to 12 times faster on C101, R101 and RC106, made no clear difference on
-C103 and RC104, and left a weaker bound on RC101. Rows that put idle vehicles last did not help.
+Departure is free within the depot's window and the vehicle's shift, and [a_i, b_i] is the window tightened by ``prepare``. One t_i for
+all
+vehicles would do where no type has windows of its own; it has fewer rows, and HiGHS was no faster with it. The numbering of vehicles of
+one type made HiGHS 2 to 12 times faster on the first 15 or 25 customers of Solomon's C101, R101 and RC106, no clear difference on C103
+and
+RC104, and left a weaker bound on RC101. Rows that put idle vehicles last did not help.
 
 Source: Mitchell (2020), CMU-RI-TR-20-52, (3.7)-(3.14), with demands and service times, (5.16) and (5.17)-(5.18); corrected as in
 docs/formulations/routing.md#errata.
@@ -55,17 +36,27 @@ from ...forms import FORMS, Form
 from ...programs.circuits import Circuit
 from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program
-from ...programs.reductions.units import scaled
 from ..preparation import leaves_cycles, offset
 from ..routes import Route, Routes
 from . import _sizes
-from ._choices import add_copies, add_groups, add_shipments, add_windows
-from ._levels import add_loads, add_residual_energy
+from ._groups_and_windows import add_copies, add_groups, add_shipments, add_windows
+from ._loads_and_energy import add_loads, add_residual_energy
 from ._objective import add_objective, adverse, idle_cost, weights
-from ._priorities import with_levels
-from ._routes import ArcIndex, routes_of, used
-from ._vehicle_columns import Drive, VehicleColumns, Written, arc_and_time_columns, vehicle_columns
-from ._vehicle_rows import closing_rows, connecting_rows, fleet_rows, limits_rows, order_rows, time_rows, visits_rows
+from ._routes import ArcIndex, point_of, routes_of, used, with_levels
+from ._vehicles import (
+    Drive,
+    VehicleBlocks,
+    VehicleColumns,
+    arc_and_time_columns,
+    closing_rows,
+    connecting_rows,
+    fleet_rows,
+    limits_rows,
+    order_rows,
+    time_rows,
+    vehicle_columns,
+    visits_rows,
+)
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
@@ -89,35 +80,31 @@ def refuses(problem: RoutingProblem) -> frozenset[str]:
 
     The latter may need two schedules of one route, and the form writes one.
     """
-    found = adverse(problem)
+    features = adverse(problem)
     if "several-windows" in problem.features():
-        terms, held = weights(problem).keys(), problem.features()
-        early = "latest-return" in terms or "energy:elapsed-fixed-start" in held
-        shortest = {"makespan", "total-duration"} & terms or held & {"max-duration", "energy:elapsed", "duration-cost", "overtime"}
+        terms, present = weights(problem).keys(), problem.features()
+        early = "latest-return" in terms or "energy:elapsed-fixed-start" in present
+        shortest = {"makespan", "total-duration"} & terms or present & {"max-duration", "energy:elapsed", "duration-cost", "overtime"}
         if early and shortest:
-            found |= {"several-windows"}
-    return found
+            features |= {"several-windows"}
+    return features
 
 
 def build(problem: RoutingProblem) -> Compiled:
-    """The program of the three-index form; see the module's text for its mathematics.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-        An unlimited type counts as one vehicle a customer.
-    """
+    """The program of the three-index form; an unlimited type counts as one vehicle a customer."""
     return with_levels(problem, partial(written, form="three-index"))
 
 
 def written(
     problem: RoutingProblem,
     form: str,
-    connect: Callable[[Written], tuple[Circuit, ...]] | None = None,
-    further: Sequence[Callable[[Written], None]] = (),
+    connect: Callable[[VehicleBlocks], tuple[Circuit, ...]] | None = None,
+    further: Sequence[Callable[[VehicleBlocks], None]] = (),
 ) -> Compiled:
-    """The program for the first level of the objective; ``connect`` makes routes of arcs in place of rows of departure, flow and order,
-    ``further`` write what this form has not."""
+    """The program for the first level of the objective.
+
+    ``connect`` makes routes of arcs in place of rows of departure, flow and order, ``further`` write what this form has not.
+    """
     types: list[VehicleColumns] = []
     first = vehicle = 0
     for number in range(len(problem.fleet)):
@@ -125,26 +112,26 @@ def written(
         types.append(kind)
         first, vehicle = kind.end, vehicle + kind.prep.fleet
     variables = [block for kind in types for block in arc_and_time_columns(kind, idle_cost(problem, kind))]
-    blocks = [visits_rows(types), fleet_rows(problem, types)]
+    row_blocks = [visits_rows(types), fleet_rows(problem, types)]
     for kind in types:
-        blocks += connecting_rows(kind) if connect is None else []
-        blocks += [*limits_rows(problem, kind), time_rows(kind), closing_rows(kind)]
-    made = Written(problem, types)
+        row_blocks += connecting_rows(kind) if connect is None else []
+        row_blocks += [*limits_rows(problem, kind), time_rows(kind), closing_rows(kind)]
+    blocks = VehicleBlocks(problem, types)
     ordered = bool(problem.sites.shipments)
     cyclic = [kind for kind in types if ordered or (connect is None and leaves_cycles(kind.prep, [kind.prep.time]))]
     if cyclic:
-        order = made.add_columns("u", (np.arange(1, made.nodes + 1),), (made.names,), 1.0, float(made.nodes))
-        made.rows += [order_rows(kind, order, ordered) for kind in cyclic]
-        made.encoders.append(partial(_number_visits, order, made.nodes))
-        add_shipments(made, order)
+        order = blocks.add_columns("u", (np.arange(1, blocks.nodes + 1),), (blocks.names,), 1.0, float(blocks.nodes))
+        blocks.rows += [order_rows(kind, order, ordered) for kind in cyclic]
+        blocks.encoders.append(partial(_number_visits, order, blocks.nodes))
+        add_shipments(blocks, order)
     for add in (add_groups, add_windows, add_copies, add_loads, add_residual_energy, *further, add_objective):
-        add(made)
-    circuits = () if connect is None else connect(made)
-    rows = tuple(b for b in (*blocks, *made.rows) if b.size)
+        add(blocks)
+    circuits = () if connect is None else connect(blocks)
+    rows = tuple(b for b in (*row_blocks, *blocks.rows) if b.size)
     bare = Program(
-        form, problem.sense, (*variables, *made.variables), rows, offset=offset(problem), circuits=circuits, cones=tuple(made.cones)
+        form, problem.sense, (*variables, *blocks.variables), rows, offset=offset(problem), circuits=circuits, cones=tuple(blocks.cones)
     )
-    return Compiled(bare, problem, partial(_decode, problem, types), partial(_encode, made, bare))
+    return Compiled(bare, problem, partial(_decode, problem, types), partial(_encode, blocks, bare))
 
 
 # -- answers ---------------------------------------------------------------------------------------------------------
@@ -161,28 +148,25 @@ def _decode(problem: RoutingProblem, types: list[VehicleColumns], x: Floats) -> 
     return Routes(tuple(routes))
 
 
-def _encode(made: Written, program: Program, answer: Routes) -> Floats:
+def _encode(blocks: VehicleBlocks, program: Program, answer: Routes) -> Floats:
     x = program.lower.copy()
-    for kind in made.types:
+    for kind in blocks.types:
         x[kind.first + kind.idle * kind.count + np.arange(kind.count)] = 1.0
-    drives = list(_drives(made, answer))
+    drives = list(_drives(blocks, answer))
     for d in drives:
         kind, count = d.kind, d.kind.count
         if len(d.arcs):
             x[kind.first + kind.idle * count + d.number] = 0.0
             x[kind.first + kind.arc_of[d.arcs] * count + d.number] = 1.0
         x[kind.clock + d.nodes * count + d.number] = d.clock
-    for fill in made.encoders:
+    for fill in blocks.encoders:
         fill(x, drives)
-    excess = scaled(program).residual(x)
-    if excess > 1e-5:
-        raise InputError("the answer is no point of the program", found=f"a row exceeded by {excess:g}")
-    return x
+    return point_of(program, x)
 
 
-def _drives(made: Written, answer: Routes) -> Iterator[Drive]:
+def _drives(blocks: VehicleBlocks, answer: Routes) -> Iterator[Drive]:
     """What each vehicle drives; of one type they are numbered by the first customer that each visits."""
-    problem, types = made.problem, made.types
+    problem, types = blocks.problem, blocks.types
     taken, stops = [0] * len(types), dict[int, int]()
     names, depot = problem.sites.ids, problem.sites.depot
 
@@ -222,7 +206,7 @@ def _clock(kind: VehicleColumns, nodes: NDArray[np.int64], arcs: NDArray[np.int6
         return earliest
     busy = np.append(0.0, np.cumsum(kind.prep.time.weight[arcs]))
     several = any(node in kind.windows for node in nodes.tolist())
-    found = [earliest]
+    schedules = [earliest]
     for at, node in enumerate(nodes.tolist()):
         ends = [end for _, end in kind.windows.get(node, ())] + [
             float(kind.upper[node]),
@@ -233,21 +217,21 @@ def _clock(kind: VehicleColumns, nodes: NDArray[np.int64], arcs: NDArray[np.int6
         for end in ends:
             departure = end - busy[at]
             if kind.lower[0] < departure <= kind.upper[0]:
-                found.append(_times(kind, nodes, arcs, departure))
+                schedules.append(_times(kind, nodes, arcs, departure))
     size = 1e-9 * (1.0 + float(np.abs(earliest).max()))
-    kept = [t for t in found if _in_time(kind, nodes, arcs, t, size) and (several or t[-1] <= earliest[-1] + size)]
+    kept = [t for t in schedules if _in_time(kind, nodes, arcs, t, size) and (several or t[-1] <= earliest[-1] + size)]
     return min(kept, key=lambda t: t[-1] - t[0], default=earliest)
 
 
 def _times(kind: VehicleColumns, nodes: NDArray[np.int64], arcs: NDArray[np.int64], departure: float) -> Floats:
     """Begin of service at each node, as early as a departure allows."""
-    made = np.empty(len(nodes))
-    made[0] = departure
+    begins = np.empty(len(nodes))
+    begins[0] = departure
     for k, arc in enumerate(arcs.tolist(), start=1):
         node = int(nodes[k])
-        at = max(float(kind.lower[node]), made[k - 1] + float(kind.prep.time.weight[arc]))
-        made[k] = next((max(at, opens) for opens, closes in kind.windows.get(node, ()) if at <= closes + kind.prep.time.tolerance), at)
-    return made
+        at = max(float(kind.lower[node]), begins[k - 1] + float(kind.prep.time.weight[arc]))
+        begins[k] = next((max(at, opens) for opens, closes in kind.windows.get(node, ()) if at <= closes + kind.prep.time.tolerance), at)
+    return begins
 
 
 def _in_time(kind: VehicleColumns, nodes: NDArray[np.int64], arcs: NDArray[np.int64], times: Floats, slack: float) -> bool:

@@ -1,68 +1,25 @@
-r"""Two-index forms: one binary variable an arc, whatever the number of vehicles, and *resources* that grow along routes.
+"""Two-index forms: one binary variable an arc, whatever the number of vehicles, and *resources* that grow along routes.
 
-All vehicles are alike and start and end at the same depots. Nodes are 0 (start), the customers 1..n, and g (end); A holds the
-arcs (i,j) that some route can use, c_ij their cost. Common to all three forms::
+All vehicles are alike and start and end at the same depots. Rows, resources, node levels and arc flows, and which form writes which:
+docs/formulations/routing.md#two-index-forms. A route i_0 = 0, i_1, ... may use levels v with v_0 = lo_0, v_j >= v_i + w_ij and
+lo_j <= v_j <= up_j: exactly those routes are feasible. ``two-index-unit-flow`` writes limited resources with node levels, and beside them
+always the order as arc flows: f_ij counts the visits up to i, one commodity that leaves the depot and gains one unit a customer, so that
+every customer is connected to the depot whatever durations are. Durations and their costs are costs of arcs where nobody can have to
+wait.
 
-    min/max  sum c_ij x_ij,   x binary on A
-    visit-out[i]   sum_j x_ij  = 1        required customers i   (<= 1 for optional ones)
-    visit-in[j]    sum_i x_ij  = 1        required customers j
-    flow[i]        sum_h x_hi  = sum_j x_ij                      optional customers i
-    fleet          K_min <= sum_j x_0j <= K                      K_min from ``minimum_vehicles``
-    group[g]       sum over the members i, and j, of x_ij = 1    (<= 1 where the group is not required)
+The duals of visit-out, visit-in, fleet and r-balance in the LP relaxation of ``two-index-time-flow`` (minimisation, all customers
+required)
+are evidence ``arc-multipliers``: the Lagrangian of these rows, which at the optimal duals is the LP's value.
 
-A resource r has for each arc a weight w_ij >= 0, for each node a range [lo_i, up_i] of its level, tightened by ``prepare``, and
-a level lo_0 at departure. A route i_0 = 0, i_1, ... may use levels v with v_0 = lo_0, v_j >= v_i + w_ij and lo_j <= v_j <= up_j:
-exactly those routes are feasible. Resources::
-
-    time      level = begin of service, w_ij = s_i + d_ij, [lo, up] = window; more than v_i + w_ij means waiting
-    load      level = load after service, w_ij = q_j, up = capacity; one for each load dimension
-    distance  w_ij = distance, up = max_distance;   duration  w_ij = s_i + d_ij, up = max_duration (only without waiting)
-    energy    w_ij = rate d_ij (charge ``travel``), rate (s_i + d_ij) (``elapsed``, only without waiting), or
-              rate max(s_i + d_ij, a_j - a_i) (``windows``), up = capacity; ``elapsed-fixed-start`` is a due time of the depot
-    order     w_ij = 1, range [1, n]: only where the others leave cycles of (almost) no weight
-
-Each resource is written in one of two ways.
-
-*Node levels* (Miller, Tucker, Zemlin 1960; Desrochers, Laporte 1991), variables lo_i <= v_i <= up_i, customers only::
-
-    r[i,j]          v_i - v_j + M_ij x_ij + L_ij x_ji <= M_ij - w_ij,      M_ij = up_i + w_ij - lo_j, dropped if M_ij <= 0
-    r-earliest[i]   v_i >= lo_i + sum_h (max(lo_i, lo_h + w_hi) - lo_i) x_hi              (h = 0 included)
-    r-latest[i]     v_i <= up_i - sum_j (up_i - min(up_i, up_j - w_ij)) x_ij              (j = g included)
-
-L_ij = max(0, M_ij - w_ij - w_ji) forces v_i = v_j + w_ji on a used arc (j,i): valid where a resource does not wait, 0 for time.
-
-*Arc flows* (Gavish, Graves 1978), f_ij = level on leaving customer i along (i,j), 0 off the used arcs::
-
-    lo_i x_ij <= f_ij <= U_ij x_ij,    U_ij = min(up_i, up_j - w_ij)                           (i,j) in A, i != 0
-    r-balance[i]    sum_j f_ij - sum_{h != 0} (f_hi + w_hi x_hi) - (lo_0 + w_0i) x_0i >= 0     customers i
-
-The program holds f_ij = lo_i x_ij + g_ij with 0 <= g_ij <= (U_ij - lo_i) x_ij (rows ``r-link[i,j]``), which needs half the rows
-and changes neither the polyhedron nor the duals of the balance.
-
-``two-index-mtz`` writes all resources with node levels, ``two-index-time-flow`` all with arc flows, ``two-index-load-flow`` time
-with node levels and the others with arc flows. ``two-index-unit-flow`` writes limited resources with node levels, and beside
-them always the order as arc flows: f_ij counts the visits up to i, one commodity that leaves the depot and gains one unit a
-customer, so that every customer is connected to the depot whatever durations are. Durations and their costs are costs of arcs
-where nobody can have to wait.
-
-Evidence ``arc-multipliers`` from the LP relaxation of ``two-index-time-flow`` (minimisation, all customers required): with the
-duals out_i, in_j, phi and mu^r_i >= 0 of visit-out, visit-in, fleet and r-balance, every answer costs at least::
-
-    sum_i (out_i + in_i) + min over K_min <= k <= K of phi k
-    + sum_{(i,j) in A} min over x_ij in [0,1], lo_i x_ij <= f_ij <= U_ij x_ij of
-        (c_ij - out_i - in_j - [i = 0] phi + sum_r mu^r_j w^r_ij) x_ij + sum_r (mu^r_j - mu^r_i) f^r_ij
-
-with out, in and mu 0 at the depot and f_0j = lo_0 x_0j. This is the Lagrangian of the rows above, all four dualised; at the optimal
-duals it is the LP's value.
-
-Source: Gavish and Graves (1978) for the flows, of units and of loads, with windows Bard, Kontoravdis and Yu (2002); Desrochers and
-Laporte (1991) for the lifted rows. docs/formulations/routing.md#two-index-forms compares them.
+Source: Gavish and Graves (1978) for the flows, of units and of loads, with windows Bard, Kontoravdis and Yu (2002); Miller, Tucker,
+Zemlin
+(1960) for node levels, Desrochers and Laporte (1991) for the lifted rows.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -70,22 +27,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....instances.errors import InputError
 from ...evidence import Evidence
 from ...forms import FORMS, Form
 from ...programs.circuits import Circuit
 from ...programs.compiled import Compiled
 from ...programs.duals import dual_value
 from ...programs.exactness import Exactness
-from ...programs.program import Floats, Program, Rows, Variables
-from ...programs.reductions.units import scaled
-from ...programs.rows import rows
+from ...programs.program import Floats, Program
+from ...programs.rows import Part, rows
 from ..preparation import Preparation, Resource, leaves_cycles, offset, prepare, waiting_is_possible
 from ..reachability import minimum_vehicles
 from ..routes import Routes
 from . import _sizes
-from ._priorities import with_levels
-from ._routes import ArcIndex, levels, routes_of, used
+from ._routes import ArcIndex, Blocks, levels, point_of, routes_of, used, with_levels
 
 if TYPE_CHECKING:
     from ...problem import Decision, Problem
@@ -134,34 +88,20 @@ def needed_resources(problem: RoutingProblem, prep: Preparation, connected: bool
     return chosen
 
 
-class ArcColumns:
+class ArcColumns(Blocks):
     """A column an arc, and the other columns and rows of one program, block after block."""
 
     def __init__(self, problem: RoutingProblem, prep: Preparation) -> None:
-        self.problem, self.prep = problem, prep
+        super().__init__(problem)
+        self.prep = prep
         self.ids = problem.sites.ids
         self.node_names = [self.ids[s] for s in prep.sites]
         self.arcs = np.arange(len(prep.tail))
-        m = len(self.arcs)
-        self.variables = [
-            Variables(
-                "x", (prep.tail, prep.head), (self.node_names, self.node_names),
-                lower=np.zeros(m), upper=np.ones(m), cost=prep.cost, integer=True,
-            )
-        ]  # fmt: skip
-        self.rows: list[Rows] = []
-        self.columns = m
+        self.add_columns("x", (prep.tail, prep.head), (self.node_names, self.node_names), 0.0, 1.0, prep.cost, integer=True)
         self.inner = (prep.tail != 0) & (prep.head != prep.end)
         self.customers = np.arange(1, prep.nodes - 1)
         self.encoders: list[Callable[[Floats, Longs, Longs], None]] = []
         self.prices: dict[str, Callable[[Floats], Floats]] = {}
-
-    def add_columns(self, name: str, keys: tuple[Ints, ...], lower: Floats, upper: Floats) -> int:
-        labels = (self.node_names,) * len(keys)
-        self.variables.append(Variables(name, keys, labels, lower=lower, upper=upper, cost=np.zeros(len(lower))))
-        first = self.columns
-        self.columns += len(lower)
-        return first
 
     def add_rows(self, name: str, keys: tuple[Ints, ...], parts: Any, lower: Any = -math.inf, upper: Any = math.inf) -> slice:
         before = sum(b.size for b in self.rows)
@@ -188,7 +128,7 @@ class ArcColumns:
             self.add_rows("flow", (may,), parts, 0.0, 0.0)
         fleet = self.fleet()
         if self.problem.sites.groups:
-            self._groups()
+            self.add_groups(self._visits_by_group())
         self.prices = {"out": lambda y: y[out], "in": lambda y: y[enter], "fleet": lambda y: y[fleet]}
 
     def fleet(self) -> slice:
@@ -201,23 +141,15 @@ class ArcColumns:
         parts = [(np.full(len(first), k), first, 1.0) for k in range(len(sides))]
         return self.add_rows("fleet", (), parts, [a for a, _ in sides], [b for _, b in sides])
 
-    def _groups(self) -> None:
-        """At most one of each group is visited."""
-        groups = self.problem.sites.groups
-        of = np.full(len(self.problem.sites), -1)
-        parts = []
-        for number, group in enumerate(groups):
-            of[:] = -1
-            of[list(group.sites)] = number
-            leaving = self.arcs[(self.prep.tail != 0) & (of[self.prep.sites[self.prep.tail]] == number)]
-            parts.append((np.full(len(leaving), number), leaving, 1.0))
-        least = np.array([float(g.required) for g in groups])
-        self.rows.append(rows("group", len(groups), parts, least, 1.0, (np.arange(1, len(groups) + 1),), (None,)))
+    def _visits_by_group(self) -> Iterator[Part]:
+        for number, group in enumerate(self.problem.sites.groups):
+            leaving = self.arcs[(self.prep.tail != 0) & np.isin(self.prep.sites[self.prep.tail], group.sites)]
+            yield np.full(len(leaving), number), leaving, 1.0
 
     def node_levels(self, r: Resource) -> None:
         """A resource as one level a customer."""
         prep, lo, up, w = self.prep, r.lower, r.upper, r.weight
-        first = self.add_columns(r.name, (self.customers,), lo[1:-1], up[1:-1])
+        first = self.add_columns(r.name, (self.customers,), (self.node_names,), lo[1:-1], up[1:-1])
 
         def level(nodes: Ints) -> Ints:
             return first + nodes - 1
@@ -257,7 +189,7 @@ class ArcColumns:
         arc = self.arcs[prep.tail != 0]
         i, j = prep.tail[arc], prep.head[arc]
         room = np.maximum(0.0, np.minimum(up[i], up[j] - w[arc]) - lo[i])
-        first = self.add_columns(f"{r.name}-flow", (i, j), np.zeros(len(arc)), room)
+        first = self.add_columns(f"{r.name}-flow", (i, j), (self.node_names, self.node_names), 0.0, room)
         flow, row = first + np.arange(len(arc)), np.arange(len(arc))
         self.add_rows(f"{r.name}-link", (i, j), [(row, flow, 1.0), (row, arc, -room)], upper=0.0)
         inner = self.inner[arc]
@@ -280,94 +212,75 @@ class ArcColumns:
 
 
 def build(problem: RoutingProblem, form: str, flows: Callable[[str], bool], prep: Preparation | None = None) -> Compiled:
-    """The program of a two-index form for the first level of the objective; see the module's text for its mathematics.
+    """The program of a two-index form for the first level of the objective, which writes resources as arc flows where ``flows`` says so.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    form : str
-        Name of the form.
-    flows : callable
-        Whether a resource, by name, is written as arc flows.
-    prep : Preparation, optional
-        Arcs to write down in place of all of ``prepare(problem)``: a restriction, for duals that are priced out over the rest.
+    ``prep`` are arcs to write down in place of all of ``prepare(problem)``: a restriction, for duals that are priced out over the rest.
     """
     prep = prepare(problem) if prep is None else prep
-    made = ArcColumns(problem, prep)
-    made.assignment()
+    blocks = ArcColumns(problem, prep)
+    blocks.assignment()
     for name, resource in needed_resources(problem, prep, connected=form == UNIT_FLOW).items():
         if flows(name):
-            made.arc_flows(resource)
+            blocks.arc_flows(resource)
         else:
-            made.node_levels(resource)
-    compiled = written(made, form)
-    if not _has_evidence(problem, form):
+            blocks.node_levels(resource)
+    compiled = written(blocks, form)
+    if form != "two-index-time-flow" or problem.sense != "min" or not problem.features() - {"objective:priorities"} <= EVIDENCED:
         return compiled
 
     def at_most(column: int, most: int) -> Decision:
         ends = prep.sites[prep.tail[column]], prep.sites[prep.head[column]]
         return {"arc": [problem.sites.ids[site] for site in ends]}, most >= 1
 
-    evidence = partial(_evidence, made, compiled.program)
-    return replace(compiled, dual_evidence=evidence, ray_evidence=partial(_ray_evidence, made), at_most=at_most)
+    def evidence(row_duals: Floats, of: Problem | None = None) -> Evidence:
+        value = dual_value(compiled.program, row_duals)
+        return Evidence("arc-multipliers", "LP relaxation of two-index-time-flow", value, _multipliers(blocks, row_duals))
+
+    def ray_evidence(ray: Floats) -> Evidence:
+        return Evidence("arc-multipliers", "a ray of two-index-time-flow", math.inf, {**_multipliers(blocks, ray), "ray": True})
+
+    return replace(compiled, dual_evidence=evidence, ray_evidence=ray_evidence, at_most=at_most)
 
 
-def written(made: ArcColumns, form: str, circuits: tuple[Circuit, ...] = ()) -> Compiled:
-    """All that ``made`` holds, as the program of a form, with the way from arcs to routes and back."""
-    problem, prep = made.problem, made.prep
+def written(blocks: ArcColumns, form: str, circuits: tuple[Circuit, ...] = ()) -> Compiled:
+    """The program of all columns and rows, with the way from arcs to routes and back."""
+    problem, prep = blocks.problem, blocks.prep
     m, names, index = len(prep.tail), problem.sites.ids, ArcIndex(prep)
 
     def decode(x: Floats) -> Routes:
         return Routes(tuple(routes_of(prep, np.nonzero(used(x[:m]))[0], names)))
 
     def encode(answer: Routes) -> Floats:
-        x = np.zeros(made.columns)
-        for block, start in zip(made.variables, np.cumsum([0] + [b.size for b in made.variables]), strict=False):
-            x[start : start + block.size] = block.lower
+        x = bare.lower.copy()
         for route in answer:
             nodes = index.nodes_of(route, names)
             arcs = index.arcs_of(nodes, names)
             x[arcs] += 1.0
-            for write in made.encoders:
+            for write in blocks.encoders:
                 write(x, nodes, arcs)
-        excess = scaled(bare).residual(x)
-        if excess > 1e-5:
-            raise InputError("the answer is no point of the program", found=f"a row exceeded by {excess:g}")
-        return x
+        return point_of(bare, x)
 
-    bare = Program(form, problem.sense, tuple(made.variables), tuple(made.rows), offset=offset(problem), circuits=circuits)
+    bare = Program(form, problem.sense, tuple(blocks.variables), tuple(blocks.rows), offset=offset(problem), circuits=circuits)
     return Compiled(bare, problem, decode, encode, exactness=Exactness.EXACT if prep.whole else Exactness.RESTRICTION)
 
 
-def _has_evidence(problem: RoutingProblem, form: str) -> bool:
-    return form == "two-index-time-flow" and problem.sense == "min" and problem.features() - {"objective:priorities"} <= EVIDENCED
-
-
-def _evidence(made: ArcColumns, program: Program, row_duals: Floats, of: Problem | None = None) -> Evidence:
-    """The multipliers of visits, fleet and balances; none of ``of`` is needed."""
-    value = dual_value(program, row_duals)
-    return Evidence("arc-multipliers", "LP relaxation of two-index-time-flow", value, _multipliers(made, row_duals))
-
-
-def _ray_evidence(made: ArcColumns, ray: Floats) -> Evidence:
-    return Evidence("arc-multipliers", "a ray of two-index-time-flow", math.inf, {**_multipliers(made, ray), "ray": True})
-
-
-def _multipliers(made: ArcColumns, row_duals: Floats) -> dict[str, Any]:
-    """Those of visits, fleet and balances in site order."""
+def _multipliers(blocks: ArcColumns, row_duals: Floats) -> dict[str, Any]:
+    """Multipliers of visits, fleet and balances in site order."""
     duals = np.asarray(row_duals, dtype=np.float64)
-    sites = made.prep.sites[1:-1]
+    sites = blocks.prep.sites[1:-1]
 
     def in_site_order(values: Floats) -> list[float]:
-        spread = np.zeros(len(made.problem.sites))
+        spread = np.zeros(len(blocks.problem.sites))
         spread[sites] = values
         return [float(v) for v in spread]
 
     return {
-        "out": in_site_order(made.prices["out"](duals)),
-        "in": in_site_order(made.prices["in"](duals)),
-        "fleet": float(made.prices["fleet"](duals).sum()),
-        "resources": {name: in_site_order(np.maximum(0.0, made.prices[name](duals))) for name in EVIDENCE_RESOURCES if name in made.prices},
+        "out": in_site_order(blocks.prices["out"](duals)),
+        "in": in_site_order(blocks.prices["in"](duals)),
+        "fleet": float(blocks.prices["fleet"](duals).sum()),
+        "resources": {
+            name: in_site_order(np.maximum(0.0, blocks.prices[name](duals))) for name in EVIDENCE_RESOURCES if name in blocks.prices
+        },
     }
 
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
-from ....formulations.routing.checking.all_routes import MOST_ORDERS, orders
-from ....formulations.routing.checking.route_sets import MOST
+from ....formulations.routing.checking.all_routes import MOST, MOST_ORDERS, orders
 from ....formulations.stop import NEVER, Stop, until
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod

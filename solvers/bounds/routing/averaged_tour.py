@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
-from ....formulations.routing.checking.averaged_tour import totals
+from ....formulations.routing.checking.round_trips import totals
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod

@@ -11,8 +11,7 @@ import numpy as np
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.customer_sets import CUSTOMERS, LIMITS, WORK, CustomerSets, joined_peak
-from ....formulations.routing.checking.known_features import unknown_features
-from ....formulations.routing.checking.stops_on_the_way import without_stops
+from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.vehicle_moves import terms_of
 from ....formulations.stop import NEVER, Stop, until
 from ...linear_programs import LinearPrograms

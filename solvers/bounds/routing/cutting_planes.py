@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
 from ....formulations.programs.program import Program, Rows, Variables
-from ....formulations.routing.checking.stops_on_the_way import without_stops
+from ....formulations.routing.checking.known_features import without_stops
 from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike, constants, needed_routes, terms_of
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....formulations.evidence import Evidence
-from ....formulations.routing.checking.knapsack import RESOURCES, check_knapsack, needs
-from ....formulations.routing.checking.known_features import unknown_features
-from ....formulations.routing.checking.stops_on_the_way import without_stops
+from ....formulations.routing.checking.knapsack import check_knapsack, needs
+from ....formulations.routing.checking.known_features import RESOURCES, unknown_features, without_stops
 from ....formulations.routing.checking.vehicle_moves import terms_of
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms

@@ -9,10 +9,9 @@ import math
 from typing import TYPE_CHECKING
 
 from ....formulations.evidence import CHECKERS, Evidence
-from ....formulations.routing.checking.known_features import unknown_features
-from ....formulations.routing.checking.stops_on_the_way import without_stops
+from ....formulations.routing.checking.known_features import unknown_features, without_stops
+from ....formulations.routing.checking.load_shares import by_coordinates
 from ....formulations.routing.checking.vehicle_moves import terms_of
-from ....formulations.routing.checking.ways_by_metric import by_coordinates
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ....formulations.evidence import Evidence
-from ....formulations.routing.checking.known_features import unknown_features
+from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.round_trips import PEAKS
-from ....formulations.routing.checking.stops_on_the_way import without_stops
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod

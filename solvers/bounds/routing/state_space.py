@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.customer_sets import CUSTOMERS
-from ....formulations.routing.checking.known_features import unknown_features
-from ....formulations.routing.checking.stops_on_the_way import without_stops
+from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike, needed_routes, terms_of
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ....formulations.evidence import Evidence
-from ....formulations.routing.checking.known_features import unknown_features
-from ....formulations.routing.checking.stops_on_the_way import without_stops
+from ....formulations.routing.checking.known_features import unknown_features, without_stops
+from ....formulations.routing.checking.no_answer import check_vehicles_needed
 from ....formulations.routing.checking.vehicle_moves import terms_of
-from ....formulations.routing.checking.vehicles_needed import check_vehicles_needed
 from ....formulations.routing.fleet_need import bin_packing_bound
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms

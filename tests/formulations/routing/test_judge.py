@@ -135,22 +135,30 @@ def test_priorities_give_one_value_a_level():
     assert problem.evaluate(Routes.of([[1, 2, 3], [4]])).values == (2.0, 20.0)
 
 
-def test_a_dropped_visit_is_named():
-    assert violations(square(), [1, 2, 3]) == [("visits", None, "d", 1.0)]
+FREE = {"required": [False, False, True, True, True]}
+LOADED = {"vehicle": VehicleType(capacity=4.5), "demand": [0, 1, 2, 3, 4]}
+NAMED = {
+    "a dropped visit": ({}, [[1, 2, 3]], [("visits", None, "d", 1.0)]),
+    "a doubled visit, with how often": ({}, [[1, 2, 3, 4], [2, 1], [2]], [("visits", None, "a", 1.0), ("visits", None, "b", 2.0)]),
+    "no optional site that is left out": (FREE, [[2, 3, 4]], []),
+    "an optional site visited twice": (FREE, [[1, 2, 3, 4, 1]], [("visits", None, "a", 1.0)]),
+    "a depot on the way": ({}, [[1, 0, 2, 3, 4]], [("visits", "vehicle 1", "o", 1.0)]),
+    "no load that fits": (LOADED, [[1, 2], [4], [3]], []),
+    "an overload": (LOADED, [[4], [1, 2, 3]], [("load", "vehicle 2", None, 1.5)]),
+    "no arrival in time": (WINDOWS, [[4], [2, 3, 1]], []),
+    "a late arrival": (WINDOWS, [[4], [3, 2], [1]], [("time-windows", "vehicle 2", "b", 7.0)]),
+    "a late return": ({"due": [17.5, 50, 50, 50, 50]}, [[1, 2, 3, 4]], [("time-windows", "vehicle 1", "o", 0.5)]),
+    "a distance": ({"vehicle": VehicleType(max_distance=17.0)}, [[1, 2, 3, 4]], [("distance", "vehicle 1", None, 1.0)]),
+    "a duration": ({"vehicle": VehicleType(max_duration=17.5)}, [[1, 2, 3, 4]], [("duration", "vehicle 1", None, 0.5)]),
+    "too many vehicles": ({"vehicle": VehicleType(count=1)}, [[1, 2], [3, 4]], [("fleet", None, None, 1.0)]),
+    "too few vehicles": ({"min_vehicles": 3}, [[1, 2], [3, 4]], [("fleet", None, None, 1.0)]),
+}
 
 
-def test_a_doubled_visit_is_named_with_how_often():
-    assert violations(square(), [1, 2, 3, 4], [2, 1], [2]) == [("visits", None, "a", 1.0), ("visits", None, "b", 2.0)]
-
-
-def test_optional_sites_may_be_left_out_but_not_visited_twice():
-    problem = square(required=[False, False, True, True, True])
-    assert violations(problem, [2, 3, 4]) == []
-    assert violations(problem, [1, 2, 3, 4, 1]) == [("visits", None, "a", 1.0)]
-
-
-def test_a_depot_on_the_way_is_a_violation():
-    assert violations(square(), [1, 0, 2, 3, 4]) == [("visits", "vehicle 1", "o", 1.0)]
+@pytest.mark.parametrize("case", NAMED)
+def test_every_violation_is_named_with_its_amount(case):
+    problem, routes, named = NAMED[case]
+    assert violations(square(**problem), *routes) == named
 
 
 @pytest.mark.parametrize("route", [Route((1, 2, 3, 9)), Route((-1, 1)), Route((1, 2), 3), Route((1, 2), -1)])
@@ -158,40 +166,11 @@ def test_sites_and_vehicles_that_do_not_exist_are_violations(route):
     assert ("visits", "vehicle 1", None, 1.0) in violations(square(), route)
 
 
-def test_an_overload_is_named_with_its_amount():
-    problem = square(VehicleType(capacity=4.5), demand=[0, 1, 2, 3, 4])
-    assert violations(problem, [1, 2], [4], [3]) == []
-    assert violations(problem, [4], [1, 2, 3]) == [("load", "vehicle 2", None, 1.5)]
-
-
-def test_a_late_arrival_is_named_with_vehicle_site_and_amount():
-    assert violations(square(**WINDOWS), [4], [2, 3, 1]) == []
-    assert violations(square(**WINDOWS), [4], [3, 2], [1]) == [("time-windows", "vehicle 2", "b", 7.0)]
-
-
-def test_a_late_return_is_named_at_the_depot():
-    problem = square(due=[17.5, 50, 50, 50, 50])
-    assert violations(problem, [1, 2, 3, 4]) == [("time-windows", "vehicle 1", "o", 0.5)]
-
-
-@pytest.mark.parametrize(
-    ("vehicle", "name", "amount"),
-    [(VehicleType(max_distance=17.0), "distance", 1.0), (VehicleType(max_duration=17.5), "duration", 0.5)],
-)
-def test_limits_on_routes_are_named_with_their_amounts(vehicle, name, amount):
-    assert violations(square(vehicle), [1, 2, 3, 4]) == [(name, "vehicle 1", None, amount)]
-
-
 @pytest.mark.parametrize(("charge", "drawn"), [("travel", 16.0), ("elapsed", 17.0), ("elapsed-fixed-start", 18.0), ("windows", 23.0)])
 def test_energy_is_charged_as_its_mode_says(charge, drawn):
     enough, short = Energy(2 * drawn, 2.0, charge), Energy(2 * drawn - 1.0, 2.0, charge)
     assert violations(square(VehicleType(energy=enough), **WINDOWS), [2, 3, 1], [4]) == []
     assert violations(square(VehicleType(energy=short), **WINDOWS), [2, 3, 1], [4]) == [("energy", "vehicle 1", None, 1.0)]
-
-
-def test_too_many_and_too_few_vehicles_are_named():
-    assert violations(square(VehicleType(count=1)), [1, 2], [3, 4]) == [("fleet", None, None, 1.0)]
-    assert violations(square(min_vehicles=3), [1, 2], [3, 4]) == [("fleet", None, None, 1.0)]
 
 
 def test_each_vehicle_type_has_its_own_limits():

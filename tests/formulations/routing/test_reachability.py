@@ -11,11 +11,11 @@ import pytest
 from draws import draws
 from hypothesis import HealthCheck, given, settings
 from oracles import ASYM_5, SQUARE_4, TWO_INDEX, agrees, optimum, routing, small_problems, solved
-from small_routing import few, varied
+from small_routing import at_risk, few, varied
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
-from waybound.formulations.routing.checking.infeasible_site import out_of_reach
+from waybound.formulations.routing.checking.no_answer import out_of_reach
 from waybound.formulations.routing.objective import Objective, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.reachability import minimum_vehicles, servable_alone, unreachable
@@ -242,23 +242,18 @@ def test_no_site_of_any_route_is_named_where_vehicles_stop_on_the_way(feature: s
     assert named >= 3
 
 
-def on_a_line(risk: float | None, team_risk: float | None, **limits: object) -> RoutingProblem:
-    """Customers at 4, -5, 6 and -7, each with a service of 1."""
-    line = np.abs(np.subtract.outer(*[np.array([0.0, 4, -5, 6, -7])] * 2))
-    vehicle = VehicleType(3, risk=risk, **limits)  # type: ignore[arg-type]
-    problem = routing(matrix=line, sites={"service": [0, 1, 1, 1, 1]}, fleet=[vehicle])
-    return replace(problem, travel=replace(problem.travel, variances=line / 4), team_risk=team_risk)
-
-
 @pytest.mark.parametrize(
     ("limits", "why"),
     [
         ({"max_duration": 18.0}, "to keep the risk of 0.05 a route to it needs 18.0772 of duration at least, the limit is 18"),
-        ({"energy": Energy(34.0, 2.0)}, "to keep the risk of 0.05 a route to it needs 34.1545 of energy at least, the limit is 34"),
+        (
+            {"max_duration": math.inf, "energy": Energy(34.0, 2.0)},
+            "to keep the risk of 0.05 a route to it needs 34.1545 of energy at least, the limit is 34",
+        ),
     ],
 )
 def test_a_site_may_be_out_of_reach_for_its_risk_alone(limits: dict[str, object], why: str) -> None:
-    for problem in (on_a_line(0.05, None, **limits), on_a_line(None, 0.05, **limits)):
+    for problem in (at_risk(0.05, **limits), at_risk(None, 0.05, **limits)):
         assert unreachable(problem) == {4: why}
         assert unreachable(replace(problem, fleet=(replace(problem.fleet[0], risk=None),), team_risk=0.06)) == {}
         evidence = infeasible_site_evidence(problem)

@@ -7,25 +7,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from oracles import OCTO_8, agrees
+from oracles import ASYM_5, GAP_5, OCTO_8, SQUARE_4, agrees
 
-from waybound.formulations.routing import members
+import waybound as wb
 from waybound.formulations.routing.objective import LatestReturn, Makespan, Objective, Reward, TotalCost
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.exact_routing import RoutingTruth, best_values
 
-SQUARE = np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float)
-GAP = np.array([(5, 5), (0, 7), (1, 6), (2, 10), (0, 2), (1, 8)], dtype=float)
-ASYM = np.array(
-    [[0, 4, 7, 3, 6, 5], [5, 0, 2, 6, 4, 8], [6, 3, 0, 5, 2, 7], [3, 5, 4, 0, 7, 2], [7, 4, 3, 6, 0, 3], [4, 9, 6, 2, 3, 0]], dtype=float
-)
 REFUEL = np.array([(0, 0), (8, 0), (2, 3), (5, 4), (9, 4), (11, 0), (6, -3)], dtype=float)
 DATA = {
-    "SQUARE-4": (Travel("euclidean", SQUARE), [0, 4, 10, 5, 3]),
-    "GAP-5": (Travel("manhattan", GAP), [0, 3, 1, 4, 1, 5]),
-    "ASYM-5": (Travel(EXPLICIT, matrix=ASYM), [0, 6, 9, 4, 7, 5]),
+    "SQUARE-4": (Travel("euclidean", SQUARE_4), [0, 4, 10, 5, 3]),
+    "GAP-5": (Travel("manhattan", GAP_5), [0, 3, 1, 4, 1, 5]),
+    "ASYM-5": (Travel(EXPLICIT, matrix=ASYM_5), [0, 6, 9, 4, 7, 5]),
 }
 
 
@@ -43,7 +38,7 @@ def sites(name):
     ],
 )  # fmt: skip
 def test_least_cost(name, vehicles, limit, best):
-    problem = members.min_cost_vrp(*sites(name), vehicles=vehicles, max_duration=limit)
+    problem = wb.min_cost_vrp(*sites(name), vehicles=vehicles, max_duration=limit)
     assert best_values(problem) == (None if best is None else pytest.approx((best,)))
 
 
@@ -55,7 +50,7 @@ def test_least_cost(name, vehicles, limit, best):
     ],
 )  # fmt: skip
 def test_least_makespan(name, vehicles, best):
-    assert best_values(members.min_makespan_vrp(*sites(name), vehicles=vehicles)) == pytest.approx((best,))
+    assert best_values(wb.min_makespan_vrp(*sites(name), vehicles=vehicles)) == pytest.approx((best,))
 
 
 @pytest.mark.parametrize(
@@ -65,7 +60,7 @@ def test_least_makespan(name, vehicles, best):
 def test_windows_and_what_energy_is_charged_for(store, travel, fixed, windows):
     places = Sites.of(range(5), ready=[0, 0, 0, 10, 0], due=[math.inf, 20, 6, 12, 4])
     for charge, best in (("travel", travel), ("elapsed-fixed-start", fixed), ("windows", windows)):
-        problem = members.vrptw(places, DATA["SQUARE-4"][0], vehicles=4, energy=Energy(store, charge=charge))
+        problem = wb.vrptw(places, DATA["SQUARE-4"][0], vehicles=4, energy=Energy(store, charge=charge))
         assert best_values(problem) == (None if best is None else pytest.approx((best,))), charge
 
 
@@ -83,10 +78,10 @@ def test_windows_and_what_energy_is_charged_for(store, travel, fixed, windows):
 )  # fmt: skip
 def test_orienteering(name, vehicles, limit, reward, makespan, mixed):
     fleet = {"vehicles": vehicles, "max_duration": limit}
-    assert best_values(members.team_orienteering(*sites(name), **fleet)) == pytest.approx((reward,))
-    assert best_values(members.makespan_orienteering(*sites(name), **fleet)) == pytest.approx((reward, makespan))
+    assert best_values(wb.team_orienteering(*sites(name), **fleet)) == pytest.approx((reward,))
+    assert best_values(wb.makespan_orienteering(*sites(name), **fleet)) == pytest.approx((reward, makespan))
     if mixed is not None:
-        assert best_values(members.makespan_orienteering(*sites(name), weight="printed", **fleet)) == pytest.approx((mixed,))
+        assert best_values(wb.makespan_orienteering(*sites(name), weight="printed", **fleet)) == pytest.approx((mixed,))
 
 
 REWARDS = [
@@ -97,29 +92,29 @@ REWARDS = [
 
 @pytest.mark.parametrize(("name", "vehicles", "limit", "reward"), REWARDS)
 def test_rewards(name, vehicles, limit, reward):
-    assert best_values(members.team_orienteering(*sites(name), vehicles=vehicles, max_duration=limit)) == pytest.approx((reward,))
+    assert best_values(wb.team_orienteering(*sites(name), vehicles=vehicles, max_duration=limit)) == pytest.approx((reward,))
 
 
 @pytest.mark.parametrize(("vehicles", "limit", "mixed"), [(1, 8, 1), (1, 12, 11), (2, 8, 1)])
 def test_the_printed_weight_where_the_triangle_inequality_fails(vehicles, limit, mixed):
-    problem = members.makespan_orienteering(*sites("ASYM-5"), vehicles=vehicles, max_duration=limit, weight="printed")
+    problem = wb.makespan_orienteering(*sites("ASYM-5"), vehicles=vehicles, max_duration=limit, weight="printed")
     assert best_values(problem) == pytest.approx((mixed,))
 
 
 OCTO = (Sites.of(range(9), reward=[0, 5, 3, 8, 4, 6, 2, 7, 5]), Travel("euclidean", OCTO_8))
 
 THROUGH_FORMS = {
-    **{f"{name}, makespan, {k}": (members.min_makespan_vrp(*sites(name), vehicles=k), best) for name, k, best in (
+    **{f"{name}, makespan, {k}": (wb.min_makespan_vrp(*sites(name), vehicles=k), best) for name, k, best in (
         ("SQUARE-4", 2, 12), ("SQUARE-4", 4, 10), ("GAP-5", 3, 16), ("ASYM-5", 2, 14))},
-    **{f"{name}, reward, {k}, {limit}": (members.team_orienteering(*sites(name), vehicles=k, max_duration=limit), best)
+    **{f"{name}, reward, {k}, {limit}": (wb.team_orienteering(*sites(name), vehicles=k, max_duration=limit), best)
        for name, k, limit, best in (
            ("SQUARE-4", 2, 5.9, 0), ("SQUARE-4", 2, 12, 22), ("GAP-5", 1, 18, 10), ("GAP-5", 2, 16, 13), ("ASYM-5", 1, 12, 15))},
     **{f"{name}, mixed, {k}, {limit}": (
-        members.makespan_orienteering(*sites(name), vehicles=k, max_duration=limit, weight="printed"), best)
+        wb.makespan_orienteering(*sites(name), vehicles=k, max_duration=limit, weight="printed"), best)
        for name, k, limit, best in (("SQUARE-4", 1, 16, 16.375), ("SQUARE-4", 2, 14, 19.4285714286), ("ASYM-5", 1, 10, 5.4))},
-    **{f"OCTO-8, reward, 1, {limit}": (members.orienteering(*OCTO, max_duration=limit), best)
+    **{f"OCTO-8, reward, 1, {limit}": (wb.orienteering(*OCTO, max_duration=limit), best)
        for limit, best in ((20, 8), (25, 13), (30, 18))},
-    **{f"OCTO-8, reward, {k}, {limit}": (members.team_orienteering(*OCTO, vehicles=k, max_duration=limit), best)
+    **{f"OCTO-8, reward, {k}, {limit}": (wb.team_orienteering(*OCTO, vehicles=k, max_duration=limit), best)
        for k, limit, best in ((2, 20, 15), (2, 25, 25), (3, 20, 21))},
 }  # fmt: skip
 
@@ -138,7 +133,7 @@ def test_every_form_finds_it(case):
 @pytest.mark.parametrize("form", ["three-index", "set-partitioning"])
 def test_forms_keep_a_walk_between_stations_together(store, best, form):
     travel = Travel("euclidean", np.array([(0, 0), (10, 0), (1, 0), (11, 0)], dtype=float))
-    problem = members.recharging_vrp(Sites.of(range(4), depot=[True, True, False, False]), travel, energy=store, homes=[0])
+    problem = wb.recharging_vrp(Sites.of(range(4), depot=[True, True, False, False]), travel, energy=store, homes=[0])
     agrees(problem, form, best)
 
 
@@ -150,7 +145,7 @@ LONG = pytest.mark.long
     [(20, 8, 18.111062), pytest.param(25, 13, 24.676581, marks=LONG), pytest.param(30, 18, 29.815734, marks=LONG)],
 )
 def test_the_printed_weight_on_eight_sites(limit, reward, makespan):
-    problem = members.makespan_orienteering(*OCTO, vehicles=1, max_duration=limit, weight="printed")
+    problem = wb.makespan_orienteering(*OCTO, vehicles=1, max_duration=limit, weight="printed")
     agrees(problem, "three-index", reward - 2.0 / limit * makespan)
 
 
@@ -158,23 +153,23 @@ def test_the_printed_weight_on_eight_sites(limit, reward, makespan):
 @pytest.mark.parametrize(("store", "best"), [(12, None), (14, 56), (16, 44), (20, 38), (40, 36)])
 def test_refuelling_of_one_vehicle_through_a_form(store, best):
     places = Sites.of(range(7), depot=[True, True, *[False] * 5])
-    problem = members.recharging_vrp(places, Travel("manhattan", REFUEL), energy=store, homes=[0])
+    problem = wb.recharging_vrp(places, Travel("manhattan", REFUEL), energy=store, homes=[0])
     agrees(problem, "three-index", best)
 
 
 def test_the_printed_weight_may_prefer_a_smaller_reward():
     places = Sites.of("oab", reward=[0, 10, 9])
     travel = Travel("euclidean", np.array([(0, 0), (5, 0), (-0.5, 0)], dtype=float))
-    printed = members.makespan_orienteering(places, travel, vehicles=1, max_duration=10, weight="printed")
+    printed = wb.makespan_orienteering(places, travel, vehicles=1, max_duration=10, weight="printed")
     found = RoutingTruth(printed)
     assert found.best is not None and float(found.best[0]) == pytest.approx(8.1)
     assert printed.evaluate(found.samples[0]).quantities["reward"] == 9
-    assert best_values(members.makespan_orienteering(places, travel, vehicles=1, max_duration=10)) == pytest.approx((10, 10))
+    assert best_values(wb.makespan_orienteering(places, travel, vehicles=1, max_duration=10)) == pytest.approx((10, 10))
 
 
 def test_the_printed_weight_does_not_tell_a_visit_from_none():
     places, travel = Sites.of("oa", reward=[0, 4]), Travel("euclidean", np.array([(0, 0), (5, 0)], dtype=float))
-    problem = members.makespan_orienteering(places, travel, vehicles=1, max_duration=10, weight="printed")
+    problem = wb.makespan_orienteering(places, travel, vehicles=1, max_duration=10, weight="printed")
     assert problem.evaluate(Routes.of([[1]])).values == problem.evaluate(Routes.of([])).values == (0.0,)
 
 
@@ -184,7 +179,7 @@ def test_the_printed_weight_does_not_tell_a_visit_from_none():
 def test_refuelling(store, best):
     places = Sites.of(range(7), depot=[True, True, *[False] * 5])
     for homes, value in zip(([0], [0, 1], [0, 0]), best, strict=True):
-        problem = members.recharging_vrp(places, Travel("manhattan", REFUEL), energy=store, homes=homes)
+        problem = wb.recharging_vrp(places, Travel("manhattan", REFUEL), energy=store, homes=homes)
         assert refuelled(problem) == (None if value is None else pytest.approx(value)), homes
 
 
@@ -193,7 +188,7 @@ def test_a_walk_between_stations_must_hang_together(store, best):
     """Without connectivity rows the target beside the far station would be served by nobody who gets there."""
     places = Sites.of(range(4), depot=[True, True, False, False])
     travel = Travel("euclidean", np.array([(0, 0), (10, 0), (1, 0), (11, 0)], dtype=float))
-    problem = members.recharging_vrp(places, travel, energy=store, homes=[0])
+    problem = wb.recharging_vrp(places, travel, energy=store, homes=[0])
     assert best_values(problem) == (None if best is None else pytest.approx((best,)))
 
 
@@ -246,7 +241,7 @@ def under_way(places, starts, **rest):
         for site, left, since in starts
     ]
     travel = Travel("euclidean", coordinates)
-    return members.min_cost_vrp(Sites.of(range(len(places)), depot=depot), travel, fleet=[*fleet, *rest.get("fresh", [])])
+    return wb.min_cost_vrp(Sites.of(range(len(places)), depot=depot), travel, fleet=[*fleet, *rest.get("fresh", [])])
 
 
 def test_no_vehicle_under_way_collects_another():
@@ -276,13 +271,13 @@ def test_closing_moves_and_the_way_round():
         travel = Travel(
             EXPLICIT, matrix=np.array([[0.0, 2, 4], [2, 0, 2], [4, 2, 0]]), closing=np.array([[9, 9, 9], [9, 9, closes], [9.0, 9, 9]])
         )
-        problem = members.min_cost_vrp(Sites.of("sab"), travel, vehicles=1)
+        problem = wb.min_cost_vrp(Sites.of("sab"), travel, vehicles=1)
         assert problem.evaluate(Routes.of([[1, 2]])).feasible == allowed
         assert best_values(problem) == pytest.approx((8,))
 
 
 def test_terms_of_time_agree_where_nobody_waits():
-    problem = members.min_makespan_vrp(*sites("SQUARE-4"), vehicles=2)
+    problem = wb.min_makespan_vrp(*sites("SQUARE-4"), vehicles=2)
     answer = Routes.of([[1, 2], [4, 3]])
     values = [
         replace(problem, objective=Objective.of(term)).evaluate(answer).values[0] for term in (Makespan(), LatestReturn(), TotalCost())

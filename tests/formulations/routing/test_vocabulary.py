@@ -10,9 +10,9 @@ import pandas as pd
 import pytest
 
 import waybound as wb
-from waybound.formulations.routing.left_out import left_out
-from waybound.formulations.routing.members import DEFAULT_OBJECTIVE
+from waybound.formulations.routing.named_problems import DEFAULT_OBJECTIVE
 from waybound.formulations.routing.routes import Route, Routes
+from waybound.formulations.routing.unvisited_sites import left_out
 from waybound.instances.formats.waybound_json import read, write
 from waybound.instances.routing.features import FEATURES, features
 from waybound.instances.routing.frames import instance_from_frame

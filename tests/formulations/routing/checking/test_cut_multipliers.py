@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from small_routing import FEATURES, WHOLE_FAMILY, few, small, varied
+from small_routing import FEATURES, WHOLE_FAMILY, drawn, excludes
 
 from waybound.formulations.routing.checking.cut_multipliers import RESOURCES, check_cut_multipliers
 from waybound.formulations.routing.objective import Reward, TotalCost
@@ -14,7 +14,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 
 
 @pytest.mark.share(3)
@@ -22,9 +21,8 @@ from waybound.reports.benchmarks.exact_routing import best_values
 def test_no_prices_however_wrong_exclude_the_optimum(feature):
     judged = 0
     for seed in range(3):
-        problem = varied(feature, seed, few(feature)) if feature in WHOLE_FAMILY else small(feature, seed, "round")
-        optimum, rng = best_values(problem), np.random.default_rng(seed)
-        for scale in (0.0, 1.0, 4.0, 20.0) if optimum is not None else ():
+        problem, rng = drawn(feature, seed), np.random.default_rng(seed)
+        for scale in (0.0, 1.0, 4.0, 20.0):
             customers = problem.customers
             cuts = []
             for _ in range(4):
@@ -35,8 +33,8 @@ def test_no_prices_however_wrong_exclude_the_optimum(feature):
                 "in": (scale * rng.normal(0.5, 1.0, len(problem.sites))).tolist(),
                 "rates": {str(rng.choice(RESOURCES)): float(rng.uniform(-0.2, 1.0))} if rng.random() < 0.5 else {},
             }  # fmt: skip
-            bound, best = check_cut_multipliers(problem, data), float(optimum[0])
-            assert bound <= best + 1e-9 * max(1.0, abs(best)) if problem.sense == "min" else bound >= best - 1e-9 * max(1.0, abs(best))
+            bound = check_cut_multipliers(problem, data)
+            assert not math.isnan(bound) and not excludes(problem, bound)
             judged += math.isfinite(bound)
     assert judged
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_routing import WHOLE_FAMILY, few, small, varied
+from small_routing import WHOLE_FAMILY, drawn, excludes
 
 from waybound.formulations.routing.checking.knapsack import RESOURCES, check_knapsack
 from waybound.formulations.routing.objective import Makespan, Objective, Penalties, Reward, TotalCost
@@ -15,7 +15,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 
 GOALS = (Reward(), TotalCost() - Reward(), TotalCost() + Penalties(), Reward() - 0.25 * Makespan())
 
@@ -24,13 +23,11 @@ GOALS = (Reward(), TotalCost() - Reward(), TotalCost() + Penalties(), Reward() -
 @pytest.mark.parametrize("feature", [*WHOLE_FAMILY, "reward", "prizes"])
 def test_no_price_excludes_the_optimum(feature):
     for seed in range(2):
-        problem = varied(feature, seed, few(feature)) if feature in WHOLE_FAMILY else small(feature, seed, "round")
-        asked = replace(problem, objective=Objective.of(GOALS[seed % len(GOALS)]))
-        best = best_values(asked)
-        for resource in RESOURCES if best is not None else ():
+        asked = replace(drawn(feature, seed), objective=Objective.of(GOALS[seed % len(GOALS)]))
+        for resource in RESOURCES:
             for rate in (-1.0, 0.0, 0.3, 1.0, 7.0):
                 bound = check_knapsack(asked, {"resource": resource, "rate": rate})
-                assert bound <= float(best[0]) + 1e-9 if asked.sense == "min" else bound >= float(best[0]) - 1e-9
+                assert not math.isnan(bound) and not excludes(asked, bound)
 
 
 def star(rewards, limit, term=None):

@@ -1,23 +1,26 @@
-"""No feature makes a checker prove too much: whatever evidence is claimed, what is proved holds for the optimum of brute force."""
+"""Features that the checkers know, and problems without stops on the way."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from small_routing import WHOLE_FAMILY, few, varied
+from small_routing import WHOLE_FAMILY, few, plane, varied
 
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.routing.checking.known_features import KNOWN, unknown_features
-from waybound.formulations.routing.fleet_need import none
+from waybound.formulations.evidence import CHECKERS, Evidence
+from waybound.formulations.routing.checking.known_features import KNOWN, unknown_features, without_stops
+from waybound.formulations.routing.fleet_need import infeasible_bound
 from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
 from waybound.formulations.stop import Stop
+from waybound.instances.errors import InputError
 from waybound.instances.routing.features import FEATURES
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
+from waybound.instances.routing.instance import Energy, VehicleType
+from waybound.reports.benchmarks.exact_routing import RoutingTruth, best_values
 from waybound.solvers.bounds import BOUNDS
 
 INFEASIBLE = (
@@ -88,7 +91,11 @@ def test_no_evidence_proves_more_than_is_true(feature):
         for kind, data in multipliers(problem, rng):
             assert verified_bound(problem, Evidence(kind, "", 0.0, data)) <= value + 1e-9 * abs(value), (seed, kind)
         for kind, data in claims(problem, rng):
-            assert verified_bound(problem, Evidence(kind, "", none(problem), data)) != none(problem), (seed, kind, data)
+            assert verified_bound(problem, Evidence(kind, "", infeasible_bound(problem), data)) != infeasible_bound(problem), (
+                seed,
+                kind,
+                data,
+            )
     assert judged >= 2
 
 
@@ -120,3 +127,37 @@ def test_a_feature_of_another_package_proves_nothing(monkeypatch):
     assert verified_bound(drawn("pickups", 1), evidence) > 0
     monkeypatch.setitem(FEATURES, "towing", lambda data: True)
     assert verified_bound(drawn("pickups", 1), evidence) == -math.inf
+
+
+@pytest.mark.share(2)
+@pytest.mark.parametrize("feature", ["reloads", "recharging"])
+def test_no_optimum_gets_worse(feature):
+    for seed in range(4):
+        problem = varied(feature, seed, 3)
+        relaxed = without_stops(problem)
+        assert not {"reloads", "recharging"} & relaxed.features()
+        before, after = best_values(problem), best_values(replace(relaxed))
+        if before is not None:
+            assert after is not None
+            assert float(after[0]) <= float(before[0]) if problem.sense == "min" else float(after[0]) >= float(before[0])
+
+
+def test_moves_lead_over_the_depots_of_the_vehicle():
+    problem = plane(1, 3, 10.0)
+    assert without_stops(problem) is problem
+    matrix = np.full((4, 4), 9.0)
+    matrix[0] = matrix[:, 0] = 1.0
+    made = without_stops(replace(problem, fleet=(VehicleType(capacity=1.0, reloads=(0,)), VehicleType(energy=Energy(3.0)))))
+    first, second = made.fleet
+    assert first.capacity == math.inf and not first.reloads
+    assert second.energy is not None and second.travel is not None
+    d = problem.travel.distances
+    assert first.travel is not None
+    assert (first.travel.distances == np.minimum(d, d[:, :1] + d[:1])).all()
+    assert (second.travel.distances == d).all()
+
+
+@pytest.mark.parametrize("kind", [kind for kind in CHECKERS if CHECKERS[kind].__module__.startswith("waybound.formulations.routing")])
+def test_other_families_are_refused(kind: str) -> None:
+    with pytest.raises(InputError, match="evidence for routing problems"):
+        CHECKERS[kind](SimpleNamespace(family="arrays"), {})

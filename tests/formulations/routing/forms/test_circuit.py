@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from oracles import SQUARE_4, TW_4, agrees, optimum, routing, small_problems
-from program_text import expected, written
+from program_text import TWO_SITES, expected, written
 from small_routing import varied
 
 import waybound as wb
@@ -18,16 +18,6 @@ from waybound.formulations.routing.objective import Composable, Objective, Rewar
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.instances.routing.instance import VehicleType
-
-TWO_SITES = """
-    # vehicles: 2
-    # capacity: 4
-    # max-distance: 12
-    id,x,y,demand,service,due
-    o,0,0,0,0,16
-    a,3,0,2,1,9
-    b,3,4,1,2,10
-"""
 
 
 def test_circuit_from_text_to_text(tmp_path: Path) -> None:

@@ -1,17 +1,32 @@
-"""From arcs to routes and back: what is no route is refused in words."""
+"""Programs block after block, levels of priority, and the way from arcs to routes."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from oracles import SQUARE_4, routing
+from small_routing import varied
 
 from waybound.formulations.routing.forms._routes import ArcIndex, levels, routes_of, used
+from waybound.formulations.routing.objective import (
+    Composable,
+    LatestReturn,
+    LongestRoute,
+    Makespan,
+    Objective,
+    Penalties,
+    Reward,
+    TotalCost,
+    TotalDuration,
+    Vehicles,
+)
 from waybound.formulations.routing.preparation import Preparation, Resource, prepare
 from waybound.formulations.routing.routes import Route
 from waybound.instances.errors import InputError
+from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
 NAMES = list("oabcd")
 
@@ -75,3 +90,46 @@ def test_levels_are_sums_raised_to_what_a_node_asks_for() -> None:
     nodes, along = np.arange(4), np.arange(3)
     assert levels(clock, nodes, along).tolist() == [1.0, 6.0, 10.0, 12.0]
     assert levels(clock, nodes, along, 5.0).tolist() == [5.0, 8.0, 12.0, 14.0]
+
+
+LEVELS: tuple[Composable, ...] = (
+    TotalCost() - Reward(),
+    Makespan(),
+    LongestRoute(),
+    LatestReturn(),
+    TotalDuration(),
+    Vehicles(),
+    Penalties(),
+)
+
+
+@pytest.mark.share(3)
+@pytest.mark.parametrize("first", [0, 2, 4])
+@pytest.mark.parametrize("feature", ["overtime", "penalties", "committed-vehicles", "duration-cost", "shifts"])
+def test_an_answer_has_the_judges_value_at_every_level(feature: str, first: int) -> None:
+    ordered = (*LEVELS[first:], *LEVELS[:first])
+    seed = 3 if feature == "overtime" else 1
+    problem = replace(varied(feature, seed, 3), objective=Objective(tuple(level for goal in ordered for level in goal.levels())))
+    truth = RoutingTruth(problem)
+    assert truth.samples
+    for form in problem.forms():
+        made = problem.compile(form)
+        assert (made.program.sense, *(level.sense for level in made.program.further)) == problem.senses
+        assert made.encode is not None
+        for answer in truth.samples[:3]:
+            x = made.encode(answer)
+            found = [made.program.first_level().value(x), *(level.value(x) for level in made.program.further)]
+            # Set partitioning holds the best of several orders of stops.
+            assert found == pytest.approx(problem.evaluate(made.decode(x)).values), form
+
+
+def test_only_the_levels_after_the_first_are_further() -> None:
+    problem = replace(varied("shifts", 1, 3), objective=Objective.of(Makespan().then(Vehicles())))
+    alone = replace(problem, objective=Objective.of(Makespan()))
+    for form in problem.forms():
+        program, single = problem.compile(form).program, alone.compile(form).program
+        assert len(program.further) == 1
+        assert single.further == ()
+        if form == "three-index":
+            assert np.array_equal(program.cost, single.cost)
+            assert [rows.name for rows in program.rows] == [rows.name for rows in single.rows]

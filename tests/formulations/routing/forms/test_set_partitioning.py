@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from oracles import GAP_5, SQUARE_4, agrees, optimum, routing, set_partitioning_bound, solved
-from program_text import expected, program_text, written
+from program_text import TWO_SITES, expected, program_text, written
+from small_routing import at_risk
 
 from waybound.formulations.forms import FORMS
 from waybound.formulations.programs.exactness import Exactness
@@ -18,17 +19,6 @@ from waybound.formulations.routing.objective import LatestReturn, LongestRoute, 
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
-
-TWO_SITES = """
-    # vehicles: 2
-    # capacity: 4
-    # max-distance: 12
-    id,x,y,demand,service,due
-    o,0,0,0,0,16
-    a,3,0,2,1,9
-    b,3,4,1,2,10
-"""
 
 
 def test_set_partitioning_from_text_to_text(tmp_path: Path) -> None:
@@ -117,18 +107,13 @@ def test_it_refuses_what_has_many_routes_and_maxima_that_should_be_large() -> No
     assert form.missing(routing(xy=xy[:4], count=2, objective=Reward() + Makespan())) == {"objective:makespan"}
 
 
-LINE = np.abs(np.subtract.outer(*[np.array([0.0, 4, -5, 6, -7])] * 2))
-
-
 @pytest.mark.parametrize(
     ("risk", "team_risk", "cost"),
     [(None, None, 26), (0.15, None, 26), (None, 0.15, 34), (0.06, None, 36), (None, 0.06, None), (0.05, None, None)],
 )
 def test_the_example_of_risks(risk: float | None, team_risk: float | None, cost: float | None) -> None:
     """Probabilities to overrun: 0.0105 for a-c, 0.1425 for b-e, 0.0544 for e, and less for the others alone."""
-    travel = Travel(EXPLICIT, matrix=LINE, variances=LINE / 4)
-    problem = routing(matrix=LINE, sites={"service": [0, 1, 1, 1, 1]}, fleet=[VehicleType(3, max_duration=18.0, risk=risk)])
-    agrees(replace(problem, travel=travel, team_risk=team_risk), "set-partitioning", cost)
+    agrees(at_risk(risk, team_risk), "set-partitioning", cost)
 
 
 def test_the_risk_of_the_team_is_a_row_in_parts_of_what_there_may_be() -> None:

@@ -7,19 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from oracles import SQUARE_4, TW_4, agrees, routing, solved
-from program_text import expected, program_text, written
+from program_text import TWO_SITES, expected, program_text, written
 
 from waybound.instances.routing.instance import Energy, VehicleType
-
-TWO_SITES = """
-    # vehicles: 2
-    # capacity: 4
-    # max-distance: 12
-    id,x,y,demand,service,due
-    o,0,0,0,0,16
-    a,3,0,2,1,9
-    b,3,4,1,2,10
-"""
 
 
 def test_three_index_from_text_to_text(tmp_path: Path) -> None:

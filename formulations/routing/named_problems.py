@@ -12,7 +12,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.errors import InputError, UsageError
 from ...instances.routing.fleet import equal_fleet
@@ -21,54 +20,8 @@ from ...instances.routing.sites import Sites
 from ...instances.routing.travel import Travel
 from ...instances.routing.vehicle_type import Energy, VehicleType
 from ..problem import PROBLEMS
-from .objective import Composable, Makespan, Objective, Penalties, Reward, TotalCost, Vehicles, Weighted
+from .objective import DEFAULT_OBJECTIVE, Composable, Makespan, Objective, Reward, default_objective
 from .problem import RoutingProblem
-
-DEFAULT_OBJECTIVE: dict[str, Objective] = {
-    "vrptw": Objective.of(TotalCost()),
-    "cvrp": Objective.of(TotalCost()),
-    "tsp": Objective.of(TotalCost()),
-    "mdvrp": Objective.of(TotalCost()),
-    "min-cost-vrp": Objective.of(TotalCost()),
-    "min-makespan-vrp": Objective.of(Makespan()),
-    "orienteering": Objective.of(Reward()),
-    "team-orienteering": Objective.of(Reward()),
-    "makespan-orienteering": Reward().then(Makespan()),
-    "recharging-vrp": Objective.of(Makespan()),
-    "pdptw": Vehicles().then(TotalCost()),
-}
-"""By the names of ``--problem``, where all sites are visited; ``default_objective`` looks at those that may be left out."""
-
-
-def default_objective(problem: str, sites: Sites) -> Objective:
-    """The objective of a member where none is asked for.
-
-    Total cost, where sites may be left out, with what that forgoes: the penalties of the sites left out are added, the rewards of those
-    visited subtracted. So it is for pairs too, whose fewest vehicles would be none at all.
-    """
-    usual = DEFAULT_OBJECTIVE.get(problem, Objective())
-    left = optional(sites)
-    if not left.any() or not any(isinstance(term, TotalCost) for level in usual.levels() for _, term in level.terms):
-        return usual
-    level = Weighted(((1.0, TotalCost()),))
-    level = level + Penalties() if sites.penalty[left].any() else level
-    level = level - Reward() if sites.reward[left].any() else level
-    return usual if len(level.terms) == 1 else Objective.of(level)
-
-
-def optional(sites: Sites) -> NDArray[np.bool_]:
-    """Which sites an answer may leave out, for they are neither depots nor required, nor alternatives of which one is."""
-    free = ~(sites.depot | sites.required)
-    for group in sites.groups:
-        if group.required:
-            free[list(group.sites)] = sites.reward[list(group.sites)] > 0
-    return free
-
-
-def pointless(sites: Sites) -> int:
-    """How many sites may be left out, where nothing tells what a visit to any of them is worth."""
-    left = optional(sites)
-    return 0 if sites.reward[left].any() or sites.penalty[left].any() else int(left.sum())
 
 
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RoutingProblem:
@@ -105,7 +58,7 @@ def vrptw(sites: Sites, travel: Travel, *, vehicles: int | None = None, capacity
     """
     if not (sites.ready.any() or np.isfinite(sites.due).any()):
         raise InputError("no site has a time window", expected="ready or due; cvrp or min_cost_vrp without")
-    return _made("vrptw", sites, travel, vehicles, capacity=capacity, **limits)
+    return _named_problem("vrptw", sites, travel, vehicles, capacity=capacity, **limits)
 
 
 def cvrp(sites: Sites, travel: Travel, *, capacity: float, vehicles: int | None = None, **limits: Any) -> RoutingProblem:
@@ -115,12 +68,12 @@ def cvrp(sites: Sites, travel: Travel, *, capacity: float, vehicles: int | None 
     -----
     Source: Dantzig and Ramser (1959).
     """
-    return _made("cvrp", sites, travel, vehicles, capacity=capacity, **limits)
+    return _named_problem("cvrp", sites, travel, vehicles, capacity=capacity, **limits)
 
 
 def tsp(sites: Sites, travel: Travel, **limits: Any) -> RoutingProblem:
     """Travelling salesman: the cheapest tour of one vehicle through all sites. Parameters as of ``vrptw``."""
-    return _made("tsp", sites, travel, 1, **limits)
+    return _named_problem("tsp", sites, travel, 1, **limits)
 
 
 def mdvrp(sites: Sites, travel: Travel, *, capacity: float = math.inf, vehicles: int | None = None, **limits: Any) -> RoutingProblem:
@@ -132,7 +85,7 @@ def mdvrp(sites: Sites, travel: Travel, *, capacity: float = math.inf, vehicles:
     """
     if len(sites.depots) < 2:
         raise InputError("there is one depot only", expected="two or more; cvrp with one")
-    return _made("mdvrp", sites, travel, vehicles, capacity=capacity, **limits)
+    return _named_problem("mdvrp", sites, travel, vehicles, capacity=capacity, **limits)
 
 
 def min_cost_vrp(sites: Sites, travel: Travel, *, vehicles: int | None = None, **limits: Any) -> RoutingProblem:
@@ -142,7 +95,7 @@ def min_cost_vrp(sites: Sites, travel: Travel, *, vehicles: int | None = None, *
     -----
     Source: Mitchell (2020), (5.9)-(5.15), corrected in docs/formulations/routing.md#errata.
     """
-    return _made("min-cost-vrp", sites, travel, vehicles, **limits)
+    return _named_problem("min-cost-vrp", sites, travel, vehicles, **limits)
 
 
 def min_makespan_vrp(sites: Sites, travel: Travel, *, vehicles: int, **limits: Any) -> RoutingProblem:
@@ -152,7 +105,7 @@ def min_makespan_vrp(sites: Sites, travel: Travel, *, vehicles: int, **limits: A
     -----
     Source: Mitchell (2020), (5.16).
     """
-    return _made("min-makespan-vrp", sites, travel, vehicles, **limits)
+    return _named_problem("min-makespan-vrp", sites, travel, vehicles, **limits)
 
 
 def orienteering(sites: Sites, travel: Travel, **limits: Any) -> RoutingProblem:
@@ -167,7 +120,7 @@ def orienteering(sites: Sites, travel: Travel, **limits: Any) -> RoutingProblem:
     -----
     Source: Golden, Levy and Vohra (1987); Mitchell (2020), (5.17)-(5.18).
     """
-    return _made("orienteering", _optional(sites), travel, 1, **limits)
+    return _named_problem("orienteering", _optional(sites), travel, 1, **limits)
 
 
 def team_orienteering(sites: Sites, travel: Travel, *, vehicles: int, **limits: Any) -> RoutingProblem:
@@ -177,7 +130,7 @@ def team_orienteering(sites: Sites, travel: Travel, *, vehicles: int, **limits: 
     -----
     Source: Chao, Golden and Wasil (1996); Mitchell (2020), (5.17)-(5.18).
     """
-    return _made("team-orienteering", _optional(sites), travel, vehicles, **limits)
+    return _named_problem("team-orienteering", _optional(sites), travel, vehicles, **limits)
 
 
 def makespan_orienteering(
@@ -202,23 +155,19 @@ def makespan_orienteering(
     -----
     Source: Mitchell (2020), section 5.5.4; where the printed weight fails: docs/formulations/routing.md#errata.
     """
-    made = _made("makespan-orienteering", _optional(sites), travel, vehicles, **limits)
+    problem = _named_problem("makespan-orienteering", _optional(sites), travel, vehicles, **limits)
     if weight is None:
-        return made
+        return problem
     if weight == "printed":
         rewards = sites.reward[sites.reward > 0]
-        longest = max(_longest(v) for v in made.fleet)
+        stores = (math.inf if v.energy is None else v.energy.at_departure / v.energy.rate for v in problem.fleet)
+        longest = max(min(v.max_duration, store) for v, store in zip(problem.fleet, stores, strict=True))
         if not 0 < longest < math.inf:
             raise InputError("the printed weight needs a limit of duration", expected="max_duration, or energy charged for travel")
         weight = float(rewards.min()) / longest
     elif isinstance(weight, str):
         raise UsageError(f"unknown weight {weight!r}; give a number, printed, or none for an objective in order of priority")
-    return replace(made, objective=Objective.of(Reward() - float(weight) * Makespan()))
-
-
-def _longest(vehicle: VehicleType) -> float:
-    store = math.inf if vehicle.energy is None else vehicle.energy.at_departure / vehicle.energy.rate
-    return min(vehicle.max_duration, store)
+    return replace(problem, objective=Objective.of(Reward() - float(weight) * Makespan()))
 
 
 def recharging_vrp(
@@ -250,7 +199,7 @@ def recharging_vrp(
         VehicleType(count, start=home, end=home, energy=store, name=name, **limits)
         for (home, count), name in zip(kinds.items(), names, strict=True)
     ]
-    return _made("recharging-vrp", sites, travel, None, fleet=fleet, **own)
+    return _named_problem("recharging-vrp", sites, travel, None, fleet=fleet, **own)
 
 
 def pdptw(sites: Sites, travel: Travel, *, capacity: float, vehicles: int | None = None, **limits: Any) -> RoutingProblem:
@@ -267,7 +216,7 @@ def pdptw(sites: Sites, travel: Travel, *, capacity: float, vehicles: int | None
     """
     if not sites.shipments:
         raise InputError("there are no shipments", expected="shipments of the sites")
-    return _made("pdptw", sites, travel, vehicles, capacity=capacity, **limits)
+    return _named_problem("pdptw", sites, travel, vehicles, capacity=capacity, **limits)
 
 
 def _optional(sites: Sites) -> Sites:
@@ -276,15 +225,15 @@ def _optional(sites: Sites) -> Sites:
     return replace(sites, required=np.zeros(len(sites), dtype=bool), groups=tuple(replace(g, required=False) for g in sites.groups))
 
 
-def _made(problem: str, sites: Sites, travel: Travel, vehicles: int | None, **given: Any) -> RoutingProblem:
-    objective: Composable = given.pop("objective", None) or default_objective(problem, sites)
-    least, name, fleet = given.pop("min_vehicles", 0), given.pop("name", problem), given.pop("fleet", None)
+def _named_problem(problem: str, sites: Sites, travel: Travel, vehicles: int | None, **limits: Any) -> RoutingProblem:
+    objective: Composable = limits.pop("objective", None) or default_objective(problem, sites)
+    least, name, fleet = limits.pop("min_vehicles", 0), limits.pop("name", problem), limits.pop("fleet", None)
     if fleet is None:
         try:
-            fleet = equal_fleet(sites, count=vehicles, **given)
+            fleet = equal_fleet(sites, count=vehicles, **limits)
         except TypeError:
-            unknown = ", ".join(sorted(set(given) - set(VehicleType.__dataclass_fields__)))
+            unknown = ", ".join(sorted(set(limits) - set(VehicleType.__dataclass_fields__)))
             raise UsageError(f"{problem} does not know {unknown}; it takes what VehicleType takes") from None
-    elif vehicles not in (None, 1) or any(given[key] != math.inf for key in given):
-        raise UsageError(f"fleet tells the vehicles already; leave out {', '.join(['vehicles', *given])}")
+    elif vehicles not in (None, 1) or any(limits[key] != math.inf for key in limits):
+        raise UsageError(f"fleet tells the vehicles already; leave out {', '.join(['vehicles', *limits])}")
     return RoutingProblem(sites, travel, fleet, objective, least, name, problem)

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import waybound as wb
 from waybound.formulations.problem import PROBLEMS, problem_from_instance
-from waybound.formulations.routing import members
-from waybound.formulations.routing.objective import TERMS, Objective, Reward, TotalCost
+from waybound.formulations.routing.objective import DEFAULT_OBJECTIVE, TERMS, Objective, Reward, TotalCost, default_objective
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.fleet import with_problems
@@ -20,17 +20,17 @@ XY = np.array([(0, 0), (3, 0), (3, 4), (0, 4)], dtype=float)
 TRAVEL = Travel("euclidean", XY)
 PLAIN = Sites.of("oabc", demand=[0, 1, 2, 3], reward=[0, 4, 10, 5])
 NAMES = {
-    "vrptw": (members.vrptw, Sites.of("oabc", due=50.0), {"capacity": 9}, "total-cost"),
-    "cvrp": (members.cvrp, PLAIN, {"capacity": 9}, "total-cost"),
-    "tsp": (members.tsp, PLAIN, {}, "total-cost"),
-    "mdvrp": (members.mdvrp, Sites.of("oabc", depot=[True, True, False, False]), {"vehicles": 2}, "total-cost"),
-    "min-cost-vrp": (members.min_cost_vrp, PLAIN, {"max_duration": 14}, "total-cost"),
-    "min-makespan-vrp": (members.min_makespan_vrp, PLAIN, {"vehicles": 2}, "makespan"),
-    "orienteering": (members.orienteering, PLAIN, {"max_duration": 9}, "reward"),
-    "team-orienteering": (members.team_orienteering, PLAIN, {"max_duration": 9, "vehicles": 2}, "reward"),
-    "makespan-orienteering": (members.makespan_orienteering, PLAIN, {"max_duration": 9, "vehicles": 2}, "reward, then makespan"),
-    "recharging-vrp": (members.recharging_vrp, PLAIN, {"energy": 12}, "makespan"),
-    "pdptw": (members.pdptw, Sites.of("oabc", shipments=[Shipment(1, 2)]), {"capacity": 9}, "vehicles, then total-cost"),
+    "vrptw": (wb.vrptw, Sites.of("oabc", due=50.0), {"capacity": 9}, "total-cost"),
+    "cvrp": (wb.cvrp, PLAIN, {"capacity": 9}, "total-cost"),
+    "tsp": (wb.tsp, PLAIN, {}, "total-cost"),
+    "mdvrp": (wb.mdvrp, Sites.of("oabc", depot=[True, True, False, False]), {"vehicles": 2}, "total-cost"),
+    "min-cost-vrp": (wb.min_cost_vrp, PLAIN, {"max_duration": 14}, "total-cost"),
+    "min-makespan-vrp": (wb.min_makespan_vrp, PLAIN, {"vehicles": 2}, "makespan"),
+    "orienteering": (wb.orienteering, PLAIN, {"max_duration": 9}, "reward"),
+    "team-orienteering": (wb.team_orienteering, PLAIN, {"max_duration": 9, "vehicles": 2}, "reward"),
+    "makespan-orienteering": (wb.makespan_orienteering, PLAIN, {"max_duration": 9, "vehicles": 2}, "reward, then makespan"),
+    "recharging-vrp": (wb.recharging_vrp, PLAIN, {"energy": 12}, "makespan"),
+    "pdptw": (wb.pdptw, Sites.of("oabc", shipments=[Shipment(1, 2)]), {"capacity": 9}, "vehicles, then total-cost"),
 }
 
 
@@ -39,7 +39,7 @@ def test_each_has_its_name_and_its_objective(name):
     build, sites, given, objective = NAMES[name]
     problem = build(sites, TRAVEL, **given)
     assert (problem.problem, str(problem.objective)) == (name, objective)
-    assert str(members.DEFAULT_OBJECTIVE[name]) == objective and name in PROBLEMS
+    assert str(DEFAULT_OBJECTIVE[name]) == objective and name in PROBLEMS
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -73,40 +73,38 @@ def test_the_objective_of_a_file_is_that_of_its_own_problem():
 )
 def test_what_sites_that_may_be_left_out_are_worth_counts_by_default(sites, objective):
     made = Sites.of("oabc", **{**sites, "required": np.array(sites["required"], dtype=bool)})
-    assert str(members.default_objective("min-cost-vrp", made)) == objective
-    assert str(members.min_cost_vrp(made, TRAVEL).objective) == objective
-    assert str(members.default_objective("min-makespan-vrp", made)) == "makespan"
+    assert str(default_objective("min-cost-vrp", made)) == objective
+    assert str(wb.min_cost_vrp(made, TRAVEL).objective) == objective
+    assert str(default_objective("min-makespan-vrp", made)) == "makespan"
     pairs = replace(made, groups=(), shipments=(Shipment(2, 3),)) if made.required[2] == made.required[3] else None
     if pairs is not None and objective != "total-cost":
-        assert str(members.pdptw(pairs, TRAVEL, capacity=9).objective) == objective
+        assert str(wb.pdptw(pairs, TRAVEL, capacity=9).objective) == objective
 
 
 def test_a_problem_keeps_its_objective_in_its_file():
     made = Sites.of("oabc", required=False, reward=[0, 9, 9, 9])
     for aim in (None, TotalCost(), TotalCost() - Reward()):
-        problem = members.min_cost_vrp(made, TRAVEL, objective=aim)
+        problem = wb.min_cost_vrp(made, TRAVEL, objective=aim)
         again = RoutingProblem.from_instance(problem.to_instance())
         assert str(again.objective) == str(problem.objective) and again.digest() == problem.digest()
-    idle = members.min_cost_vrp(Sites.of("oabc", required=False), TRAVEL)
+    idle = wb.min_cost_vrp(Sites.of("oabc", required=False), TRAVEL)
     assert idle.to_instance().objective == ("total-cost",)
 
 
 def test_whatever_a_vehicle_type_takes_may_be_added():
-    problem = members.cvrp(
-        PLAIN, TRAVEL, capacity=9, vehicles=2, shift=(1, 50), skills={"cold"}, unit_duration_cost=2, min_vehicles=1, name="x"
-    )
+    problem = wb.cvrp(PLAIN, TRAVEL, capacity=9, vehicles=2, shift=(1, 50), skills={"cold"}, unit_duration_cost=2, min_vehicles=1, name="x")
     assert (problem.fleet[0].shift, problem.fleet[0].skills, problem.min_vehicles, problem.name) == ((1, 50), {"cold"}, 1, "x")
-    own = members.min_cost_vrp(PLAIN, TRAVEL, fleet=[VehicleType(1, speed=2)], objective=Objective.of(TotalCost()))
+    own = wb.min_cost_vrp(PLAIN, TRAVEL, fleet=[VehicleType(1, speed=2)], objective=Objective.of(TotalCost()))
     assert own.fleet[0].speed == 2
 
 
 @pytest.mark.parametrize(
     ("build", "given", "message"),
     [
-        (members.vrptw, {}, "no site has a time window"),
-        (members.mdvrp, {}, "there is one depot only"),
-        (members.pdptw, {"capacity": 5}, "there are no shipments"),
-        (members.makespan_orienteering, {"vehicles": 1, "weight": "printed"}, "the printed weight needs a limit of duration"),
+        (wb.vrptw, {}, "no site has a time window"),
+        (wb.mdvrp, {}, "there is one depot only"),
+        (wb.pdptw, {"capacity": 5}, "there are no shipments"),
+        (wb.makespan_orienteering, {"vehicles": 1, "weight": "printed"}, "the printed weight needs a limit of duration"),
     ],
 )
 def test_data_that_lack_what_the_name_stands_for_are_refused(build, given, message):
@@ -124,32 +122,32 @@ def test_data_that_lack_what_the_name_stands_for_are_refused(build, given, messa
 )
 def test_settings_that_mean_nothing_are_refused(given, message):
     with pytest.raises(UsageError, match=message):
-        members.min_cost_vrp(PLAIN, TRAVEL, **given)
+        wb.min_cost_vrp(PLAIN, TRAVEL, **given)
 
 
-@pytest.mark.parametrize("build", [members.orienteering, members.team_orienteering])
+@pytest.mark.parametrize("build", [wb.orienteering, wb.team_orienteering])
 def test_orienteering_needs_rewards(build):
     with pytest.raises(InputError, match="no site has a reward"):
-        build(Sites.of("oabc"), TRAVEL, **({} if build is members.orienteering else {"vehicles": 1}))
+        build(Sites.of("oabc"), TRAVEL, **({} if build is wb.orienteering else {"vehicles": 1}))
 
 
 def test_an_unknown_weight_is_refused():
     with pytest.raises(UsageError, match="unknown weight 'large'"):
-        members.makespan_orienteering(PLAIN, TRAVEL, vehicles=1, max_duration=9, weight="large")
+        wb.makespan_orienteering(PLAIN, TRAVEL, vehicles=1, max_duration=9, weight="large")
 
 
 @pytest.mark.parametrize(("limits", "weight"), [({"max_duration": 10}, 0.4), ({"energy": Energy(16, rate=2)}, 0.5)])
 def test_the_printed_weight_is_the_least_reward_over_the_longest_route(limits, weight):
-    problem = members.makespan_orienteering(PLAIN, TRAVEL, vehicles=2, weight="printed", **limits)
+    problem = wb.makespan_orienteering(PLAIN, TRAVEL, vehicles=2, weight="printed", **limits)
     assert str(problem.objective) == f"reward - {weight}*makespan"
 
 
 def test_homes_of_recharging_vehicles_are_counted():
     sites = Sites.of("oabc", depot=[True, True, False, False])
-    problem = members.recharging_vrp(sites, TRAVEL, energy=9, homes=[1, 0, 1], rate=2)
+    problem = wb.recharging_vrp(sites, TRAVEL, energy=9, homes=[1, 0, 1], rate=2)
     assert [(v.start, v.end, v.count, v.stations) for v in problem.fleet] == [(1, 1, 2, (0, 1)), (0, 0, 1, (0, 1))]
     with pytest.raises(InputError, match="starts or ends at site c, which is no depot; expected o, a"):
-        members.recharging_vrp(sites, TRAVEL, energy=9, homes=[3])
+        wb.recharging_vrp(sites, TRAVEL, energy=9, homes=[3])
 
 
 def test_every_term_has_a_name_of_its_own():

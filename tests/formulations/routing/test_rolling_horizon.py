@@ -11,7 +11,6 @@ import pytest
 from small_routing import varied
 
 import waybound as wb
-from waybound.formulations.routing import members
 from waybound.formulations.routing.objective import LatestReturn, Objective, Reward, TotalCost
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.errors import UsageError
@@ -23,7 +22,7 @@ LINE = np.abs(np.arange(6.0)[:, None] - np.arange(6.0)[None, :])
 
 
 def line(vehicles=2, sites=None, **limits):
-    return members.min_cost_vrp(sites or Sites.of("oabcde"), Travel(EXPLICIT, matrix=LINE), vehicles=vehicles, **limits)
+    return wb.min_cost_vrp(sites or Sites.of("oabcde"), Travel(EXPLICIT, matrix=LINE), vehicles=vehicles, **limits)
 
 
 PLAN = Routes.of([[1, 2, 5], [3, 4]])
@@ -100,7 +99,7 @@ def test_what_is_left_of_the_store(energy, left):
 
 def test_a_store_is_full_after_a_station():
     sites = Sites.of("oabcde", depot=[True, False, True, False, False, False])
-    problem = members.min_cost_vrp(
+    problem = wb.min_cost_vrp(
         sites, Travel(EXPLICIT, matrix=LINE), fleet=[VehicleType(1, energy=Energy(9, stations=(2,)), name="v"), VehicleType(1, name="w")]
     )
     plan = Routes((Route((1, 2, 3, 4), 0), Route((5,), 1)))
@@ -111,7 +110,7 @@ def test_a_store_is_full_after_a_station():
 
 def test_only_what_is_on_board_can_be_delivered():
     sites = Sites.of("oabcde", demand=[0, 1, 2, 3, 4, 5])
-    after = members.cvrp(sites, Travel(EXPLICIT, matrix=LINE), capacity=10, vehicles=2).continue_from(PLAN, 1.5)
+    after = wb.cvrp(sites, Travel(EXPLICIT, matrix=LINE), capacity=10, vehicles=2).continue_from(PLAN, 1.5)
     assert [v.capacity for v in after.fleet] == [5, 4]
 
 
@@ -124,7 +123,7 @@ def test_a_group_that_is_decided_is_left_out():
 
 def test_rewards_that_were_collected_count_no_more():
     sites = Sites.of("oabcde", reward=[0, 1, 2, 3, 4, 5])
-    problem = members.team_orienteering(sites, Travel(EXPLICIT, matrix=LINE), vehicles=2, max_duration=10)
+    problem = wb.team_orienteering(sites, Travel(EXPLICIT, matrix=LINE), vehicles=2, max_duration=10)
     after = problem.continue_from(Routes.of([[1, 2, 5]]), 1.5)
     assert after.evaluate(Routes((Route((after.sites.index()["e"],), 1),))).values == (5,)
     assert not after.sites.required.any()

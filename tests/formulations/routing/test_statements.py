@@ -1,4 +1,4 @@
-"""Routing problems without some of their moves: what the judge lets pass, and that no evidence proves more than the best of it."""
+"""Statements on moves and on the number of routes: no evidence on what they leave proves more than the best answer."""
 
 from __future__ import annotations
 
@@ -159,6 +159,20 @@ def test_a_forbidden_move_breaks_an_answer_in_words() -> None:
 def test_what_is_no_statement_on_a_move_is_refused(statement: object) -> None:
     with pytest.raises(InputError, match="not a statement on a move"):
         few("capacity", 0).restricted([(statement, True)])
+
+
+@pytest.mark.parametrize(
+    ("statement", "words", "opposite"),
+    [
+        ({"arc": ["1", "2"]}, "some route goes from 1 straight to 2", "no route goes from 1 straight to 2"),
+        ({"routes": 1}, "there is at most 1 route", "there are at least 2 routes"),
+        ({"routes": 2}, "there are at most 2 routes", "there are at least 3 routes"),
+    ],
+)
+def test_every_statement_can_be_said_in_words(statement: dict[str, Any], words: str, opposite: str) -> None:
+    problem = few("capacity", 0)
+    problem.check_statement(statement)
+    assert (problem.in_words(statement, True), problem.in_words(statement, False)) == (words, opposite)
 
 
 def test_forbidden_moves_must_fit_the_sites() -> None:

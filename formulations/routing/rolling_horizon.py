@@ -41,7 +41,7 @@ class UnderWay(NamedTuple):
 
 
 def continued(problem: RoutingProblem, plan: Routes, time: float) -> RoutingProblem:
-    """The problem that is left of ``problem`` at ``time``, if ``plan`` has been driven until then; see ``continue_from``."""
+    """The rest of ``problem`` at ``time``, if ``plan`` has been driven until then; see ``RoutingProblem.continue_from``."""
     if not math.isfinite(time):
         raise UsageError(f"a horizon begins at a moment, not at {time}")
     _refuse(problem, plan)
@@ -62,10 +62,10 @@ def continued(problem: RoutingProblem, plan: Routes, time: float) -> RoutingProb
     taken = done | starts  # of a group that is decided no other member is visited any more
     decided = {k for g in sites.groups if taken & set(g.sites) for k in g.sites}
     used = {k for v in fleet for k in (v.start, v.end, *v.reloads, *v.stations)}
-    left = set(problem.customers.tolist()) - taken - decided
-    if not left:
+    unplanned = set(problem.customers.tolist()) - taken - decided
+    if not unplanned:
         raise UsageError(f"nothing is left to plan at {moment_told(problem.clock, time)}: every site is served or next on its route")
-    keep = np.array(sorted(left | used), dtype=np.int64)
+    keep = np.array(sorted(unplanned | used), dtype=np.int64)
     changed = replace(
         sites, windows=tuple(() if k in starts else w for k, w in enumerate(sites.windows)),
         groups=tuple(g for g in sites.groups if not taken & set(g.sites)), **columns,
@@ -79,9 +79,9 @@ def continued(problem: RoutingProblem, plan: Routes, time: float) -> RoutingProb
 
 def _refuse(problem: RoutingProblem, plan: Routes) -> None:
     """Raise UsageError for a plan that breaks a constraint, but for the visits of sites that it does not know: those are new orders."""
-    held = problem.features() & set(REFUSED)
-    if held:
-        raise UsageError(f"a plan in progress cannot be continued with {', '.join(sorted(held))}")
+    refused = problem.features() & set(REFUSED)
+    if refused:
+        raise UsageError(f"a plan in progress cannot be continued with {', '.join(sorted(refused))}")
     problem.check_start(plan)
     visited = np.zeros(len(problem.sites), dtype=bool)
     visited[[site for route in plan for site in route.visits]] = True
@@ -157,12 +157,12 @@ def _committed(problem: RoutingProblem, under_way: list[UnderWay]) -> list[Vehic
 
 
 def _left(energy: Energy, v: UnderWay) -> Energy:
-    """The store on leaving the next stop. Of a vehicle under way the departure is fixed, whatever it was charged for."""
+    """The store on leaving the next stop. The departure of a vehicle under way is fixed, whatever it was charged for."""
     if energy.charge == "travel":
         drawn = energy.rate * v.on_the_move
         filled = v.on_the_move == 0.0 and v.stop in energy.stations
-        left = energy.capacity if filled else max(0.0, energy.at_departure - drawn)
-        return replace(energy, initial=left) if energy.stations else replace(energy, capacity=left, initial=None)
+        level = energy.capacity if filled else max(0.0, energy.at_departure - drawn)
+        return replace(energy, initial=level) if energy.stations else replace(energy, capacity=level, initial=None)
     drawn = energy.rate * (v.elapsed if energy.charge == "elapsed" else v.since_opening)
     charge = "elapsed-fixed-start" if energy.charge == "elapsed" else energy.charge
     return replace(energy, capacity=max(0.0, energy.at_departure - drawn), initial=None, charge=charge)

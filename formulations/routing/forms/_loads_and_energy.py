@@ -35,17 +35,17 @@ from numpy.typing import NDArray
 
 from ...programs.program import Floats
 from ...programs.rows import Ints, Part, rows
-from ._vehicle_columns import Drive, VehicleColumns, Written
+from ._vehicles import Drive, VehicleBlocks, VehicleColumns
 
 Loads = tuple[Floats, Floats, Floats]
 
 
-def add_loads(made: Written) -> None:
+def add_loads(blocks: VehicleBlocks) -> None:
     """Levels of the load dimensions for which the sum over a route does not say what is on board."""
-    sites, fleet = made.problem.sites, made.problem.fleet
-    at = made.types[0].prep.sites
+    sites, fleet = blocks.problem.sites, blocks.problem.fleet
+    at = blocks.types[0].prep.sites
     served = np.zeros(len(at))
-    served[1 : len(made.problem.customers) + 1] = 1.0
+    served[1 : len(blocks.problem.customers) + 1] = 1.0
     for k in range(sites.dimensions):
         demand = (sites.demand if k == 0 else sites.further_demand[:, k - 1])[at] * served
         pickup = (sites.pickup if k == 0 else sites.further_pickup[:, k - 1])[at] * served
@@ -59,28 +59,28 @@ def add_loads(made: Written) -> None:
         capacities = [v.capacities[k] if k < len(v.capacities) else math.inf for v in fleet]
         rises = bool((demand.any() and pickup.any()) or shipped.any())
         if (rises or any(v.reloads for v in fleet)) and total > 0 and not all(map(math.isinf, capacities)):
-            _load(made, "" if k == 0 else f"-{k + 1}", (demand, pickup, shipped), [min(c, total) for c in capacities])
+            _load(blocks, "" if k == 0 else f"-{k + 1}", (demand, pickup, shipped), [min(c, total) for c in capacities])
 
 
-def _load(made: Written, number: str, amounts: Loads, capacities: list[float]) -> None:
-    nodes, largest = np.arange(1, made.nodes + 1), max(capacities)
-    labels, row = (made.names,), np.arange(made.nodes)
+def _load(blocks: VehicleBlocks, number: str, amounts: Loads, capacities: list[float]) -> None:
+    nodes, largest = np.arange(1, blocks.nodes + 1), max(capacities)
+    labels, row = (blocks.names,), np.arange(blocks.nodes)
     names = ("undelivered", "collected", "shipped")
-    held = [name for name, amount in zip(names, amounts, strict=True) if amount.any()]
-    column = {name: made.add_columns(name + number, (nodes,), labels, 0.0, largest) for name in held}
+    used = [name for name, amount in zip(names, amounts, strict=True) if amount.any()]
+    column = {name: blocks.add_columns(name + number, (nodes,), labels, 0.0, largest) for name in used}
     for name, amount in zip(names, amounts, strict=True):
         if name in column:
-            _rise(made, name, number, amount, column[name], largest)
-    room: list[Part] = [(r, c, -capacities[k]) for k, kind in enumerate(made.types) for r, c, _ in made.visits(nodes, [kind])]
-    made.rows.append(rows(f"room{number}", made.nodes, [*((row, first + row, 1.0) for first in column.values()), *room], upper=0.0,
+            _rise(blocks, name, number, amount, column[name], largest)
+    room: list[Part] = [(r, c, -capacities[k]) for k, kind in enumerate(blocks.types) for r, c, _ in blocks.visits(nodes, [kind])]
+    blocks.rows.append(rows(f"room{number}", blocks.nodes, [*((row, first + row, 1.0) for first in column.values()), *room], upper=0.0,
                           keys=(nodes,), labels=labels))  # fmt: skip
     if "undelivered" in column:
         demand = amounts[0][1:-1]
         before: list[Part] = [
-            (r, c, demand[r] - capacities[k]) for k, kind in enumerate(made.types) for r, c, _ in made.visits(nodes, [kind])
+            (r, c, demand[r] - capacities[k]) for k, kind in enumerate(blocks.types) for r, c, _ in blocks.visits(nodes, [kind])
         ]
         parts: list[Part] = [(row, column["undelivered"] + row, 1.0), *before]
-        made.rows.append(rows(f"before{number}", made.nodes, parts, upper=0.0, keys=(nodes,), labels=labels))
+        blocks.rows.append(rows(f"before{number}", blocks.nodes, parts, upper=0.0, keys=(nodes,), labels=labels))
 
     def encode(x: Floats, drives: list[Drive]) -> None:
         for d in drives:
@@ -88,26 +88,26 @@ def _load(made: Written, number: str, amounts: Loads, capacities: list[float]) -
                 if name in column:
                     x[column[name] + d.nodes[1:-1] - 1] = level
 
-    made.encoders.append(encode)
+    blocks.encoders.append(encode)
 
 
-def _rise(made: Written, name: str, number: str, amount: Floats, first: int, largest: float) -> None:
+def _rise(blocks: VehicleBlocks, name: str, number: str, amount: Floats, first: int, largest: float) -> None:
     """Rows along arcs between nodes, and the least level at each node."""
     chosen = []
-    for kind in made.types:
+    for kind in blocks.types:
         empties = np.isin(kind.prep.sites[kind.head], kind.vehicle.reloads) if name != "shipped" else np.zeros(len(kind.head), dtype=bool)
         chosen.append((kind, np.nonzero(kind.inner() & ~empties)[0]))
-    i, j, row, x = made.united(chosen)
+    i, j, row, x = blocks.united(chosen)
     size = np.arange(len(i))
     rising, falling = (i, j) if name == "undelivered" else (j, i)  # the level at the first is the larger
     big = np.maximum(0.0, largest + amount[j])
     parts: list[Part] = [(size, first + rising - 1, 1.0), (size, first + falling - 1, -1.0), (row, x, -big[row])]
-    made.rows.append(rows(name + number, len(i), parts, lower=amount[j] - big, keys=(i, j), labels=(made.names, made.names)))
+    blocks.rows.append(rows(name + number, len(i), parts, lower=amount[j] - big, keys=(i, j), labels=(blocks.names, blocks.names)))
     least = np.nonzero(amount > 0)[0]
     if name != "undelivered" and len(least):
         at = np.arange(len(least))
-        parts = [(at, first + least - 1, 1.0), *((r, c, -amount[least][r]) for r, c, _ in made.visits(least))]
-        made.rows.append(rows(f"{name}-least{number}", len(least), parts, lower=0.0, keys=(least,), labels=(made.names,)))
+        parts = [(at, first + least - 1, 1.0), *((r, c, -amount[least][r]) for r, c, _ in blocks.visits(least))]
+        blocks.rows.append(rows(f"{name}-least{number}", len(least), parts, lower=0.0, keys=(least,), labels=(blocks.names,)))
 
 
 def _aboard(d: Drive, amounts: Loads) -> dict[str, Floats]:
@@ -115,10 +115,10 @@ def _aboard(d: Drive, amounts: Loads) -> dict[str, Floats]:
     nodes = d.nodes[1:-1]
     empties = np.isin(d.kind.prep.sites[nodes], d.kind.vehicle.reloads) if d.kind.vehicle.reloads else np.zeros(len(nodes), dtype=bool)
     levels = {name: np.zeros(len(nodes)) for name in ("undelivered", "collected", "shipped")}
-    left = 0.0
+    undelivered = 0.0
     for at in range(len(nodes) - 1, -1, -1):
-        levels["undelivered"][at] = left
-        left = 0.0 if empties[at] else left + amounts[0][nodes[at]]
+        levels["undelivered"][at] = undelivered
+        undelivered = 0.0 if empties[at] else undelivered + amounts[0][nodes[at]]
     collected = shipped = 0.0
     for at, node in enumerate(nodes.tolist()):
         collected = 0.0 if empties[at] else collected + amounts[1][node]
@@ -127,21 +127,21 @@ def _aboard(d: Drive, amounts: Loads) -> dict[str, Floats]:
     return levels
 
 
-def add_residual_energy(made: Written) -> None:
+def add_residual_energy(blocks: VehicleBlocks) -> None:
     """Residual energy of the types that recharge on the way."""
-    for number, kind in enumerate(made.types):
+    for number, kind in enumerate(blocks.types):
         if kind.vehicle.stations:
-            _residual(made, kind, number)
+            _residual(blocks, kind, number)
 
 
-def _residual(made: Written, kind: VehicleColumns, number: int) -> None:
-    energy, prep, names = kind.vehicle.energy, kind.prep, [v.name for v in made.problem.fleet]
+def _residual(blocks: VehicleBlocks, kind: VehicleColumns, number: int) -> None:
+    energy, prep, names = kind.vehicle.energy, kind.prep, [v.name for v in blocks.problem.fleet]
     assert energy is not None
-    store, nodes = energy.capacity, np.arange(1, made.nodes + 1)
+    store, nodes = energy.capacity, np.arange(1, blocks.nodes + 1)
     full: NDArray[np.bool_] = np.isin(prep.sites, energy.stations)
     full[[0, -1]] = False
     draws = energy.rate * kind.with_idle(prep.duration, kind.idle_duration)
-    first = made.add_columns("residual", (nodes, np.full(len(nodes), number)), (made.names, names), 0.0, store)
+    first = blocks.add_columns("residual", (nodes, np.full(len(nodes), number)), (blocks.names, names), 0.0, store)
 
     def keyed(*at: Ints) -> tuple[Ints, ...]:
         return (*at, np.full(len(at[0]), number))
@@ -150,24 +150,24 @@ def _residual(made: Written, kind: VehicleColumns, number: int) -> None:
     i, j, f, row = kind.tail[arcs], kind.head[arcs], draws[arcs], np.arange(len(arcs))
     moves: Part = (np.repeat(row, kind.count), kind.together(arcs), np.repeat(store + f, kind.count))
     parts: list[Part] = [(row, first + j - 1, 1.0), (row, first + i - 1, -1.0), moves]
-    made.rows.append(rows("residual", len(arcs), parts, upper=store, keys=keyed(i, j), labels=(made.names, made.names, names)))
+    blocks.rows.append(rows("residual", len(arcs), parts, upper=store, keys=keyed(i, j), labels=(blocks.names, blocks.names, names)))
     arcs = np.nonzero((kind.head == prep.end) & (kind.tail != 0) & ~full[kind.tail])[0]
     i, row = kind.tail[arcs], np.arange(len(arcs))
     parts = [(row, first + i - 1, 1.0), (np.repeat(row, kind.count), kind.together(arcs), -np.repeat(draws[arcs], kind.count))]
-    made.rows.append(rows("home", len(arcs), parts, lower=0.0, keys=keyed(i), labels=(made.names, names)))
+    blocks.rows.append(rows("home", len(arcs), parts, lower=0.0, keys=keyed(i), labels=(blocks.names, names)))
     arcs = np.nonzero((kind.head != prep.end) & (full[kind.tail] | (kind.tail == 0)))[0]
     spent = draws[arcs] + np.where(kind.tail[arcs] == 0, store - energy.at_departure, 0.0)
-    row = np.arange(made.nodes)
+    row = np.arange(blocks.nodes)
     parts = [(row, first + row, 1.0), (np.repeat(kind.head[arcs] - 1, kind.count), kind.together(arcs), np.repeat(spent, kind.count))]
-    made.rows.append(rows("filled", made.nodes, parts, upper=store, keys=keyed(nodes), labels=(made.names, names)))
+    blocks.rows.append(rows("filled", blocks.nodes, parts, upper=store, keys=keyed(nodes), labels=(blocks.names, names)))
 
     def encode(x: Floats, drives: list[Drive]) -> None:
         for d in drives:
-            left = energy.at_departure
+            level = energy.at_departure
             for node, arc in zip(d.nodes[1:-1].tolist(), d.arcs.tolist(), strict=False):
-                left -= energy.rate * float(prep.duration[arc])
+                level -= energy.rate * float(prep.duration[arc])
                 if d.kind is kind:
-                    x[first + node - 1] = left
-                left = store if full[node] else left
+                    x[first + node - 1] = level
+                level = store if full[node] else level
 
-    made.encoders.append(encode)
+    blocks.encoders.append(encode)

@@ -1,5 +1,6 @@
-"""Evidence that there is no answer because the fleet is too small, or too many routes are asked for.
+"""Evidence that there is no answer; and ``vehicles-needed``, the routes that loads ask for at least.
 
+``infeasible-site``   no vehicle of any type can serve a required site
 ``too-few-vehicles``  the required demands exceed all capacities
 ``bin-packing``       the bound L2 on the vehicles for the required demands exceeds the fleet
 ``too-little-range``  driving, driving and service, or distance of all required sites exceed what the fleet has
@@ -8,29 +9,78 @@
 ``sites-beyond-fleet``  no choice of routes serves the few sites named
 ``too-few-sites``     more routes are asked for than there are sites within reach
 
-The bound that proves infeasibility is infinity for ``min`` and minus infinity for ``max``. In formulas:
-docs/formulations/routing.md#proofs-that-there-is-no-answer.
+In formulas: docs/formulations/routing.md#proofs-that-there-is-no-answer.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ...evidence import CHECKERS
-from .infeasible_site import out_of_reach, verdict
-from .known_features import least_moves
-from .route_limits import Limits, Nodes, allowed, clocks, limits_of, named_customers, servable_sets, summable, within_reach
+from ...checking.evidence_numbers import number
+from .known_features import Flags, Longs, least_moves, routing_evidence, unknown_features, without_stops
+from .round_trips import least_peak
+from .route_limits import Limits, able, allowed, clocks, limits_of, named_customers, servable_sets, summable, within_reach, within_stores
+from .vehicle_moves import terms_of
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
     from ..problem import RoutingProblem
+
+
+MOST_DETOURS = 5_000
+"""Customers among whom ways over others are looked for."""
+
+
+@routing_evidence("infeasible-site", "an unreachable site is")
+def check_infeasible_site(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
+    """Infinity if no route of any vehicle can visit the required ``site`` (its id) of ``data``; else nothing is proved."""
+    name = data.get("site")
+    index = problem.sites.index()
+    if not isinstance(name, str) or name not in index:
+        raise InputError("evidence names an unknown site", expected="the id of a site", found=str(name)[:80])
+    if not problem.sites.required[index[name]] or not summable(without_stops(problem)):
+        return verdict(proved=False)
+    return verdict(proved=not _can_be_served(problem, named_customers(problem, [name])[0]))
+
+
+def out_of_reach(problem: RoutingProblem) -> Flags:
+    """Sites that are shown here to be on no route of any vehicle, required or not; shape (sites,)."""
+    beyond, customers, relaxed = np.zeros(len(problem.sites), dtype=bool), problem.sites.customers, without_stops(problem)
+    if unknown_features(relaxed):
+        return beyond
+    if len(customers) > MOST_DETOURS:  # no matrix of moves: the demand alone tells
+        beyond[customers] = problem.sites.demand[customers] > max(allowed(v.capacity) for v in problem.fleet)
+    elif summable(relaxed):
+        beyond[customers] = ~np.any([near for _, near in _reached(problem, relaxed)], axis=0)
+    return beyond
+
+
+def verdict(*, proved: bool) -> float:
+    """Bound of a proof that there is no answer, and of no proof."""
+    return math.inf if proved else -math.inf
+
+
+def _reached(problem: RoutingProblem, relaxed: RoutingProblem) -> Iterator[tuple[Limits, Flags]]:
+    """For each vehicle type its limits ``without_stops``, and the customers that it may be able to visit."""
+    for vehicle, unstopped in zip(problem.fleet, relaxed.fleet, strict=True):
+        limits = limits_of(relaxed, unstopped)
+        yield limits, within_reach(limits) & able(problem, vehicle) & within_stores(problem, vehicle)
+
+
+def _can_be_served(problem: RoutingProblem, node: int) -> bool:
+    for limits, near in _reached(problem, without_stops(problem)):
+        if near[node - 1]:
+            others = np.nonzero(near)[0] + 1
+            if servable_sets(limits, np.array([node]), others[others != node], 1):
+                return True
+    return False
+
 
 MOST_ORDERS = 200_000
 """Orders of the named sites, times types of vehicle, up to which every choice of routes is tried: 8 sites of 4 types, 7 of 39."""
@@ -43,80 +93,66 @@ MOST_APART = 500
 
 RESOURCES = ("travel", "duration", "distance")
 
+SUBJECT = "a fleet too small is"
 
-def _refuse_others(problem: RoutingProblem) -> None:
-    if problem.family != "routing":
-        raise InputError("a fleet too small is evidence for routing problems", found=problem.family)
+
+def bins_needed(demand: list[float], capacity: float, k: float) -> int:
+    """The bound L2 on bins at a threshold k: what is above ``capacity - k`` shares its bin with nothing of size k or more.
+
+    Source: Martello and Toth 1990, *Knapsack Problems*, section 8.3.
+    """
+    huge = [d for d in demand if d > capacity - k]
+    large = [d for d in demand if capacity / 2 < d <= capacity - k]
+    small = [d for d in demand if k <= d <= capacity / 2]
+    rest = math.fsum([*small, *large]) - len(large) * capacity
+    return len(huge) + len(large) + max(0, math.ceil(rest / capacity - 1e-9))
 
 
 def _types(problem: RoutingProblem) -> dict[VehicleType, int]:
     """Types of vehicle that differ in what they can do, and how many of each can be on a route at once."""
     n = len(problem.sites.customers)
-    found: dict[VehicleType, int] = {}
+    types: dict[VehicleType, int] = {}
     for v in problem.fleet:
         kind = replace(v, count=None, name="", fixed_cost=0.0, unit_cost=1.0, committed=False)
-        found[kind] = min(n, found.get(kind, 0) + (n if v.count is None else v.count))
-    return found
+        types[kind] = min(n, types.get(kind, 0) + (n if v.count is None else v.count))
+    return types
 
 
-@CHECKERS.register("too-few-vehicles")
+@routing_evidence("too-few-vehicles", SUBJECT)
 def check_too_few_vehicles(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Whether all vehicles together cannot carry the demand of the required sites; nothing of ``data`` is read."""
-    _refuse_others(problem)
+    """Infinity if all vehicles together cannot carry the demand of the required sites; nothing of ``data`` is read."""
     if not summable(problem):
-        return verdict(problem, proved=False)
+        return verdict(proved=False)
     total = math.fsum(problem.sites.demand[problem.sites.required])
     room = math.fsum(count * allowed(v.capacity) for v, count in _types(problem).items())
-    return verdict(problem, proved=total * (1 - 1e-12) > room)
+    return verdict(proved=total * (1 - 1e-12) > room)
 
 
-@CHECKERS.register("bin-packing")
+@routing_evidence("bin-packing", SUBJECT)
 def check_bin_packing(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Whether the required demands need more vehicles than the fleet has, by the bound L2, all as large as the largest.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-    data : dict
-        ``threshold``: a size k. Demands above capacity - k share no vehicle with one of k or more.
-
-    Notes
-    -----
-    Source: Martello and Toth 1990, *Knapsack Problems*, section 8.3.
-    """
-    _refuse_others(problem)
+    """Infinity if the required demands need more vehicles than there are, by the bound L2 at ``data``'s ``threshold``."""
     k = data.get("threshold")
     if isinstance(k, bool) or not isinstance(k, int | float) or not math.isfinite(k):
         raise InputError("evidence of bin packing has no finite threshold", found=str(k)[:80])
     largest = allowed(max(v.capacity for v in problem.fleet))
     if not summable(problem) or not 0 < largest < math.inf or not 0 <= k <= largest / 2:
-        return verdict(problem, proved=False)
+        return verdict(proved=False)
     demand = problem.sites.demand[problem.sites.required].tolist()
-    huge = [d for d in demand if d > largest - k]
-    large = [d for d in demand if largest / 2 < d <= largest - k]
-    small = [d for d in demand if k <= d <= largest / 2]
-    rest = math.fsum([*small, *large]) - len(large) * largest
-    need = len(huge) + len(large) + max(0, math.ceil(rest / largest - 1e-9))
-    return verdict(problem, proved=need > sum(_types(problem).values()))
+    return verdict(proved=bins_needed(demand, largest, k) > sum(_types(problem).values()))
 
 
-@CHECKERS.register("too-little-range")
+@routing_evidence("too-little-range", SUBJECT)
 def check_too_little_range(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Whether the required sites use more of a resource, each counted with the shortest move to it, than the fleet has.
+    """Infinity if the required sites use more of ``resource``, each counted with the shortest move to it, than the fleet has.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    data : dict
-        ``resource``: ``travel`` (time on the move), ``duration`` (and service) or ``distance``.
+    ``data``: ``resource``, one of ``travel`` (time on the move), ``duration`` (and service) and ``distance``.
     """
-    _refuse_others(problem)
     resource = data.get("resource")
     if resource not in RESOURCES:
         raise InputError("evidence names an unknown resource", expected=", ".join(RESOURCES), found=str(resource)[:80])
     sites, customers = problem.sites, problem.sites.customers
     if not summable(problem) or not sites.required.any():
-        return verdict(problem, proved=False)
+        return verdict(proved=False)
     moves = least_moves(problem)[0 if resource == "distance" else 1].copy()
     np.fill_diagonal(moves, math.inf)
     must = np.nonzero(sites.required)[0]
@@ -133,22 +169,15 @@ def check_too_little_range(problem: RoutingProblem, data: Mapping[str, Any]) -> 
             if vehicle.energy is not None and (resource == "travel" or vehicle.energy.charge != "travel"):
                 ends.append(allowed(vehicle.energy.capacity) / vehicle.energy.rate + limits.rounding)
         room += count * max(0.0, min(ends))
-    return verdict(problem, proved=math.fsum(used) * (1 - 1e-12) > room)
+    return verdict(proved=math.fsum(used) * (1 - 1e-12) > room)
 
 
-@CHECKERS.register("too-little-time")
+@routing_evidence("too-little-time", SUBJECT)
 def check_too_little_time(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Whether the required ``sites`` can only be begun between two moments, and ask for more time than all vehicles have between them.
+    """Infinity if the required ``sites`` must be begun between ``from`` and ``until``, and ask for more time than there is.
 
     Of a vehicle's sites among them, all but the last are served, and all but the first driven to, before the last one begins.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-    data : dict
-        ``sites``; ``from``, ``until``: the two moments.
     """
-    _refuse_others(problem)
     moments = [data.get("from"), data.get("until")]
     low, high = (float(x) if isinstance(x, int | float) and not isinstance(x, bool) else math.nan for x in moments)
     if not math.isfinite(low) or not math.isfinite(high):
@@ -157,7 +186,7 @@ def check_too_little_time(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     sites, at = problem.sites, problem.sites.customers
     earliest, latest, size, rounding = np.full(len(at), math.inf), np.full(len(at), -math.inf), 0.0, 0.0
     if not summable(problem) or len(at) < 2:
-        return verdict(problem, proved=False)
+        return verdict(proved=False)
     for vehicle in _types(problem):
         limits = limits_of(problem, vehicle)
         reached, home = clocks(limits)
@@ -165,7 +194,7 @@ def check_too_little_time(problem: RoutingProblem, data: Mapping[str, Any]) -> f
         latest = np.maximum(latest, np.minimum(limits.due[1:-1], limits.due[-1] - home))
         size, rounding = max(size, limits.horizon), max(rounding, limits.rounding)
     if not (sites.required[at] & (earliest >= low) & (latest <= high))[named].all():
-        return verdict(problem, proved=False)
+        return verdict(proved=False)
     moves = least_moves(problem)[1][np.ix_(at, at)].copy()
     np.fill_diagonal(moves, math.inf)
     vehicles = min(sum(_types(problem).values()), len(named))
@@ -173,16 +202,15 @@ def check_too_little_time(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     kept = len(named) - vehicles
     need = math.fsum([*service[:kept].tolist(), *reach[:kept].tolist()])
     room = vehicles * max(0.0, allowed(high, size, rounding) - low)
-    return verdict(problem, proved=need * (1 - 1e-12) > room)
+    return verdict(proved=need * (1 - 1e-12) > room)
 
 
-@CHECKERS.register("sites-apart")
+@routing_evidence("sites-apart", SUBJECT)
 def check_sites_apart(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Whether no two of the required ``sites`` fit on one route, and fewer vehicles than sites can serve any of them."""
-    _refuse_others(problem)
+    """Infinity if no two of the required ``sites`` fit on one route, and fewer vehicles than sites can serve any of them."""
     named = np.array(named_customers(problem, data.get("sites")))
     if not summable(problem) or len(named) > MOST_APART or not problem.sites.required[problem.sites.customers[named - 1]].all():
-        return verdict(problem, proved=False)
+        return verdict(proved=False)
     vehicles = 0
     for vehicle, count in _types(problem).items():
         limits = limits_of(problem, vehicle)
@@ -191,18 +219,17 @@ def check_sites_apart(problem: RoutingProblem, data: Mapping[str, Any]) -> float
         # Ways lead over all customers within reach, the named ones too: what joins two of them may be a third.
         sets = servable_sets(limits, mine, np.nonzero(near)[0] + 1, 2) if len(mine) else set()
         if any(mask & (mask - 1) for mask in sets):
-            return verdict(problem, proved=False)
+            return verdict(proved=False)
         vehicles += count if sets else 0
-    return verdict(problem, proved=len(named) > vehicles)
+    return verdict(proved=len(named) > vehicles)
 
 
-@CHECKERS.register("sites-beyond-fleet")
+@routing_evidence("sites-beyond-fleet", SUBJECT)
 def check_sites_beyond_fleet(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Whether no choice of routes serves the few ``sites`` named; where all customers are, the least number of routes counts too."""
-    _refuse_others(problem)
+    """Infinity if no choice of routes serves the few ``sites``; where all customers are named, ``min_vehicles`` counts too."""
     named, types = np.array(named_customers(problem, data.get("sites"))), _types(problem)
     if not summable(problem) or len(named) > 10 or math.factorial(len(named)) * len(types) > MOST_ORDERS:
-        return verdict(problem, proved=False)
+        return verdict(proved=False)
     sets, reached = [], np.zeros(len(problem.sites.customers), dtype=bool)
     for vehicle in types:
         limits = limits_of(problem, vehicle)
@@ -212,10 +239,10 @@ def check_sites_beyond_fleet(problem: RoutingProblem, data: Mapping[str, Any]) -
     reached[named - 1] = False
     least = 0 if reached.any() else problem.min_vehicles
     required = problem.sites.required[problem.sites.customers[named - 1]].tolist()
-    return verdict(problem, proved=not _can_cover(sets, list(types.values()), required, least))
+    return verdict(proved=not _can_cover(sets, list(types.values()), required, least))
 
 
-def _spread(limits: Limits, named: Nodes, near: NDArray[np.bool_]) -> list[int]:
+def _spread(limits: Limits, named: Longs, near: Flags) -> list[int]:
     """Sets of the sites ``named`` that one route can serve, as masks over their positions."""
     place = np.nonzero(near[named - 1])[0].tolist()
     through = np.setdiff1d(np.nonzero(near)[0] + 1, named)
@@ -245,9 +272,28 @@ def _can_cover(sets: list[list[int]], counts: list[int], required: list[bool], l
     return False
 
 
-@CHECKERS.register("too-few-sites")
+@routing_evidence("too-few-sites", SUBJECT)
 def check_too_few_sites(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-    """Whether more routes are asked for than sites can be visited; nothing of ``data`` is read."""
-    _refuse_others(problem)
+    """Infinity if more routes are asked for than sites can be visited; nothing of ``data`` is read."""
     visitable = len(problem.sites.customers) - int(out_of_reach(problem).sum())
-    return verdict(problem, proved=problem.min_vehicles > visitable)
+    return verdict(proved=problem.min_vehicles > visitable)
+
+
+@routing_evidence("vehicles-needed")
+def check_vehicles_needed(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
+    """Bound on a level of the number of vehicles and maxima, beside costs and durations, by bin packing.
+
+    ``data``: ``threshold``, a size of the bound L2; all vehicles are taken for as large as the largest.
+    docs/formulations/routing.md#vehicles.
+    """
+    k, relaxed, terms = number(data, "threshold"), without_stops(problem), terms_of(problem)
+    sites = problem.sites
+    if problem.sense != "min" or terms is None or unknown_features(relaxed) or terms.vehicles < 0 or terms.reward or terms.penalties < 0:
+        return -math.inf
+    need, capacity = int(sites.required.any()), allowed(max(v.capacity for v in relaxed.fleet))
+    if 0 < capacity < math.inf and 0 <= k <= capacity / 2:
+        demand = sites.demand[sites.required].tolist()
+        need = max(need, bins_needed(demand, capacity, k))
+    fixed = min(v.fixed_cost for v in problem.fleet)
+    peaks = math.fsum(w * least_peak(relaxed, peak) for peak, w in terms.peaks.items())
+    return ((terms.vehicles + terms.cost * fixed) * max(need, problem.min_vehicles) + peaks) * (1.0 - 1e-15 * (terms.cost > 0 or peaks > 0))

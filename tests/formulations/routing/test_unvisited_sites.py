@@ -11,10 +11,10 @@ import pytest
 from small_routing import WHOLE_FAMILY, varied
 
 import waybound as wb
-from waybound.formulations.routing import left_out as module
+from waybound.formulations.routing import unvisited_sites as module
 from waybound.formulations.routing.insertion import orders
-from waybound.formulations.routing.left_out import UNEXPLAINED, left_out
 from waybound.formulations.routing.routes import Route, Routes
+from waybound.formulations.routing.unvisited_sites import UNEXPLAINED, left_out
 from waybound.instances.routing.instance import Group, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import RoutingTruth

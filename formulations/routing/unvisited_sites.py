@@ -1,6 +1,7 @@
 """Why an answer leaves sites out.
 
-That no vehicle can serve a site, whatever else it does, is proved from the data (``reachability``, confirmed by ``checking``). All else is
+That no vehicle can serve a site, whatever else it does, is proved from the data (``reachability``, confirmed by ``checking``). All else
+is
 said of this answer: what each place for the site in its routes, as they are, would break or change.
 """
 
@@ -12,21 +13,18 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..evidence import LeftOut
 from ..tolerance import EQUAL
 from .insertion import LIMITS, Insertions, Places, is_plain, judged, orders
 from .objective import Penalties, Reward
 from .reachability import unreachable
-from .routes import Route, Routes
+from .routes import Floats, Longs, Route, Routes
 from .schedule import opening, schedule
 
 if TYPE_CHECKING:
     from .problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 MOST_JUDGED = 20_000
 """Routes that are judged one by one; sites for which more would be are only said to be left out."""
@@ -55,32 +53,26 @@ WORDS = {
 def left_out(problem: RoutingProblem, answer: Routes) -> tuple[LeftOut, ...]:
     """The customers that ``answer`` does not visit, in site order, each with the reason.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    answer : Routes
-
-    Notes
-    -----
     Wordings and what they claim: docs/formulations/routing.md#sites-left-out.
     """
     visited = {site for route in answer for site in route.visits}
-    left = [site for site in problem.customers.tolist() if site not in visited]
-    if not left:
+    unvisited = [site for site in problem.customers.tolist() if site not in visited]
+    if not unvisited:
         return ()
     ids, groups = problem.sites.ids, {site: group.sites for group in problem.sites.groups for site in group.sites}
-    reasons = dict.fromkeys(left, UNEXPLAINED)
+    reasons = dict.fromkeys(unvisited, UNEXPLAINED)
     beyond = {site: f"no vehicle can serve it: {why}" for site, why in unreachable(problem).items() if site in reasons}
-    chosen = {site: next((k for k in groups.get(site, ()) if k in visited), None) for site in left}
+    chosen = {site: next((k for k in groups.get(site, ()) if k in visited), None) for site in unvisited}
     reasons |= {site: f"its alternative {ids[k]} is visited" for site, k in chosen.items() if k is not None}
     reasons |= beyond
-    open_sites = [site for site in left if reasons[site] == UNEXPLAINED]
+    open_sites = [site for site in unvisited if reasons[site] == UNEXPLAINED]
     wrong = {violation.check for violation in problem.evaluate(answer).violations}
     if open_sites and wrong <= {"visits", "groups"} and "team-risk" not in problem.features():  # which places alone do not tell
         reasons |= dict(_Answer(problem, answer).reasons(open_sites))
-    required = problem.sites.required
-    told = {site: why.replace("optional", "required", 1) if required[site] and why == UNEXPLAINED else why for site, why in reasons.items()}
-    return tuple(LeftOut(ids[site], told[site], site in beyond) for site in left)
+    for site in unvisited:
+        if problem.sites.required[site] and reasons[site] == UNEXPLAINED:
+            reasons[site] = UNEXPLAINED.replace("optional", "required", 1)
+    return tuple(LeftOut(ids[site], reasons[site], site in beyond) for site in unvisited)
 
 
 class _Answer:
@@ -104,8 +96,8 @@ class _Answer:
 
     def _sums(self, route: Route) -> Floats:
         plan = schedule(self.problem, route)
-        found = np.array([plan.total_distance, plan.duration, plan.finish])
-        return np.append(found, self._cost(route.vehicle, found[0], found[1]))
+        amounts = np.array([plan.total_distance, plan.duration, plan.finish])
+        return np.append(amounts, self._cost(route.vehicle, amounts[0], amounts[1]))
 
     def _cost(self, kind: int, distance: Floats, duration: Floats) -> Floats:
         v = self.problem.fleet[kind]
@@ -115,7 +107,7 @@ class _Answer:
         return np.asarray(cost)
 
     def reasons(self, sites: Sequence[int]) -> Iterator[tuple[int, str]]:
-        """Of each site that is looked at, in the problem's words."""
+        """The reason of each site that is looked at, in the problem's words."""
         ends = {k for x in self.problem.sites.shipments for k in (x.pickup, x.delivery)}
         shipped = {k: self._with(k) for k in sites if k in ends}
         if is_plain(self.problem):
@@ -132,58 +124,57 @@ class _Answer:
                 continue
             tally = _Tally(1, len(self.problem.senses))
             for number, route in enumerate(self.routes):
-                found = judged(self.problem, [Route(v, route.vehicle) for listed in lists for v in orders(route.visits, listed)])
-                tally.add(number, found, *self._changes(number, found, np.array(lists[:1])))
+                places = judged(self.problem, [Route(v, route.vehicle) for listed in lists for v in orders(route.visits, listed)])
+                tally.add(number, places, *self._changes(number, places, np.array(lists[:1])))
             companions = ", ".join(self.problem.sites.ids[k] for k in lists[0] if k != site)
-            yield site, (f"with {companions}: " if companions else "") + self._told(tally, 0, lists[0])
+            yield site, (f"with {companions}: " if companions else "") + self._reason(tally, 0, lists[0])
 
     def _with(self, site: int) -> list[tuple[int, ...]]:
         """The sites that are visited with ``site`` or not at all, in each order of pickups before deliveries; none if they are many."""
-        shipments, found, grown = self.problem.sites.shipments, {site}, True
+        shipments, together, grown = self.problem.sites.shipments, {site}, True
         while grown:
-            more = {k for x in shipments for k in (x.pickup, x.delivery) if {x.pickup, x.delivery} & found}
-            grown, found = not more <= found, found | more
-        pairs = [(x.pickup, x.delivery) for x in shipments if x.pickup in found]
-        every = itertools.permutations(sorted(found)) if len(found) <= MOST_TOGETHER else iter(())
+            more = {k for x in shipments for k in (x.pickup, x.delivery) if {x.pickup, x.delivery} & together}
+            grown, together = not more <= together, together | more
+        pairs = [(x.pickup, x.delivery) for x in shipments if x.pickup in together]
+        every = itertools.permutations(sorted(together)) if len(together) <= MOST_TOGETHER else iter(())
         return [listed for listed in every if all(listed.index(p) < listed.index(d) for p, d in pairs)]
 
-    def _plain(self, sites: Indices) -> Iterator[tuple[int, str]]:
+    def _plain(self, sites: Longs) -> Iterator[tuple[int, str]]:
         tally = _Tally(len(sites), len(self.problem.senses))
         for number, route in enumerate(self.routes):
             places, step = Insertions(self.problem, route), max(1, STRIP // (len(route) + 1))
             for first in range(0, len(sites), step):
                 part = slice(first, first + step)
-                found = places.of(sites[part])
-                tally.add(number, found, *self._changes(number, found, sites[part, None]), part)
+                inserted = places.of(sites[part])
+                tally.add(number, inserted, *self._changes(number, inserted, sites[part, None]), part)
         for k, site in enumerate(sites.tolist()):
-            yield site, self._told(tally, k, (site,))
+            yield site, self._reason(tally, k, (site,))
 
-    def _changes(self, number: int, found: Places, sites: Indices) -> tuple[Floats, Floats]:
-        """By how much each level of the objective is worse at each place, shape (levels, sites, places), and what visits are worth there,
-        shape (levels, sites)."""
+    def _changes(self, number: int, places: Places, sites: Longs) -> tuple[Floats, Floats]:
+        """By how much each level of the objective is worse at each place, shape (levels, sites, places), and the worth of visits there."""
         problem, old = self.problem, self.sums[number]
         s, others = problem.sites, np.delete(self.all_sums, number, axis=0)
         most = others.max(axis=0, initial=0.0)
         most[2] = others[:, 2].max(initial=min(opening(problem, v) for v in problem.fleet))  # the latest return where nobody drives
         largest = np.maximum(most, old)
         changes = {
-            "total-cost": self._cost(self.routes[number].vehicle, found.distance, found.duration) - old[3],
-            "total-duration": found.duration - old[1],
-            "makespan": np.maximum(found.duration, most[1]) - largest[1],
-            "longest-route": np.maximum(found.distance, most[0]) - largest[0],
-            "latest-return": np.maximum(found.finish, most[2]) - largest[2],
-            "vehicles": np.full(found.distance.shape, float(not self.routes[number].visits)),
+            "total-cost": self._cost(self.routes[number].vehicle, places.distance, places.duration) - old[3],
+            "total-duration": places.duration - old[1],
+            "makespan": np.maximum(places.duration, most[1]) - largest[1],
+            "longest-route": np.maximum(places.distance, most[0]) - largest[0],
+            "latest-return": np.maximum(places.finish, most[2]) - largest[2],
+            "vehicles": np.full(places.distance.shape, float(not self.routes[number].visits)),
         }
         worth = {"reward": s.reward[sites].sum(axis=1), "penalties": -s.penalty[sites].sum(axis=1)}
         worse, prizes = [], []
         for level in problem.objective.levels():
             sign = 1.0 if level.sense == "min" else -1.0
             prizes.append(-sign * sum((w * worth[t.name] for w, t in level.terms if t.name in worth), start=np.zeros(len(sites))))
-            zero = np.zeros(found.distance.shape)
+            zero = np.zeros(places.distance.shape)
             worse.append(sign * sum((w * changes[t.name] for w, t in level.terms if t.name in changes), start=zero) - prizes[-1][:, None])
         return np.array(worse), np.array(prizes)
 
-    def _told(self, tally: _Tally, k: int, sites: Sequence[int]) -> str:
+    def _reason(self, tally: _Tally, k: int, sites: Sequence[int]) -> str:
         it, levels = "it" if len(sites) == 1 else "them", self.problem.objective.levels()
         if tally.best[0, k] == math.inf:
             return self._no_room(tally, k, it)
@@ -227,7 +218,7 @@ def _by(name: str, amount: float) -> str:
 
 
 class _Tally:
-    """What was found at all places that were looked at, one entry a site."""
+    """Excess and changes at all places that were looked at, one entry a site."""
 
     def __init__(self, sites: int, levels: int) -> None:
         self.tried = np.zeros(sites)
@@ -237,14 +228,14 @@ class _Tally:
         self.best, self.prize = np.full((levels, sites), math.inf), np.zeros((levels, sites))
         self.route, self.place = np.zeros(sites, dtype=np.int64), np.zeros(sites, dtype=np.int64)
 
-    def add(self, number: int, found: Places, worse: Floats, prize: Floats, part: slice = slice(None)) -> None:
+    def add(self, number: int, places: Places, worse: Floats, prize: Floats, part: slice = slice(None)) -> None:
         """Count the places of one route for the sites ``part``."""
-        sites, places = found.distance.shape
-        free = np.ones((sites, places), dtype=bool)
-        self.tried[part] += places
+        sites, count = places.distance.shape
+        free = np.ones((sites, count), dtype=bool)
+        self.tried[part] += count
         self.prize[:, part] = prize
         for name in LIMITS:
-            over = found.excess.get(name)
+            over = places.excess.get(name)
             if over is None:
                 self.least_everywhere[name][part] = 0.0
                 continue
