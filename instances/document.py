@@ -131,15 +131,16 @@ def real(data: Any, path: str, *, null: float | None = None) -> float:
     return value
 
 
-def integer(data: Any, path: str, least: int) -> int:
-    """A whole number of at least ``least``."""
-    if isinstance(data, bool) or not isinstance(data, int) or not least <= data < 10**18:
-        raise InputError(f"{path} must be a whole number", expected=f"{least} or more", found=kind_of(data))
+def integer(data: Any, path: str, least: int, most: int | None = None) -> int:
+    """A whole number of at least ``least``, and at most ``most`` where that is given."""
+    if isinstance(data, bool) or not isinstance(data, int) or not least <= data < (10**18 if most is None else most + 1):
+        expected = f"{least} or more" if most is None else f"{least} to {most}"
+        raise InputError(f"{path} must be a whole number", expected=expected, found=kind_of(data))
     return data
 
 
-def reals(data: Any, path: str, length: int, *, null: float | None = None) -> Floats:
-    """A list of finite numbers, as an array of the given length."""
+def reals(data: Any, path: str, length: int | None = None, *, null: float | None = None) -> Floats:
+    """A list of finite numbers as an array, of the given length where one is given."""
     items = array(data, path, length)
     if all(type(item) is float or type(item) is int for item in items):
         try:
@@ -170,9 +171,25 @@ def flags(data: Any, path: str, length: int) -> NDArray[np.bool_]:
     return np.array(items, dtype=bool)
 
 
+def matrix(data: Any, path: str, rows: int | None = None, columns: int | None = None, *, null: float | None = None) -> Floats:
+    """A list of rows, all of one length, as an array; rows and columns are as many as there are where no number is given."""
+    lists = array(data, path, rows)
+    width = columns if columns is not None else len(array(lists[0], f"{path}[0]")) if lists else 0
+    values = [reals(row, f"{path}[{k}]", width, null=null) for k, row in enumerate(lists)]
+    return np.array(values, dtype=np.float64).reshape(len(lists), width)
+
+
 def square(data: Any, path: str, size: int) -> Floats:
     """A list of rows, as an array of shape (size, size)."""
-    return np.array([reals(row, f"{path}[{k}]", size) for k, row in enumerate(array(data, path, size))]).reshape(size, size)
+    return matrix(data, path, size, size)
+
+
+def positions(data: Mapping[str, Any], path: str, count: int, keys: Sequence[str] = ("x", "y")) -> Floats | None:
+    """Places in columns of an object, as an array of shape (count, 2); None where there are none."""
+    there = [key for key in keys if key in data]
+    if len(there) == 1:
+        raise InputError(f"{path} has one coordinate alone", expected=" and ".join(keys), found=there[0])
+    return np.column_stack([reals(data[key], f"{path}.{key}", count) for key in keys]) if there else None
 
 
 def kind_of(data: Any) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ from .errors import InputError
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
+T = TypeVar("T", bound=np.generic)
 
 LARGEST_NUMBER = 2**31 - 2
 """Largest number of anything that is counted: indices have 32 bits."""
@@ -62,7 +63,7 @@ def reals(what: str, values: ArrayLike) -> Floats:
     return np.ascontiguousarray(array) if array.ndim else array
 
 
-def frozen(values: NDArray[Any]) -> Any:
+def frozen(values: NDArray[T]) -> NDArray[T]:
     """A view that cannot be written through; the caller's own array stays as it is."""
     view = values.view()
     view.setflags(write=False)

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import number_arrays as arrays
+from ..declared import LARGEST, Axis, Count, Declared, NameOf, Names, Numbers, extent
+from ..document import fields, json_numbers, matrix, reals, wholes
 from ..errors import InputError
-from ..instance import digest
-from ..text import label
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,12 +24,12 @@ Indices = NDArray[np.int32]
 PROBLEMS = ("bin-assignment", "bottleneck-assignment")
 """What may be asked of such data."""
 
-LARGEST = 1e150
-"""Of a cost: sums and squares stay finite."""
+PAIR_KEYS = ("robot", "bin", "cost")
+"""Lists of JSON, one entry a pair."""
 
 
-@dataclass(frozen=True, eq=False)
-class AssignmentInstance:
+@dataclass(frozen=True, eq=False, repr=False)
+class AssignmentInstance(Declared):
     """Which robot may be sent to which bin, and at what cost: complete or sparse.
 
     ``from_matrix``, ``from_pairs`` and ``from_frame`` make one from the user's own data; the constructor takes a CSR matrix.
@@ -64,22 +64,23 @@ class AssignmentInstance:
     Source: Zhang (2015), Multi-robot coordination, section 3.4.2; docs/formulations/bin-assignment.md#model.
     """
 
-    kind: ClassVar[str] = "assignment"
-    num_robots: int
-    num_bins: int
+    kind = "assignment"
+    problem_names = PROBLEMS
+    content = "assignments"
+    axes = (Axis("robot", positions="robot_positions"), Axis("bin", positions="bin_positions"))
+    keys = ("robots", "bins", "cost", "pairs")
+    hashed = ("num_robots", "num_bins", "indptr", "bins", "cost", "waits")
+    num_robots: Annotated[int, Count("robot")]
+    num_bins: Annotated[int, Count("bin")]
     indptr: Indices
     bins: Indices
     cost: Floats
-    filled: Floats | None = None
-    robot_names: tuple[str, ...] | None = None
-    bin_names: tuple[str, ...] | None = None
+    filled: Annotated[Floats | None, Numbers("bin", absent=math.inf, what="time until {} is full", each="time of being filled")] = None
+    robot_names: Names = None
+    bin_names: Names = None
     robot_positions: Floats | None = None
     bin_positions: Floats | None = None
-    name: str = "assignment"
-    format: str = "arrays"
-    problem: str = PROBLEMS[0]
-    problems: tuple[str, ...] = PROBLEMS
-    notes: tuple[str, ...] = field(default=())
+    robot_name, bin_name = NameOf("robot"), NameOf("bin")
 
     @classmethod
     def from_matrix(cls, costs: Any, **further: Any) -> AssignmentInstance:
@@ -177,41 +178,28 @@ class AssignmentInstance:
         pairs, found = arguments_of(costs)
         return (cls.from_pairs if pairs else cls.from_matrix)(**{**found, **further})
 
-    def __post_init__(self) -> None:
-        n, m = arrays.size("num_robots", self.num_robots), arrays.size("num_bins", self.num_bins)
-        if not n or not m:
-            raise InputError(f"there are no {'robots' if not n else 'bins'}", expected="one at least")
+    def refuse_counts(self) -> None:
+        super().refuse_counts()
+        if len(self.counts) == 2:
+            for what, count in self.sizes().items():
+                arrays.refuse_unused(what, count, len(self.bins), "pairs")
+
+    def arrange(self) -> None:
         indptr, bins, cost = arrays.indices("indptr", self.indptr), arrays.indices("bins", self.bins), arrays.reals("cost", self.cost)
-        for what, count in (("robots", n), ("bins", m)):
-            arrays.refuse_unused(what, count, len(bins), "pairs")
-        if len(indptr) != n + 1 or cost.shape != bins.shape:
+        if len(indptr) != self.num_robots + 1 or cost.shape != bins.shape:
             raise InputError(
                 "indptr must have one entry more than robots, bins and cost one a pair", found=f"{len(indptr)}, {len(bins)}, {cost.size}"
             )
-        arrays.check_csr(indptr, bins, m, "robot", "bin", "pairs")
-        for key, values in (("indptr", indptr), ("bins", bins), ("cost", cost)):
-            object.__setattr__(self, key, arrays.frozen(values))
-        for what, count in (("robot", n), ("bin", m)):
-            known = arrays.names(what, getattr(self, f"{what}_names"), count)
-            object.__setattr__(self, f"{what}_names", known)
-            object.__setattr__(self, f"{what}_positions", arrays.positions(what, getattr(self, f"{what}_positions"), count, known))
-        object.__setattr__(self, "name", label(self.name))
+        arrays.check_csr(indptr, bins, self.num_bins, "robot", "bin", "pairs")
+        self.put(indptr=arrays.frozen(indptr), bins=arrays.frozen(bins), cost=arrays.frozen(cost))
+
+    def check_rest(self) -> None:
+        cost = self.cost
         if not (cost.min(initial=0.0) >= -LARGEST and cost.max(initial=0.0) <= LARGEST):  # NaN is neither
             k = int(np.argmax(~(np.abs(cost) <= LARGEST)))
-            robot = self.robot_name(int(np.searchsorted(indptr, k, side="right")) - 1)
-            pair = f"robot {robot} and bin {self.bin_name(int(bins[k]))}"
+            robot = self.robot_name(int(np.searchsorted(self.indptr, k, side="right")) - 1)
+            pair = f"robot {robot} and bin {self.bin_name(int(self.bins[k]))}"
             raise InputError(f"the cost of {pair} must be a number of at most {LARGEST:g}", found=str(cost[k]))
-        if self.filled is not None:
-            filled = arrays.reals("filled", self.filled)
-            if filled.shape != (m,):
-                raise InputError("there must be one time of being filled a bin", expected=str(m), found=str(filled.shape))
-            late = ~((filled >= 0) & ((filled <= LARGEST) | (filled == math.inf)))
-            if late.any():
-                k = int(np.argmax(late))
-                raise InputError(
-                    f"the time until bin {self.bin_name(k)} is full must be from 0 to {LARGEST:g}, or infinite", found=str(filled[k])
-                )
-            object.__setattr__(self, "filled", arrays.frozen(filled))
 
     # -- lookups -----------------------------------------------------------------------------------------------------
 
@@ -237,11 +225,10 @@ class AssignmentInstance:
         made[self.robots, self.bins] = self.cost
         return made
 
-    def robot_name(self, robot: int) -> str:
-        return str(robot + 1) if self.robot_names is None else self.robot_names[robot]
-
-    def bin_name(self, number: int) -> str:
-        return str(number + 1) if self.bin_names is None else self.bin_names[number]
+    @property
+    def waits(self) -> Floats:
+        """``filled``, empty where nobody has to wait."""
+        return np.zeros(0) if self.filled is None else self.filled
 
     def to_frame(self) -> pd.DataFrame:
         """One row a pair: robot, bin, cost."""
@@ -250,29 +237,46 @@ class AssignmentInstance:
         names = [self.robot_name(k) for k in self.robots.tolist()], [self.bin_name(k) for k in self.bins.tolist()]
         return pd.DataFrame({"robot": names[0], "bin": names[1], "cost": self.cost})
 
-    def digest(self) -> str:
-        """Hash of everything that values depend on; names and positions are not part of it."""
-        filled = np.zeros(0) if self.filled is None else self.filled
-        return digest("assignment", self.num_robots, self.num_bins, self.indptr, self.bins, self.cost, filled)
-
     def facts(self) -> dict[str, Any]:
         """Sizes and ranges, as plain JSON values."""
         degree, used = np.diff(self.indptr), np.bincount(self.bins, minlength=self.num_bins)
         return {
-            "robots": self.num_robots,
-            "bins": self.num_bins,
+            **self.sizes(),
             "pairs": self.num_pairs,
             "forbidden": self.num_robots * self.num_bins - self.num_pairs,
             "bins_a_robot": [int(degree.min()), int(degree.max())],
             "robots_a_bin": [int(used.min()), int(used.max())],
-            "costs": [float(self.cost.min()), float(self.cost.max())] if self.num_pairs else [],
+            "costs": extent(self.cost),
             "whole_costs": bool((np.floor(self.cost) == self.cost).all()),
-            "not_yet_full": 0 if self.filled is None else int((self.filled > 0).sum()),
+            "not_yet_full": int((self.waits > 0).sum()),
             "positions": self.robot_positions is not None and self.bin_positions is not None,
         }
 
-    def __repr__(self) -> str:
-        return f"<AssignmentInstance {self.name}: {self.num_robots} robots, {self.num_bins} bins, {self.num_pairs} pairs>"
+    def told(self) -> Iterable[str]:
+        return (*super().told(), f"{self.num_pairs} pairs")
+
+    def write_own(self) -> dict[str, Any]:
+        """A matrix where at least half of all pairs are allowed, else lists of pairs."""
+        if 2 * self.num_pairs >= self.num_robots * self.num_bins:
+            return {"cost": json_numbers(self.matrix())}
+        return {"pairs": {"robot": self.robots.tolist(), "bin": self.bins.tolist(), "cost": json_numbers(self.cost)}}
+
+    @classmethod
+    def read_own(cls, data: Mapping[str, Any], counts: Mapping[str, int]) -> dict[str, Any]:
+        if ("cost" in data) == ("pairs" in data):
+            raise InputError("costs stand in one of two ways", expected="the key 'cost', a matrix, or the key 'pairs'")
+        if "cost" in data:
+            return {"costs": matrix(data["cost"], "cost", counts["robot"], counts["bin"], null=math.inf)}
+        pairs = fields(data["pairs"], "pairs", PAIR_KEYS, PAIR_KEYS)
+        robots = wholes(pairs["robot"], "pairs.robot")
+        bins, costs = wholes(pairs["bin"], "pairs.bin", len(robots)), reals(pairs["cost"], "pairs.cost", len(robots))
+        return {"robots": robots, "bins": bins, "costs": costs}
+
+    @classmethod
+    def of_parts(cls, **values: Any) -> AssignmentInstance:
+        if "robots" in values:
+            return cls.from_pairs(**values)
+        return cls.from_matrix(**{key: value for key, value in values.items() if key not in ("num_robots", "num_bins")})
 
 
 def _not_rectangular(costs: Iterable[Any]) -> InputError:

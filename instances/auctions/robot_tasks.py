@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import number_arrays as arrays
+from ..declared import LARGEST, Axis, Choice, Count, Declared, NameOf, Names, Numbers, extent
+from ..document import json_numbers, matrix
 from ..errors import InputError
-from ..instance import digest
 from ..memory import fits, readable
-from ..text import label
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,12 +26,12 @@ PROBLEMS = ("task-allocation", "balanced-partition")
 METRICS = ("euclidean", "manhattan", "chebyshev", "matrix")
 """Rules from places to distances; chebyshev counts the moves on a grid of eight neighbours."""
 
-LARGEST = 1e150
-"""Of a coordinate, a distance or a weight: sums and products stay finite."""
+MOST_IN_FILES = 100_000
+"""Robots or tasks of a file."""
 
 
-@dataclass(frozen=True, eq=False)
-class RobotTasks:
+@dataclass(frozen=True, eq=False, repr=False)
+class RobotTasks(Declared):
     """Robots with starts, tasks, and distances. Rows of distances are robots, then tasks; columns are tasks, for nobody returns.
 
     ``of_positions``, ``of_distances``, ``from_frame`` and ``from_networkx`` make one from what a user has.
@@ -63,21 +63,25 @@ class RobotTasks:
     Source: Lagoudakis et al. (2005), Auction-based multi-robot routing, section II; docs/formulations/task-allocation.md#model.
     """
 
-    kind: ClassVar[str] = "robot-tasks"
-    num_robots: int
-    num_tasks: int
-    metric: str = "euclidean"
+    kind = "robot-tasks"
+    problem_names = PROBLEMS
+    content = "robots and tasks"
+    axes = (
+        Axis("robot", most=MOST_IN_FILES, positions="robot_positions"),
+        Axis("task", most=MOST_IN_FILES, positions="task_positions"),
+    )
+    keys = ("metric", "robots", "tasks", "distances")
+    hashed = ("num_robots", "distances", "weights")
+    num_robots: Annotated[int, Count("robot")]
+    num_tasks: Annotated[int, Count("task")]
+    metric: Annotated[str, Choice(*METRICS, required=True)] = "euclidean"
     positions: Floats | None = None
     matrix: Floats | None = None
-    weights: Floats | None = None
-    robot_names: tuple[str, ...] | None = None
-    task_names: tuple[str, ...] | None = None
-    name: str = "robot-tasks"
-    format: str = "arrays"
-    problem: str = PROBLEMS[0]
-    problems: tuple[str, ...] = PROBLEMS
-    notes: tuple[str, ...] = ()
-    distances: Floats = field(init=False, repr=False)
+    weights: Annotated[Floats | None, Numbers("task", low=-LARGEST, default=0.0, key="weight", what="weight")] = None
+    robot_names: Names = None
+    task_names: Names = None
+    distances: Floats = field(init=False)
+    robot_name, task_name = NameOf("robot"), NameOf("task")
 
     @classmethod
     def of_positions(cls, robots: ArrayLike, tasks: ArrayLike, metric: str = "euclidean", **given: Any) -> RobotTasks:
@@ -109,43 +113,25 @@ class RobotTasks:
 
         return of_graph(graph, robots, tasks, weight)
 
-    def __post_init__(self) -> None:
-        for what in ("robots", "tasks"):
-            if arrays.size(f"num_{what}", getattr(self, f"num_{what}")) == 0:
-                raise InputError(f"there are no {what}", expected="at least one")
-        rows = self.num_robots + self.num_tasks
-        if not fits(24.0 * rows * self.num_tasks):
+    def refuse_counts(self) -> None:
+        super().refuse_counts()
+        rows = sum(self.counts.values())
+        if len(self.counts) == 2 and not fits(24.0 * rows * self.num_tasks):
             size = readable(8.0 * rows * self.num_tasks)
             raise InputError(f"distances of {self.num_robots:,} robots and {self.num_tasks:,} tasks need {size}, more than there is")
-        put: Callable[[str, Any], None] = lambda key, value: object.__setattr__(self, key, value)  # noqa: E731
-        put("robot_names", arrays.names("robot", self.robot_names, self.num_robots))
-        put("task_names", arrays.names("task", self.task_names, self.num_tasks))
-        put("name", label(self.name))
-        if self.metric not in METRICS:
-            raise InputError(f"unknown metric {self.metric!r}", expected=", ".join(METRICS))
-        put("positions", self._positions())
-        put("weights", self._weights())
-        put("matrix", self._matrix())
-        put("distances", self.matrix if self.matrix is not None else _frozen(self._measured()))
+
+    def check_rest(self) -> None:
+        self.put(positions=self._positions(), matrix=self._matrix())
+        self.put(distances=self.matrix if self.matrix is not None else arrays.frozen(self._measured()))
 
     def _positions(self) -> Floats | None:
-        given = arrays.positions("place", self.positions, self.num_robots + self.num_tasks)
-        if given is None and self.metric != "matrix":
+        points = arrays.positions("place", self.positions, self.num_robots + self.num_tasks)
+        if points is None and self.metric != "matrix":
             raise InputError(f"the metric {self.metric} needs positions of all robots and tasks")
-        if given is not None and (np.abs(given) > LARGEST).any():
-            k = int(np.argmax((np.abs(given) > LARGEST).any(axis=1)))
-            raise InputError(f"coordinates of {self.row_name(k)} must be at most {LARGEST:g}", found=str(given[k]))
-        return given
-
-    def _weights(self) -> Floats:
-        given = np.zeros(self.num_tasks) if self.weights is None else arrays.reals("weights", self.weights)
-        if given.shape != (self.num_tasks,):
-            raise InputError("there must be one weight a task", expected=str(self.num_tasks), found=str(given.shape))
-        wrong = ~(np.abs(given) <= LARGEST)
-        if wrong.any():
-            k = int(np.argmax(wrong))
-            raise InputError(f"the weight of task {self.task_name(k)} must be finite and at most {LARGEST:g}", found=str(given[k]))
-        return _frozen(given.copy())
+        if points is not None and (np.abs(points) > LARGEST).any():
+            k = int(np.argmax((np.abs(points) > LARGEST).any(axis=1)))
+            raise InputError(f"coordinates of {self.row_name(k)} must be at most {LARGEST:g}", found=str(points[k]))
+        return points
 
     def _matrix(self) -> Floats | None:
         if self.metric != "matrix":
@@ -154,18 +140,18 @@ class RobotTasks:
             return None
         if self.matrix is None:
             raise InputError("the metric 'matrix' needs a matrix of distances")
-        given, shape = _table("distances", self.matrix).copy(), (self.num_robots + self.num_tasks, self.num_tasks)
-        if given.shape != shape:
+        table, shape = _table("distances", self.matrix).copy(), (self.num_robots + self.num_tasks, self.num_tasks)
+        if table.shape != shape:
             raise InputError(
-                "distances must have one row a robot and task, and one column a task", expected=str(shape), found=str(given.shape)
+                "distances must have one row a robot and task, and one column a task", expected=str(shape), found=str(table.shape)
             )
-        given[np.arange(self.num_robots, shape[0]), np.arange(self.num_tasks)] = 0.0
-        wrong = ~((given >= 0) & (given <= LARGEST))
+        table[np.arange(self.num_robots, shape[0]), np.arange(self.num_tasks)] = 0.0
+        wrong = ~((table >= 0) & (table <= LARGEST))
         if wrong.any():
             i, j = (int(v[0]) for v in np.nonzero(wrong))
             what = f"the distance from {self.row_name(i)} to task {self.task_name(j)}"
-            raise InputError(f"{what} must be from 0 to {LARGEST:g}", found=str(given[i, j]))
-        return _frozen(given)
+            raise InputError(f"{what} must be from 0 to {LARGEST:g}", found=str(table[i, j]))
+        return arrays.frozen(table)
 
     def _measured(self) -> Floats:
         assert self.positions is not None
@@ -185,29 +171,42 @@ class RobotTasks:
         """Distances between the tasks, shape (tasks, tasks)."""
         return self.distances[self.num_robots :]
 
-    def robot_name(self, robot: int) -> str:
-        return str(robot + 1) if self.robot_names is None else self.robot_names[robot]
-
-    def task_name(self, task: int) -> str:
-        return str(task + 1) if self.task_names is None else self.task_names[task]
-
     def row_name(self, row: int) -> str:
         """What a row of the distances stands for."""
         robots = self.num_robots
         return f"robot {self.robot_name(row)}" if row < robots else f"task {self.task_name(row - robots)}"
 
-    def digest(self) -> str:
-        """Hash of all distances and weights."""
-        return digest("robot-tasks", self.num_robots, self.distances, self.weights)
+    @property
+    def robot_positions(self) -> Floats | None:
+        return None if self.positions is None else self.positions[: self.num_robots]
+
+    @property
+    def task_positions(self) -> Floats | None:
+        return None if self.positions is None else self.positions[self.num_robots :]
 
     def facts(self) -> dict[str, Any]:
         """Counts, and the range of distances."""
         away = self.distances[self.distances > 0] if (self.distances > 0).any() else np.zeros(1)
-        found: dict[str, Any] = {"robots": self.num_robots, "tasks": self.num_tasks, "metric": self.metric}
-        return {**found, "distances": [float(away.min()), float(away.max())], "weights": float(np.asarray(self.weights).sum())}
+        return {**self.sizes(), "metric": self.metric, "distances": extent(away), "weights": float(np.asarray(self.weights).sum())}
 
-    def __repr__(self) -> str:
-        return f"<RobotTasks {self.name}: {self.num_robots} robots, {self.num_tasks} tasks, {self.metric}>"
+    def told(self) -> Iterable[str]:
+        return (*super().told(), self.metric)
+
+    def write_own(self) -> dict[str, Any]:
+        return {} if self.matrix is None else {"distances": json_numbers(self.matrix)}
+
+    @classmethod
+    def read_own(cls, data: Mapping[str, Any], counts: Mapping[str, int]) -> dict[str, Any]:
+        if "distances" not in data:
+            return {}
+        return {"matrix": matrix(data["distances"], "distances", counts["robot"] + counts["task"], counts["task"])}
+
+    @classmethod
+    def of_parts(cls, **values: Any) -> RobotTasks:
+        places = [values.pop(key) for key in ("robot_positions", "task_positions")]
+        if (places[0] is None) != (places[1] is None):
+            raise InputError("positions are given of robots or of tasks alone", expected="x and y of both, or of neither")
+        return cls(**values, positions=None if places[0] is None else np.vstack(places))
 
 
 def _points(what: str, given: ArrayLike | Iterable[Any]) -> Floats:
@@ -227,8 +226,3 @@ def _table(what: str, given: Any, several: bool = True) -> Floats:
     if several and made.ndim != 2:
         raise InputError(f"{what} must be a table", found=f"shape {made.shape}")
     return made
-
-
-def _frozen(values: Floats) -> Floats:
-    values.setflags(write=False)
-    return values

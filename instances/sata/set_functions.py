@@ -129,7 +129,7 @@ class ItemWeights:
 
 def _frozen(values: NDArray[Any], dtype: Any) -> NDArray[Any]:
     """Read-only, whoever made it: to a compiler these are two types, and a loop would be compiled for each."""
-    return arrays.frozen(np.ascontiguousarray(values, dtype))  # type: ignore[no-any-return]
+    return arrays.frozen(np.ascontiguousarray(values, dtype))
 
 
 class SetFunction(ABC):

@@ -33,7 +33,7 @@ def test_doors_lead_both_ways_and_a_room_hears_itself() -> None:
         ({"searching": [[0.5, 1.0]] * 3}, "searching of room 1, time 2 must be at least 0, and no more than the time before"),
         ({"searching": [[1.0, -1.0]] * 3}, "searching of room 1, time 2"),
         ({"searching": [[np.nan, 1.0]] * 3}, "searching of room 1, time 1"),
-        ({"mapping": np.zeros((2, 0))}, "mapping must have one row a room"),
+        ({"mapping": np.zeros((2, 0))}, "mapping has another shape; expected 3 x any"),
         ({"exploring": np.zeros((0, 1))}, "there are no rooms"),
         ({"doors": [(0, 3)]}, "a room of doors, entry 2"),
         ({"doors": [(1, 1)]}, "doors must join two different rooms"),

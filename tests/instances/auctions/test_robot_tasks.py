@@ -44,7 +44,7 @@ def test_nothing_of_it_can_be_written_to():
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: RobotTasks.of_positions(np.zeros((0, 2)), [1]), "there are no robots; expected at least one"),
+        (lambda: RobotTasks.of_positions(np.zeros((0, 2)), [1]), "there are no robots; expected one at least"),
         (lambda: RobotTasks.of_positions([1], np.zeros((0, 2))), "there are no tasks"),
         (lambda: RobotTasks.of_positions([(1, 2, 3)], [1]), "robot positions must be two numbers each"),
         (lambda: RobotTasks.of_positions([[1, 2], [3]], [1]), "robot positions must be numbers, as many in each row"),
@@ -59,7 +59,7 @@ def test_nothing_of_it_can_be_written_to():
         (lambda: RobotTasks.of_distances([[-1]], [[0]]), r"the distance from robot 1 to task 1 must be from 0 to 1e\+150; found -1"),
         (lambda: RobotTasks.of_distances([[1, np.nan]], [[0, 1], [1, 0]]), "the distance from robot 1 to task 2"),
         (lambda: RobotTasks.of_positions([1], [1, 2], weights=[1]), "one weight a task; expected 2"),
-        (lambda: RobotTasks.of_positions([1], [1], weights=[np.inf]), "the weight of task 1 must be finite"),
+        (lambda: RobotTasks.of_positions([1], [1], weights=[np.inf]), "the weight of task 1 must be a number of at most"),
         (lambda: RobotTasks.of_positions([1], [1, 2], task_names=("a", "a")), "two tasks have the name 'a'"),
     ],
 )
