@@ -19,7 +19,7 @@ from . import document
 from . import number_arrays as arrays
 from .errors import InputError
 from .instance import digest
-from .text import an, label
+from .text import an, label, shown
 
 LARGEST = 1e150
 """Largest number in an array: sums and squares stay finite."""
@@ -48,6 +48,8 @@ class Axis:
         How many there may be in JSON.
     positions : str
         Attribute that holds the places of the entries, which JSON has as columns x and y.
+    dimensions : int
+        Most coordinates of a place: 3 allows for z.
     named_last : bool
         Whether names follow the columns in JSON.
     """
@@ -59,6 +61,7 @@ class Axis:
     counted: bool = True
     most: int | None = None
     positions: str = ""
+    dimensions: int = 2
     named_last: bool = False
 
     @property
@@ -172,7 +175,7 @@ class Numbers(Part):
         return None if left_out else document.json_numbers(value)
 
 
-class Indices(Part):
+class Wholes(Part):
     """Whole numbers along one axis: entries of the axis ``refers``, from 0, or numbers from 0 to ``high``, or any."""
 
     def __init__(self, axis: str, refers: str = "", what: str = "", high: int | None = None, **place: Any) -> None:
@@ -229,6 +232,8 @@ class Whole(Part):
     def converted(self, key: str, value: Any, counts: dict[str, int]) -> int:
         high = counts[self.high] - 1 if isinstance(self.high, str) else self.high
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or not self.low <= value <= high:
+            if isinstance(self.high, str):
+                raise InputError(f"the {key} must be {an(self.high)}", expected=f"{self.low} to {high}", found=shown(str(value)))
             raise InputError(f"{key} must be a whole number from {self.low} to {high}", found=str(value)[:40])
         return int(value)
 
@@ -373,7 +378,7 @@ class Declared:
             if hasattr(self, axis.names):
                 self.put(**{axis.names: arrays.names(axis.name, getattr(self, axis.names), count)})
             if axis.positions in self.__dataclass_fields__:
-                points = arrays.positions(axis.name, getattr(self, axis.positions), count, getattr(self, axis.names))
+                points = arrays.positions(axis.name, getattr(self, axis.positions), count, getattr(self, axis.names), axis.dimensions)
                 self.put(**{axis.positions: points})
         for key, part in parts.items():
             part.refuse(key, getattr(self, key), self)
@@ -514,7 +519,11 @@ class Declared:
     def _read_table(cls, axis: Axis, data: Any, counts: dict[str, int]) -> dict[str, Any]:
         columns, path = cls._stored(axis.name), axis.key
         needed = [key for key, field in columns.items() if cls._needed(*field)]
-        further = (*(["count"] * axis.counted), *(["name"] * hasattr(cls, axis.names)), *("xy" if axis.positions else ""))
+        further = (
+            *(["count"] * axis.counted),
+            *(["name"] * hasattr(cls, axis.names)),
+            *("xyz"[: axis.dimensions] if axis.positions else ""),
+        )
         document.fields(data, path, (*further, *columns), (*(["count"] * axis.counted), *needed))
         if axis.counted:
             counts[axis.name] = document.integer(data["count"], f"{path}.count", axis.least, axis.most)
@@ -526,7 +535,7 @@ class Declared:
         if "name" in data:
             values[axis.names] = document.strings(data["name"], f"{path}.name")
         if axis.positions:
-            values[axis.positions] = document.positions(data, path, counts[axis.name])
+            values[axis.positions] = document.positions(data, path, counts[axis.name], "xyz"[: axis.dimensions])
         return values
 
     @classmethod

@@ -184,12 +184,13 @@ def square(data: Any, path: str, size: int) -> Floats:
     return matrix(data, path, size, size)
 
 
-def positions(data: Mapping[str, Any], path: str, count: int, keys: Sequence[str] = ("x", "y")) -> Floats | None:
-    """Places in columns of an object, as an array of shape (count, 2); None where there are none."""
+def positions(data: Mapping[str, Any], path: str, count: int, keys: Sequence[str] = "xy") -> Floats | None:
+    """Places in two or more columns of an object, as an array of shape (count, coordinates); None where there are none."""
     there = [key for key in keys if key in data]
-    if len(there) == 1:
-        raise InputError(f"{path} has one coordinate alone", expected=" and ".join(keys), found=there[0])
-    return np.column_stack([reals(data[key], f"{path}.{key}", count) for key in keys]) if there else None
+    if there and there != list(keys)[: max(2, len(there))]:
+        expected = ", or ".join(f"{', '.join(keys[: n - 1])} and {keys[n - 1]}" for n in range(2, len(keys) + 1))
+        raise InputError(f"{path} has {' and '.join(there)} alone", expected=expected)
+    return np.column_stack([reals(data[key], f"{path}.{key}", count) for key in there]) if there else None
 
 
 def kind_of(data: Any) -> str:

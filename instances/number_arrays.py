@@ -160,17 +160,19 @@ def _several(thing: str) -> str:
     return "vertices" if thing == "vertex" else f"{thing}s"
 
 
-def positions(what: str, points: ArrayLike | None, count: int, known: Sequence[str] | None = None) -> Floats | None:
-    """Points of the plane, one each, as an array of shape (count, 2); None stays None. ``known`` are names for messages."""
+def positions(what: str, points: ArrayLike | None, count: int, known: Sequence[str] | None = None, dimensions: int = 2) -> Floats | None:
+    """Places, one each, as an array of shape (count, 2), or (count, 3) where that many ``dimensions`` are allowed; None stays None.
+
+    ``known`` are names for messages.
+    """
     if points is None:
         return None
-    made = reals(f"{what} positions", points)
-    if made.shape != (count, 2):
-        raise InputError(f"{what} positions must be two numbers each", expected=f"({count}, 2)", found=str(made.shape))
-    wrong = ~np.isfinite(made).all(axis=1)
+    places = reals(f"{what} positions", points)
+    if places.ndim != 2 or len(places) != count or not 2 <= places.shape[1] <= dimensions:
+        several = "two" if dimensions == 2 else "two or three"
+        raise InputError(f"{what} positions must be {several} numbers each", expected=f"({count}, 2)", found=str(places.shape))
+    wrong = ~np.isfinite(places).all(axis=1)
     if wrong.any():
         k = int(np.argmax(wrong))
-        raise InputError(f"the position of {what} {k + 1 if known is None else known[k]} must be finite", found=str(made[k]))
-    copy = made.copy()
-    copy.setflags(write=False)
-    return copy
+        raise InputError(f"the position of {what} {k + 1 if known is None else known[k]} must be finite", found=str(places[k]))
+    return frozen(places.copy())

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import number_arrays as arrays
-from ..declared import LARGEST, Axis, CountOf, Declared, Indices, NameOf, Names, Numbers, Part, Whole
+from ..declared import LARGEST, Axis, CountOf, Declared, NameOf, Names, Numbers, Part, Whole, Wholes
 from ..document import array, wholes
 from ..errors import InputError
 
@@ -107,7 +107,7 @@ class ExplorationMap(Declared):
     exploring: Annotated[Floats, Gains("room", None, table="room")]
     mapping: Annotated[Floats, Gains("room", None, table="room")]
     searching: Annotated[Floats, Gains("room", None, table="room")]
-    starts: Annotated[Integers, Indices("robot", refers="room", what="the start of robot {}", key="robots", table="")]
+    starts: Annotated[Integers, Wholes("robot", refers="room", what="the start of robot {}", key="robots", table="")]
     base: Annotated[int, Whole(0, "room")]
     heard: Annotated[Integers, Links()]
     silence: Annotated[int, Whole(0, MOST_STEPS)]

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import number_arrays as arrays
-from ..declared import Axis, CountOf, Declared, Flags, Indices
+from ..declared import Axis, CountOf, Declared, Flags, Wholes
 from ..document import fields, flags, integer, wholes
 from ..errors import InputError
 from ..instance import digest
@@ -68,12 +68,12 @@ class OrchardJobs(Declared):
     axes = (Axis("robot", table=False), Axis("bin", table=False))
     own_keys = ("orchard", "robots", "bins")
     grid: OrchardGrid
-    robot_cells: Annotated[Integers, Indices("robot", stored=False)]
-    robot_free: Annotated[Integers, Indices("robot", high=LONGEST, stored=False)]
-    bin_cells: Annotated[Integers, Indices("bin", stored=False)]
-    after: Annotated[Integers, Indices("bin", stored=False)]
+    robot_cells: Annotated[Integers, Wholes("robot", stored=False)]
+    robot_free: Annotated[Integers, Wholes("robot", high=LONGEST, stored=False)]
+    bin_cells: Annotated[Integers, Wholes("bin", stored=False)]
+    after: Annotated[Integers, Wholes("bin", stored=False)]
     standing: Annotated[NDArray[np.bool_], Flags("bin", stored=False)]
-    work: Annotated[Integers, Indices("bin", high=LONGEST, stored=False)]
+    work: Annotated[Integers, Wholes("bin", high=LONGEST, stored=False)]
     num_robots, num_bins = CountOf("robot"), CountOf("bin")
 
     @classmethod

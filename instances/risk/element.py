@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Hashable
+from dataclasses import fields
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -52,9 +53,9 @@ class RiskElement(ABC):
     def check(self, space: Space) -> None:
         """Raise InputError where it does not fit the states, or is no probability."""
 
-    @abstractmethod
     def parts(self) -> tuple[Any, ...]:
-        """All data that risks depend on, for digests."""
+        """All data that risks depend on, for digests: by default the kind and the fields of a dataclass, but for its label."""
+        return (self.kind, *(getattr(self, entry.name) for entry in fields(self) if entry.name != "label"))  # type: ignore[arg-type]
 
     @abstractmethod
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,9 +45,6 @@ class LocaleRisk(MemorylessElement):
         if self.risk.shape != (space.num_states,):
             raise InputError(f"risks of {self.label} must be one a state", expected=str(space.num_states), found=str(self.risk.shape))
 
-    def parts(self) -> tuple[Any, ...]:
-        return (self.kind, self.risk)
-
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         return self.risk[after]
 
@@ -81,9 +78,6 @@ class LengthRisk(MemorylessElement):
 
     def check(self, space: Space) -> None:
         placed(self, space)
-
-    def parts(self) -> tuple[Any, ...]:
-        return (self.kind, self.rate, self.growth)
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         at = placed(self, space)
@@ -123,9 +117,6 @@ class TurnRisk(MemorylessElement):
 
     def check(self, space: Space) -> None:
         placed(self, space)
-
-    def parts(self) -> tuple[Any, ...]:
-        return (self.kind, self.rate, self.measure)
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         at = placed(self, space)
@@ -172,9 +163,6 @@ class AccessRisk(MemorylessElement):
         if self.width.shape != (space.num_states,) or not np.isfinite(self.width).all():
             raise InputError(f"widths of {self.label} must be one finite number a state", expected=str(space.num_states))
 
-    def parts(self) -> tuple[Any, ...]:
-        return (self.kind, self.width, self.narrowing, self.widening)
-
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         gain = np.where(state >= 0, self.width[after] - self.width[state], 0.0)
         return np.where(gain < 0, -gain * self.narrowing, gain * self.widening)
@@ -216,9 +204,6 @@ class MoveRisk(MemorylessElement):
         for key in ("state", "after"):
             refuse_outside(f"{key} {{}} of {self.label}", getattr(self, key), space.num_states, "state")
         refuse_outside(f"before {{}} of {self.label}", self.before + 1, space.num_states + 1, "state")
-
-    def parts(self) -> tuple[Any, ...]:
-        return (self.kind, self.before, self.state, self.after, self.risk)
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         made = np.zeros(len(after))

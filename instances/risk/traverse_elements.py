@@ -50,9 +50,6 @@ class CollectedRisk(TraverseElement):
             if columns != (space.num_states,):
                 raise InputError(f"{what} of {self.label} must be one a state", expected=str(space.num_states), found=str(columns))
 
-    def parts(self) -> tuple[Any, ...]:
-        return (self.kind, self.collects, self.risk)
-
     def begin(self, space: Space, state: int) -> tuple[int, float]:
         return self.step(space, 0, -1, state)
 
@@ -89,9 +86,6 @@ class TravelledRisk(TraverseElement):
 
     def check(self, space: Space) -> None:
         placed(self, space)
-
-    def parts(self) -> tuple[Any, ...]:
-        return (self.kind, self.rate, self.free)
 
     def begin(self, space: Space, state: int) -> tuple[float, float]:
         return 0.0, 0.0

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import number_arrays as arrays
+from ..declared import Axis, Count, CountOf, Declared, NameOf, Names, Numbers, Whole, Wholes, extent
 from ..errors import InputError
-from ..instance import digest
-from ..text import label
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,12 +23,9 @@ Indices = NDArray[np.int32]
 PROBLEMS = ("uncertain-path",)
 """What may be asked of such a graph."""
 
-LARGEST = 1e150
-"""Of a mean or a variance: sums and squares stay finite."""
 
-
-@dataclass(frozen=True, eq=False)
-class UncertainGraph:
+@dataclass(frozen=True, eq=False, repr=False)
+class UncertainGraph(Declared):
     """Vertices, directed edges with normal costs, a start and a goal.
 
     ``from_frame`` and ``from_networkx`` make one from the user's own names; the constructor takes numbers from 0.
@@ -64,23 +60,24 @@ class UncertainGraph:
     docs/formulations/uncertain-path.md#model.
     """
 
-    kind: ClassVar[str] = "uncertain-graph"
-    num_vertices: int
-    tails: Indices
-    heads: Indices
-    mean: Floats
-    variance: Floats
-    start: int
-    goal: int
-    least: Floats | None = None
-    variable: Indices | None = None
-    vertex_names: tuple[str, ...] | None = None
+    kind = "uncertain-graph"
+    problem_names = PROBLEMS
+    content = "graphs with uncertain costs"
+    axes = (Axis("vertex", "vertices", least=0, positions="positions"), Axis("edge", least=0, counted=False))
+    hashed = ("num_vertices", "tails", "heads", "mean", "variance", "start", "goal")
+    num_vertices: Annotated[int, Count("vertex")]
+    tails: Annotated[Indices, Wholes("edge", "vertex", "the tail of edge {}", key="from")]
+    heads: Annotated[Indices, Wholes("edge", "vertex", "the head of edge {}", key="to")]
+    mean: Annotated[Floats, Numbers("edge", what="mean")]
+    variance: Annotated[Floats, Numbers("edge", what="variance")]
+    start: Annotated[int, Whole(0, "vertex")]
+    goal: Annotated[int, Whole(0, "vertex")]
+    least: Annotated[Floats | None, Numbers("edge", what="least cost")] = None
+    variable: Annotated[Indices | None, Wholes("edge")] = None
+    vertex_names: Names = None
     positions: Floats | None = None
-    name: str = "uncertain-graph"
-    format: str = "arrays"
-    problem: str = PROBLEMS[0]
-    problems: tuple[str, ...] = PROBLEMS
-    notes: tuple[str, ...] = field(default=())
+    num_edges = CountOf("edge")
+    vertex_name = NameOf("vertex")
 
     @classmethod
     def from_frame(
@@ -110,63 +107,43 @@ class UncertainGraph:
 
         return graph_to_networkx(self)
 
-    def __post_init__(self) -> None:
-        n = arrays.size("num_vertices", self.num_vertices)
-        arrays.refuse_unused("vertices", n, 2 * len(self.tails), "ends of edges")
-        tails, heads = arrays.whole_numbers("tails", self.tails), arrays.whole_numbers("heads", self.heads)
-        if heads.shape != tails.shape:
-            raise InputError("tails and heads must have one entry an edge", expected=str(len(tails)), found=str(len(heads)))
-        arrays.refuse_outside("the tail of edge {}", tails, n, "vertex")
-        arrays.refuse_outside("the head of edge {}", heads, n, "vertex")
-        object.__setattr__(self, "vertex_names", arrays.names("vertex", self.vertex_names, n))
-        object.__setattr__(self, "positions", arrays.positions("vertex", self.positions, n, self.vertex_names))
-        object.__setattr__(self, "name", label(self.name))
-        for what in ("start", "goal"):
-            vertex = arrays.whole_numbers(what, [getattr(self, what)], "the number of a vertex")
-            arrays.refuse_outside(f"the {what}", vertex, n, "vertex")
-            object.__setattr__(self, what, int(vertex[0]))
+    def refuse_counts(self) -> None:
+        super().refuse_counts()
+        arrays.refuse_unused("vertices", self.num_vertices, 2 * len(self.tails), "ends of edges")
+
+    def check_rest(self) -> None:
         if self.start == self.goal:
             raise InputError("start and goal are the same vertex", found=self.vertex_name(self.start))
-        for key in ("mean", "variance", *(() if self.least is None else ("least",))):
-            object.__setattr__(self, key, self._costs(key, len(tails), tails, heads))
-        self._order(tails, heads)
+        self._order()
         self._refuse_shared()
-        reached = np.isfinite(self.costs_to(self.goal, np.ones(len(tails))))
+        reached = np.isfinite(self.costs_to(self.goal, np.ones(self.num_edges)))
         if not reached[self.start]:
             found = f"{int(reached.sum()) - 1} other vertices lead there"
             raise InputError(f"no path leads from {self.vertex_name(self.start)} to {self.vertex_name(self.goal)}", found=found)
 
-    def _costs(self, key: str, count: int, tails: NDArray[np.int64], heads: NDArray[np.int64]) -> Floats:
-        values = arrays.reals(key, getattr(self, key))
-        if values.shape != (count,):
-            raise InputError(f"there must be one {key} an edge", expected=str(count), found=str(values.shape))
-        wrong = ~((values >= 0) & (values <= LARGEST))
-        if wrong.any():
-            k = int(np.argmax(wrong))
-            what = f"the {'least cost' if key == 'least' else key} of edge {self._named(tails[k], heads[k])}"
-            raise InputError(f"{what} must be from 0 to {LARGEST:g}", found=str(values[k]))
-        return values
+    def name_of(self, axis: str, number: int) -> str:
+        if axis == "vertex":
+            return super().name_of(axis, number)
+        return f"{self.vertex_name(int(self.tails[number]))} -> {self.vertex_name(int(self.heads[number]))}"
 
-    def _order(self, tails: NDArray[np.int64], heads: NDArray[np.int64]) -> None:
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """What is known of each edge beside its ends."""
+        return tuple(key for key in ("mean", "variance", "least") if getattr(self, key) is not None)
+
+    def _order(self) -> None:
         """Put the edges in order, and refuse those that stand twice."""
-        loops = tails == heads
-        if loops.any():
-            raise InputError(f"an edge leads from {self.vertex_name(int(tails[np.argmax(loops)]))} to itself")
+        tails, heads = self.tails, self.heads
+        if (tails == heads).any():
+            raise InputError(f"an edge leads from {self.vertex_name(int(tails[np.argmax(tails == heads)]))} to itself")
         key = tails * np.int64(max(self.num_vertices, 1)) + heads
         order = np.argsort(key, kind="stable")
         twice = np.nonzero(np.diff(key[order]) == 0)[0]
         if len(twice):
-            k = int(order[twice[0]])
-            raise InputError(f"edge {self._named(tails[k], heads[k])} stands twice")
-        made: dict[str, NDArray[Any]] = {"tails": tails.astype(np.int32), "heads": heads.astype(np.int32)}
-        if self.variable is not None:
-            made["variable"] = arrays.indices("variable", self.variable)
-            if made["variable"].shape != tails.shape:
-                raise InputError("there must be one variable an edge", expected=str(len(tails)), found=str(len(made["variable"])))
-        for column in ("mean", "variance", *(() if self.least is None else ("least",))):
-            made[column] = getattr(self, column)
-        for column, values in made.items():
-            object.__setattr__(self, column, arrays.frozen(values[order]))
+            raise InputError(f"edge {self.name_of('edge', int(order[twice[0]]))} stands twice")
+        for column in ("tails", "heads", *(["variable"] if self.variable is not None else [])):
+            self.put(**{column: arrays.frozen(getattr(self, column)[order].astype(np.int32))})
+        self.put(**{key: arrays.frozen(getattr(self, key)[order]) for key in self.columns})
 
     def _refuse_shared(self) -> None:
         """Raise InputError where edges of one random cost are not the two directions of one, or differ in what they cost."""
@@ -177,25 +154,13 @@ class UncertainGraph:
         alike = self.variable[a] == self.variable[b]
         other = (self.tails[a] != self.heads[b]) | (self.heads[a] != self.tails[b])
         faults = {"are not the two directions of one": other}
-        for key in ("mean", "variance", *(() if self.least is None else ("least",))):
+        for key in self.columns:
             faults[f"differ in {key}"] = getattr(self, key)[a] != getattr(self, key)[b]
         for fault, marks in faults.items():
             if (alike & marks).any():
                 k = int(np.argmax(alike & marks))
-                first, second = (self._named(self.tails[e], self.heads[e]) for e in (a[k], b[k]))
+                first, second = (self.name_of("edge", int(edges[k])) for edges in (a, b))
                 raise InputError(f"edges {first} and {second} share one random cost, but {fault}")
-
-    def _named(self, tail: Any, head: Any) -> str:
-        return f"{self.vertex_name(int(tail))} -> {self.vertex_name(int(head))}"
-
-    # -- lookups -----------------------------------------------------------------------------------------------------
-
-    @property
-    def num_edges(self) -> int:
-        return len(self.tails)
-
-    def vertex_name(self, vertex: int) -> str:
-        return str(vertex + 1) if self.vertex_names is None else self.vertex_names[vertex]
 
     @cached_property
     def vertex_numbers(self) -> dict[str, int]:
@@ -241,27 +206,19 @@ class UncertainGraph:
         """The same graph from another start, with what is known of its costs now."""
         return replace(self, start=start, mean=mean, variance=variance, variable=None, notes=())
 
-    def digest(self) -> str:
-        """Hash of everything that values depend on; names and positions are not part of it."""
-        return digest(
-            "uncertain-graph", self.num_vertices, self.tails, self.heads, self.mean, self.variance, self.start, self.goal
-        )  # fmt: skip
-
     def facts(self) -> dict[str, Any]:
         """Sizes and ranges, as plain JSON values."""
         degree = np.diff(self.indptr)
         return {
-            "vertices": self.num_vertices,
-            "edges": self.num_edges,
+            **self.sizes(),
             "out_degree": [int(degree.min()), int(degree.max())],
-            "means": [float(self.mean.min()), float(self.mean.max())],
-            "variances": [float(self.variance.min()), float(self.variance.max())],
+            "means": extent(self.mean),
+            "variances": extent(self.variance),
             "shared_costs": self.num_edges - len(np.unique(self.variables)),
             "start": self.vertex_name(self.start),
             "goal": self.vertex_name(self.goal),
             "positions": self.positions is not None,
         }
 
-    def __repr__(self) -> str:
-        ends = f"{self.vertex_name(self.start)} to {self.vertex_name(self.goal)}"
-        return f"<UncertainGraph {self.name}: {self.num_vertices} vertices, {self.num_edges} edges, {ends}>"
+    def told(self) -> Iterable[str]:
+        return (*super().told(), f"{self.vertex_name(self.start)} to {self.vertex_name(self.goal)}")

@@ -39,7 +39,7 @@ def test_doors_lead_both_ways_and_a_room_hears_itself() -> None:
         ({"doors": [(1, 1)]}, "doors must join two different rooms"),
         ({"starts": []}, "there are no robots"),
         ({"starts": [3]}, "the start of robot 1"),
-        ({"base": 3}, "base must be a whole number from 0 to 2"),
+        ({"base": 3}, "the base must be a room; expected 0 to 2"),
         ({"silence": -1}, "silence must be"),
         ({"steps": 0}, "steps must be"),
         ({"steps": 2.5}, "steps must be"),

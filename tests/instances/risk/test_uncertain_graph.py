@@ -44,8 +44,8 @@ def test_edges_are_found_by_their_ends():
         ({"heads": [1, 3]}, "the head of edge 2 does not exist"),
         ({"heads": [1, 0]}, "no path leads from 1 to 3; found 0 other vertices lead there"),
         ({"goal": 0}, "start and goal are the same vertex"),
-        ({"goal": 3}, "the goal does not exist"),
-        ({"goal": 1.5}, "goal must be a list of whole numbers"),
+        ({"goal": 3}, "the goal must be a vertex; expected 0 to 2"),
+        ({"goal": 1.5}, "the goal must be a vertex"),
         ({"variable": [4, 4]}, "edges 1 -> 2 and 2 -> 3 share one random cost, but are not the two directions of one"),
         (
             {"tails": [0, 1, 1], "heads": [1, 0, 2], "mean": [1, 2, 1], "variance": [1] * 3, "variable": [0, 0, 1]},

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ... import number_arrays as arrays
-from ...document import array, fields, integer, json_number, json_numbers, kind_of, real, reals, square, string, strings, wholes
-from ...errors import InputError
-from ...kinds import KINDS, Kind
-from ..allocation import MOST_RISK, Affine, Budget, ChanceConstraints, Cone, CostTerm, Risk, RiskAllocationInstance
-from ..gaussian import Dynamics, Quantities
+from .. import number_arrays as arrays
+from ..document import array, fields, integer, json_number, json_numbers, kind_of, matrix, real, reals, square, string, strings, wholes
+from ..errors import InputError
+from .allocation import MOST_RISK, Affine, Budget, ChanceConstraints, Cone, CostTerm, Risk, RiskAllocationInstance
+from .gaussian import Dynamics, Quantities
 
 Floats = NDArray[np.float64]
 
@@ -85,7 +84,7 @@ def _side(data: Any, path: str, size: int, default: float) -> Floats:
 def _matrix(data: Any, path: str, columns: int, rows: int | None = None) -> Floats:
     """A list of rows, or the rows and columns of the entries that are not 0."""
     if isinstance(data, list):
-        return np.array([reals(row, f"{path}[{k}]", columns) for k, row in enumerate(array(data, path, rows))]).reshape(len(data), columns)
+        return matrix(data, path, rows, columns)
     fields(data, path, ("rows", "row", "column", "value"), ("rows", "row", "column", "value"))
     count = integer(data["rows"], f"{path}.rows", 0)
     if rows is not None and count != rows:
@@ -286,6 +285,3 @@ def _encoded_dynamics(d: Dynamics) -> dict[str, Any]:
         "start": json_numbers(d.start), "steps": d.steps, "states": list(d.state_names), "inputs": list(d.input_names),
     }  # fmt: skip
     return {**data, "start_covariance": _encoded_covariance(d.start_covariance)} if d.start_covariance.any() else data
-
-
-KINDS.add("risk-allocation", Kind("risk-allocation", encode, decode))
