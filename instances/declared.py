@@ -176,22 +176,22 @@ class Numbers(Part):
 
 
 class Wholes(Part):
-    """Whole numbers along one axis: entries of the axis ``refers``, from 0, or numbers from 0 to ``high``, or any."""
+    """Whole numbers along one axis, ``small`` ones in 32 bits: entries of the axis ``refers``, or from 0 to ``high``, or any."""
 
-    def __init__(self, axis: str, refers: str = "", what: str = "", high: int | None = None, **place: Any) -> None:
+    def __init__(self, axis: str, refers: str = "", what: str = "", high: int | None = None, small: bool = False, **place: Any) -> None:
         super().__init__((axis,), **place)
-        self.refers, self.what, self.high = refers, what, high
+        self.refers, self.what, self.high, self.small = refers, what, high, small
 
-    def converted(self, key: str, value: Any, counts: dict[str, int]) -> NDArray[np.int64] | None:
+    def converted(self, key: str, value: Any, counts: dict[str, int]) -> NDArray[np.integer[Any]] | None:
         if value is None:
             return None
-        array = arrays.whole_numbers(key, value)
+        array: NDArray[np.integer[Any]] = arrays.indices(key, value) if self.small else arrays.whole_numbers(key, value)
         fit_shape(self.axes, array, counts, key, key)
-        if self.refers:
-            arrays.refuse_outside(self.what, array, counts[self.refers], self.refers)
         return arrays.frozen(array)
 
     def refuse(self, key: str, value: Any, instance: Declared) -> None:
+        if self.refers:
+            arrays.refuse_outside(self.what, value, instance.counts[self.refers], self.refers)
         if self.high is not None and (wrong := (value < 0) | (value > self.high)).any():
             raise InputError(f"{key} must be from 0 to {self.high}", found=str(value[int(np.argmax(wrong))]))
 
@@ -512,19 +512,16 @@ class Declared:
             if name not in cls.problem_names:
                 raise InputError(f"problems[{k}] is no problem of {cls.content}", expected=known, found=name)
         if problem not in problems:
-            raise InputError(f"problem is none of {cls.content}", expected=", ".join(problems), found=problem)
+            fault = "problem must be one of problems" if cls.says_problems else f"problem is none of {cls.content}"
+            raise InputError(fault, expected=", ".join(problems), found=problem)
         return problem, problems
 
     @classmethod
     def _read_table(cls, axis: Axis, data: Any, counts: dict[str, int]) -> dict[str, Any]:
         columns, path = cls._stored(axis.name), axis.key
         needed = [key for key, field in columns.items() if cls._needed(*field)]
-        further = (
-            *(["count"] * axis.counted),
-            *(["name"] * hasattr(cls, axis.names)),
-            *("xyz"[: axis.dimensions] if axis.positions else ""),
-        )
-        document.fields(data, path, (*further, *columns), (*(["count"] * axis.counted), *needed))
+        counted, named, places = ["count"] * axis.counted, ["name"] * hasattr(cls, axis.names), axis.dimensions * bool(axis.positions)
+        document.fields(data, path, (*counted, *named, *"xyz"[:places], *columns), (*counted, *needed))
         if axis.counted:
             counts[axis.name] = document.integer(data["count"], f"{path}.count", axis.least, axis.most)
         values: dict[str, Any] = {}
@@ -533,7 +530,8 @@ class Declared:
                 values[name] = part.read(data[key], f"{path}.{key}", counts)
                 counts.setdefault(axis.name, len(values[name]))
         if "name" in data:
-            values[axis.names] = document.strings(data["name"], f"{path}.name")
+            names = document.array(data["name"], f"{path}.name", counts[axis.name] if axis.counted else None)
+            values[axis.names] = document.strings(names, f"{path}.name")
         if axis.positions:
             values[axis.positions] = document.positions(data, path, counts[axis.name], "xyz"[: axis.dimensions])
         return values
