@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import number_arrays as arrays
-from ..declared import LARGEST, Axis, Count, Declared, NameOf, Names, Numbers, extent
+from ..declared import Declared, NameOf, Names, extent
 from ..document import fields, json_numbers, matrix, reals, wholes
 from ..errors import InputError
+from ..parts import LARGEST, Axis, Count, Numbers
 
 if TYPE_CHECKING:
     import pandas as pd

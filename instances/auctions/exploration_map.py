@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import number_arrays as arrays
-from ..declared import LARGEST, Axis, CountOf, Declared, NameOf, Names, Numbers, Part, Whole, Wholes
+from ..declared import CountOf, Declared, NameOf, Names
 from ..document import array, wholes
 from ..errors import InputError
+from ..parts import LARGEST, Axis, Numbers, Part, Whole, Wholes
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]

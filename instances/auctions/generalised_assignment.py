@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import number_arrays as arrays
-from ..declared import LARGEST, Axis, Choice, CountOf, Declared, NameOf, Names, Numbers, extent
+from ..declared import CountOf, Declared, NameOf, Names, extent
 from ..document import json_numbers, matrix
 from ..errors import InputError
+from ..parts import LARGEST, Axis, Choice, Numbers
 
 if TYPE_CHECKING:
     import pandas as pd

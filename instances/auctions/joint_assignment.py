@@ -9,8 +9,9 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..declared import Axis, CountOf, Declared, Names, Numbers
+from ..declared import CountOf, Declared, Names
 from ..errors import InputError
+from ..parts import Axis, Numbers
 
 Floats = NDArray[np.float64]
 

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import number_arrays as arrays
-from ..declared import Axis, CountOf, Declared, Flags, Wholes
+from ..declared import CountOf, Declared
 from ..document import fields, flags, integer, wholes
 from ..errors import InputError
 from ..instance import digest
+from ..parts import Axis, Flags, Wholes
 from .orchard_grid import OrchardGrid
 from .orchard_rules import NONE, OrchardRules, OrchardStart
 

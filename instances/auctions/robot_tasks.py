@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import number_arrays as arrays
-from ..declared import LARGEST, Axis, Choice, Count, Declared, NameOf, Names, Numbers, extent
+from ..declared import Declared, NameOf, Names, extent
 from ..document import json_numbers, matrix
 from ..errors import InputError
 from ..memory import fits, readable
+from ..parts import LARGEST, Axis, Choice, Count, Numbers
 
 if TYPE_CHECKING:
     import pandas as pd

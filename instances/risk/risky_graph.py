@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import number_arrays as arrays
-from ..declared import Axis, Count, Declared, NameOf, Names, Numbers, Whole, Wholes
+from ..declared import Declared, NameOf, Names
 from ..document import array, json_number, json_numbers, kind_of, matrix, real, string, wholes
 from ..errors import InputError
 from ..instance import digest
+from ..parts import Axis, Count, Numbers, Whole, Wholes
 from ..text import shown
 from .element import RiskElement, TraverseElement
 from .element_files import read_element, written_element

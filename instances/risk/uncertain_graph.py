@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import number_arrays as arrays
-from ..declared import Axis, Count, CountOf, Declared, NameOf, Names, Numbers, Whole, Wholes, extent
+from ..declared import CountOf, Declared, NameOf, Names, extent
 from ..errors import InputError
+from ..parts import Axis, Count, Numbers, Whole, Wholes
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import number_arrays as arrays
-from ..declared import Axis, CountOf, Declared, Names
+from ..declared import CountOf, Declared, Names
 from ..document import array, fields, integer, json_numbers, kind_of, reals, string, strings, wholes
 from ..errors import InputError
 from ..instance import digest
+from ..parts import Axis
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]

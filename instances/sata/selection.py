@@ -9,10 +9,11 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from ..declared import Axis, Declared, Names
+from ..declared import Declared, Names
 from ..document import array, fields, flags, integer, json_number, json_numbers, matrix, real, reals, string, strings, wholes
 from ..errors import InputError
 from ..instance import digest
+from ..parts import Axis
 from ..registry import Registry
 from .constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
 from .set_functions import Coverage, DenseFacilityLocation, FacilityLocation, SetFunction

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import number_arrays as arrays
-from ..declared import Axis, Count, CountOf, Declared, NameOf, Names, Wholes, extent
+from ..declared import CountOf, Declared, NameOf, Names, extent
 from ..document import fields, json_numbers, reals, wholes
 from ..errors import InputError, UsageError
+from ..parts import Axis, Count, Wholes
 
 if TYPE_CHECKING:
     import pandas as pd
