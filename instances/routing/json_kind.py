@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..clock import Clock
-from ..document import array, fields, flags, integer, json_number, json_numbers, kind_of, real, reals, string, strings
+from ..document import array, fields, flags, integer, json_number, json_numbers, kind_of, matrix, positions, real, reals, string, strings
 from ..errors import InputError, UsageError
 from ..kinds import KINDS, Kind
 from .instance import Group, RoutingInstance, Shipment, Sites
-from .json_vehicles import decode_coordinates, decode_travel, decode_vehicle, encode_travel, encode_vehicle, optional_real
+from .json_vehicles import decode_travel, decode_vehicle, encode_travel, encode_vehicle, optional_real
 from .reach import refuse_powerless, refuse_unreachable
 from .sites import with_unused
 
@@ -187,7 +187,7 @@ def _decode_sites(data: Any) -> Sites:
         raise InputError(f"sites.required[{k}] asks for a visit to a depot", expected="false", found="true")
     if "attributes" in data:
         columns["attributes"] = _attributes(data["attributes"], n)
-    here, there = decode_coordinates(data, "sites", n), decode_coordinates(data, "sites", n, ("lon", "lat"))
+    here, there = positions(data, "sites", n), positions(data, "sites", n, ("lon", "lat"))
     if here is not None and there is not None:
         raise InputError("sites have two kinds of coordinates", expected="x and y, or lon and lat")
     return Sites.of(ids, coordinates=there if here is None else here, geographic=there is not None, **columns)
@@ -199,7 +199,7 @@ def _loads(data: Any, path: str, n: int) -> Any:
     if not any(isinstance(row, list) for row in rows):
         return reals(rows, path, n)
     width = len(rows[0]) if isinstance(rows[0], list) else 1
-    return np.array([reals(row, f"{path}[{k}]", width) for k, row in enumerate(rows)])
+    return matrix(rows, path, n, width)
 
 
 def _site(data: Any, path: str, index: dict[str, int]) -> int:
