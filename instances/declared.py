@@ -131,7 +131,7 @@ class Declared:
         return str(number + 1) if names is None else str(names[number])
 
     def noun_of(self, key: str, what: str) -> str:
-        """What messages call one entry of the field ``key``."""
+        """The noun for one entry of the field ``key`` in messages."""
         return f"the {what}" if what else key
 
     def absent_of(self, key: str, absent: float | None) -> float | None:
@@ -139,7 +139,7 @@ class Declared:
         return absent
 
     def sizes(self) -> dict[str, int]:
-        """How many entries each axis has, by its plural."""
+        """Number of entries of each axis, by its plural."""
         return {axis.key: self.counts[axis.name] for axis in self.axes if axis.name in self.counts}
 
     def digest(self) -> str:
@@ -147,7 +147,7 @@ class Declared:
         return digest(self.kind, *(getattr(self, key) for key in self.hashed or self.parts()))
 
     def told(self) -> Iterable[str]:
-        """What the text that stands for the instance says of it, behind its name."""
+        """The parts of ``repr`` that follow the name."""
         return (f"{count} {key}" for key, count in self.sizes().items())
 
     def __repr__(self) -> str:
@@ -217,7 +217,7 @@ class Declared:
 
     @classmethod
     def _asked(cls, data: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
-        """What is asked, and what may be asked, of the instance of a document."""
+        """The problem that a document asks, and all that it allows."""
         problem = document.string(data["problem"], "problem")
         problems = document.strings(data.get("problems", list(cls.problem_names)), "problems")
         known = ", ".join(cls.problem_names)

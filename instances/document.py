@@ -39,12 +39,12 @@ def parse_json(text: str) -> Any:
         return int(digits) if len(digits) <= 300 else float(digits)
 
     def pairs(items: list[tuple[str, Any]]) -> Object:
-        made = dict(items)
-        if len(made) != len(items):
+        keys = dict(items)
+        if len(keys) != len(items):
             seen: set[str] = set()
             key = next(k for k, _ in items if k in seen or seen.add(k))  # type: ignore[func-returns-value]
             raise InputError(f"key {shown(key)} stands twice in one object", line=_line_of(text, json.dumps(key)))
-        return made
+        return keys
 
     try:
         data = json.loads(text, parse_constant=constant, parse_int=whole, object_pairs_hook=pairs)
@@ -61,7 +61,7 @@ def parse_json(text: str) -> Any:
 
 
 def _deeper(data: Any, levels: int) -> bool:
-    """Whether lists and objects stand within each other more than ``levels`` deep."""
+    """True if lists and objects are nested more than ``levels`` deep."""
     inside = [data] if isinstance(data, list | dict) else []
     for _ in range(levels):
         inside = [
@@ -194,7 +194,7 @@ def positions(data: Mapping[str, Any], path: str, count: int, keys: Sequence[str
 
 
 def kind_of(data: Any) -> str:
-    """What a value is, for messages."""
+    """A short description of a JSON value for messages."""
     if isinstance(data, str):
         return shown(data)
     if isinstance(data, bool | int | float) or data is None:

@@ -137,23 +137,23 @@ def entries_of(indptr: NDArray[np.integer[Any]], rows: NDArray[np.integer[Any]])
     return np.repeat(indptr[rows] - before, counts) + np.arange(int(counts.sum())), counts
 
 
-def names(what: str, given: Iterable[object] | None, count: int) -> tuple[str, ...] | None:
+def names(what: str, values: Iterable[object] | None, count: int) -> tuple[str, ...] | None:
     """One printable name each, all different; None stays None."""
-    if given is None:
+    if values is None:
         return None
-    if isinstance(given, str | bytes) or not isinstance(given, Iterable):
-        raise InputError(f"the names of {_several(what)} must be a list", found=repr(given)[:40])
-    made = tuple(str(g) for g in given)
-    if len(made) != count:
-        raise InputError(f"there must be one name for each {what}", expected=str(count), found=str(len(made)))
-    for name in made:
+    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
+        raise InputError(f"the names of {_several(what)} must be a list", found=repr(values)[:40])
+    labels = tuple(str(g) for g in values)
+    if len(labels) != count:
+        raise InputError(f"there must be one name for each {what}", expected=str(count), found=str(len(labels)))
+    for name in labels:
         if not name or not name.isprintable() or name != name.strip():
             raise InputError(f"the name of each {what} must be printable, not empty, without blanks at its ends", found=ascii(name)[:40])
-    if len(set(made)) != count:
+    if len(set(labels)) != count:
         seen: set[str] = set()
-        twice = next(n for n in made if n in seen or seen.add(n))  # type: ignore[func-returns-value]
+        twice = next(n for n in labels if n in seen or seen.add(n))  # type: ignore[func-returns-value]
         raise InputError(f"two {_several(what)} have the name {twice!r}", expected="different names")
-    return made
+    return labels
 
 
 def _several(thing: str) -> str:

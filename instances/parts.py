@@ -24,7 +24,7 @@ LARGEST = 1e150
 
 @dataclass(frozen=True)
 class Axis:
-    """What the entries of arrays stand for: robots, bins. In JSON an axis is an object of columns under its plural."""
+    """A set of things that arrays have entries for, such as robots or bins; in JSON an object of columns under its plural."""
 
     name: str  # singular; the field NAME_names holds the names of the entries, where they have names
     plural: str = ""  # with an s by default
@@ -46,7 +46,7 @@ class Axis:
 
 
 class Part:
-    """How the value of one field is checked, and how it stands in JSON.
+    """The rules of one field: its type and shape, its range, its place in JSON.
 
     ``table`` is the axis among whose columns it stands, by default the only one of an array, "" the document itself; ``stored`` says
     whether it stands there at all, and ``required`` that it must even though the field has a default. An axis that is None has no name.
@@ -194,7 +194,7 @@ class Whole(Part):
 
 
 class Count(Whole):
-    """How many entries an axis has, as a field of its own; JSON has it as the axis's ``count``."""
+    """The number of entries of an axis as a field of its own; in JSON the key ``count`` of the axis."""
 
     def __init__(self, axis: str) -> None:
         super().__init__(stored=False)

@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
 PROBLEMS = ("bin-assignment", "bottleneck-assignment")
-"""What may be asked of such data."""
+"""Problems that such data allow; the first is the default."""
 
 PAIR_KEYS = ("robot", "bin", "cost")
 """Lists of JSON, one entry a pair."""
@@ -108,26 +108,26 @@ class AssignmentInstance(Declared):
             n, m = matrix.shape
             return cls(n, m, matrix.indptr, matrix.indices, matrix.data, **further)
         try:
-            made = np.asarray(costs, dtype=np.float64)
+            table = np.asarray(costs, dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
             raise _not_rectangular(costs) from None
-        if made.shape == (0,):
+        if table.shape == (0,):
             raise InputError("there are no robots", expected="one at least")
-        if made.ndim != 2:
-            raise InputError("costs must be a matrix, one row a robot and one column a bin", found=f"shape {made.shape}")
-        n, m = made.shape
-        if made.size and made.max() < math.inf:  # every pair is allowed, and none is NaN
-            pairs = np.arange(n + 1) * m, np.tile(np.arange(m, dtype=np.int32), n), made.flatten()
+        if table.ndim != 2:
+            raise InputError("costs must be a matrix, one row a robot and one column a bin", found=f"shape {table.shape}")
+        n, m = table.shape
+        if table.size and table.max() < math.inf:  # every pair is allowed, and none is NaN
+            pairs = np.arange(n + 1) * m, np.tile(np.arange(m, dtype=np.int32), n), table.flatten()
         else:
-            bad = np.isnan(made)
+            bad = np.isnan(table)
             if bad.any():
                 robot, column = np.argwhere(bad)[0].tolist()
                 raise InputError(
                     f"the cost in row {robot + 1}, column {column + 1} is not a number",
                     expected="a number, or infinity for a forbidden pair",
                 )
-            kept = made < math.inf
-            pairs = np.concatenate([[0], np.cumsum(kept.sum(axis=1))]), np.nonzero(kept)[1].astype(np.int32), made[kept]
+            kept = table < math.inf
+            pairs = np.concatenate([[0], np.cumsum(kept.sum(axis=1))]), np.nonzero(kept)[1].astype(np.int32), table[kept]
         return cls(n, m, *pairs, **further)
 
     @classmethod
@@ -148,8 +148,8 @@ class AssignmentInstance(Declared):
             k = order[int(np.argmax(twice))]
             ends = (("robot", i, n), ("bin", j, m))
             named = [(what, int(at[k]), arrays.names(what, further.get(f"{what}_names"), count)) for what, at, count in ends]
-            told = " and ".join(f"{what} {number + 1 if names is None else names[number]}" for what, number, names in named)
-            raise InputError(f"the pair of {told} stands twice")
+            pair = " and ".join(f"{what} {number + 1 if names is None else names[number]}" for what, number, names in named)
+            raise InputError(f"the pair of {pair} stands twice")
         kept = order[~(c[order] == math.inf)]
         indptr = np.zeros(n + 1, dtype=np.int64)
         np.cumsum(np.bincount(i[kept], minlength=n), out=indptr[1:])
@@ -176,8 +176,8 @@ class AssignmentInstance(Declared):
         """
         from .assignment_frame import arguments_of
 
-        pairs, found = arguments_of(costs)
-        return (cls.from_pairs if pairs else cls.from_matrix)(**{**found, **further})
+        pairs, arguments = arguments_of(costs)
+        return (cls.from_pairs if pairs else cls.from_matrix)(**{**arguments, **further})
 
     def refuse_counts(self) -> None:
         super().refuse_counts()
@@ -210,7 +210,7 @@ class AssignmentInstance(Declared):
 
     @property
     def complete(self) -> bool:
-        """Whether every robot may be sent to every bin."""
+        """True if every robot may be sent to every bin."""
         return self.num_pairs == self.num_robots * self.num_bins
 
     @property
@@ -222,9 +222,9 @@ class AssignmentInstance(Declared):
         """The costs as a matrix of shape (robots, bins), infinite where a pair is forbidden; a view where all are allowed."""
         if self.complete:
             return self.cost.reshape(self.num_robots, self.num_bins)
-        made = np.full((self.num_robots, self.num_bins), math.inf)
-        made[self.robots, self.bins] = self.cost
-        return made
+        costs = np.full((self.num_robots, self.num_bins), math.inf)
+        costs[self.robots, self.bins] = self.cost
+        return costs
 
     @property
     def waits(self) -> Floats:
@@ -281,7 +281,7 @@ class AssignmentInstance(Declared):
 
 
 def _not_rectangular(costs: Iterable[Any]) -> InputError:
-    """What is wrong with rows of which numpy makes no matrix."""
+    """The error for costs of which numpy makes no matrix."""
     try:
         lengths = [len(row) for row in costs]
     except TypeError:

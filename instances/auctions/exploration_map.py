@@ -20,7 +20,7 @@ Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 GAINS = ("exploring", "mapping", "searching")
-"""What is gained by entering a room, by observing its type, and by looking for a target in it."""
+"""Gains: of entering a room, of observing its type, of looking for a target in it."""
 
 SHOWN = 5
 """Rooms that a message lists."""
@@ -123,9 +123,9 @@ class ExplorationMap(Declared):
         doors = self.adjacent
         alone = np.nonzero(~_reached(doors, self.starts))[0].tolist()
         if alone:
-            told = ", ".join(map(self.room_name, alone[:SHOWN])) + ", ..." * (len(alone) > SHOWN)
+            names = ", ".join(map(self.room_name, alone[:SHOWN])) + ", ..." * (len(alone) > SHOWN)
             raise InputError(
-                f"no doors lead from a robot to {len(alone)} of the {self.num_rooms} rooms: {told}", expected="doors to every room"
+                f"no doors lead from a robot to {len(alone)} of the {self.num_rooms} rooms: {names}", expected="doors to every room"
             )
         heard = np.nonzero(_reached(self.linked, np.array([self.base])))[0]
         lost = np.nonzero(~_reached(doors, heard)[self.starts])[0]
@@ -134,12 +134,12 @@ class ExplorationMap(Declared):
 
     @property
     def adjacent(self) -> Flags:
-        """Whether one step leads from a room to another; shape (rooms, rooms)."""
+        """Mask of the moves of one step, shape (rooms, rooms)."""
         return _table(self.doors, self.num_rooms)
 
     @property
     def linked(self) -> Flags:
-        """Whether two rooms hear each other, themselves included; shape (rooms, rooms)."""
+        """Mask of the rooms that hear each other, themselves included, shape (rooms, rooms)."""
         return np.asarray(_table(self.heard, self.num_rooms) | np.eye(self.num_rooms, dtype=bool))
 
     def facts(self) -> dict[str, Any]:
@@ -156,15 +156,15 @@ class ExplorationMap(Declared):
 
 def _reached(table: Flags, begin: Integers) -> Flags:
     """Rooms that pairs of a table lead to from some rooms."""
-    found = np.zeros(len(table), dtype=bool)
+    reached = np.zeros(len(table), dtype=bool)
     front = np.unique(begin)
     while len(front):
-        found[front] = True
-        front = np.nonzero(table[front].any(axis=0) & ~found)[0]
-    return found
+        reached[front] = True
+        front = np.nonzero(table[front].any(axis=0) & ~reached)[0]
+    return reached
 
 
 def _table(pairs: Integers, rooms: int) -> Flags:
-    made = np.zeros((rooms, rooms), dtype=bool)
-    made[pairs[:, 0], pairs[:, 1]] = made[pairs[:, 1], pairs[:, 0]] = True
-    return made
+    table = np.zeros((rooms, rooms), dtype=bool)
+    table[pairs[:, 0], pairs[:, 1]] = table[pairs[:, 1], pairs[:, 0]] = True
+    return table

@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 PROBLEMS = ("generalised-assignment",)
-"""What may be asked of such data."""
+"""Problems that such data allow."""
 
 OBJECTIVES = ("cost", "profit")
-"""What values mean: costs of jobs that all have to be done, or profits of those that are."""
+"""Meanings of the values: costs of jobs that must all be done, or profits of the jobs that are done."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -97,17 +97,17 @@ class GeneralisedAssignmentInstance(Declared):
     ) -> GeneralisedAssignmentInstance:  # fmt: skip
         """From lists of one entry a pair, by name, in any order; what is not listed is forbidden."""
         numbers = [{name: k for k, name in enumerate(own)} for own in (agents, jobs)]
-        made, used = np.full((len(agents), len(jobs)), forbidden_value(objective)), np.zeros((len(agents), len(jobs)))
-        listed = np.zeros(made.shape, dtype=bool)
+        table, used = np.full((len(agents), len(jobs)), forbidden_value(objective)), np.zeros((len(agents), len(jobs)))
+        listed = np.zeros(table.shape, dtype=bool)
         for who, what, value, part in zip(agent, job, values.tolist(), consumption.tolist(), strict=True):
             if who not in numbers[0]:
                 raise InputError(f"agent {who} has no capacity", expected="one of each agent")
             at = numbers[0][who], numbers[1][what]
             if listed[at]:
                 raise InputError(f"the pair of agent {who} and job {what} stands twice")
-            listed[at], made[at], used[at] = True, value, part
+            listed[at], table[at], used[at] = True, value, part
         names = {"agent_names": agents, "job_names": jobs}
-        return cls(made, used, arrays.reals("capacity", capacity), objective, **{**names, **further})
+        return cls(table, used, arrays.reals("capacity", capacity), objective, **{**names, **further})
 
     def arrange(self) -> None:
         self.put(consumption=arrays.frozen(np.where(self.values == self.forbidden, 0.0, self.consumption)))
@@ -125,7 +125,7 @@ class GeneralisedAssignmentInstance(Declared):
 
     @property
     def listed(self) -> NDArray[np.bool_]:
-        """Which pairs are not forbidden."""
+        """Mask of the pairs that are allowed, shape (agents, jobs)."""
         return np.isfinite(self.values)
 
     def facts(self) -> dict[str, Any]:
@@ -153,5 +153,5 @@ class GeneralisedAssignmentInstance(Declared):
 
 
 def forbidden_value(objective: str) -> float:
-    """What stands for a pair that is not allowed: worse than any other."""
+    """The value of a forbidden pair, which is worse than any other."""
     return -math.inf if objective == "profit" else math.inf

@@ -139,7 +139,7 @@ class OrchardJobs(Declared):
 
     @property
     def away(self) -> NDArray[np.bool_]:
-        """Which robots do not begin at the repository."""
+        """Mask of the robots that do not begin at the repository."""
         return np.asarray(self.robot_cells != self.grid.home)
 
     def digest(self) -> str:

@@ -15,6 +15,7 @@ from ..document import json_numbers, matrix
 from ..errors import InputError
 from ..memory import fits, readable
 from ..parts import LARGEST, Axis, Choice, Count, Numbers
+from ..text import an, shown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,7 +23,10 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 PROBLEMS = ("task-allocation", "balanced-partition")
-"""What may be asked of robots and tasks."""
+"""Problems that such data allow; the first is the default."""
+
+COLUMNS = ("name", "x", "y", "weight")
+"""Columns of the frame of tasks; that of robots has all but the last."""
 
 METRICS = ("euclidean", "manhattan", "chebyshev", "matrix")
 """Rules from places to distances; chebyshev counts the moves on a grid of eight neighbours."""
@@ -85,34 +89,90 @@ class RobotTasks(Declared):
     robot_name, task_name = NameOf("robot"), NameOf("task")
 
     @classmethod
-    def of_positions(cls, robots: ArrayLike, tasks: ArrayLike, metric: str = "euclidean", **given: Any) -> RobotTasks:
+    def of_positions(cls, robots: ArrayLike, tasks: ArrayLike, metric: str = "euclidean", **further: Any) -> RobotTasks:
         """From places: arrays of shape (robots, 2) and (tasks, 2), or, on a line, (robots,) and (tasks,)."""
         starts, places = _points("robot", robots), _points("task", tasks)
-        return cls(len(starts), len(places), metric, np.vstack([starts, places]), **given)
+        return cls(len(starts), len(places), metric, np.vstack([starts, places]), **further)
 
     @classmethod
-    def of_distances(cls, starts: ArrayLike, between: ArrayLike, **given: Any) -> RobotTasks:
+    def of_distances(cls, starts: ArrayLike, between: ArrayLike, **further: Any) -> RobotTasks:
         """From distances: of shape (robots, tasks) from the robots to the tasks, and (tasks, tasks) between tasks."""
         first, second = _table("distances from the robots", starts), _table("distances between the tasks", between)
         tasks = second.shape[1]
         if second.shape[0] != tasks or first.shape[1] != tasks:
             found = f"{first.shape} and {second.shape}"
             raise InputError("distances must be of shapes (robots, tasks) and (tasks, tasks)", found=found)
-        return cls(len(first), tasks, "matrix", matrix=np.vstack([first, second]), **given)
+        return cls(len(first), tasks, "matrix", matrix=np.vstack([first, second]), **further)
 
     @classmethod
     def from_frame(cls, robots: pd.DataFrame, tasks: pd.DataFrame, metric: str = "euclidean", name: str = "frame") -> RobotTasks:
-        """From pandas frames with columns x, y, and perhaps name; that of tasks perhaps with weight too."""
-        from .robot_task_sources import of_frames
+        """Robots and tasks of two pandas frames with columns x, y and perhaps name, that of tasks perhaps weight too.
 
-        return of_frames(robots, tasks, metric, name)
+        Raises
+        ------
+        InputError
+            For an unknown or missing column, and whatever ``RobotTasks`` refuses.
+        """
+        teams, places = _columns("robots", robots, COLUMNS[:3]), _columns("tasks", tasks, COLUMNS)
+        further: dict[str, Any] = {}
+        for key, part in (("robot_names", teams), ("task_names", places)):
+            if "name" in part:
+                further[key] = tuple(map(str, part["name"]))
+        if "weight" in places:
+            further["weights"] = _numbers("tasks", places, "weight")
+        points = [np.column_stack([_numbers(what, part, axis) for axis in "xy"]) for what, part in (("robots", teams), ("tasks", places))]
+        return cls.of_positions(points[0], points[1], metric, name=name, format="frame", **further)
 
     @classmethod
     def from_networkx(cls, graph: Any, robots: Sequence[Any], tasks: Sequence[Any], *, weight: str = "weight") -> RobotTasks:
-        """On a graph of networkx: robots and tasks stand at nodes, distances are shortest paths."""
-        from .robot_task_sources import of_graph
+        """Robots and tasks at nodes of a graph; distances are shortest paths along its edges, directed ones one way.
 
-        return of_graph(graph, robots, tasks, weight)
+        Parameters
+        ----------
+        graph : networkx graph
+        robots, tasks : sequences of nodes
+            A node may hold several; names are those of the nodes where they differ.
+        weight : str
+            Attribute with an edge's length; edges without it are 1 long.
+
+        Raises
+        ------
+        InputError
+            If a node does not exist, a length is negative or NaN, or no way leads from a robot to a task or between tasks.
+        """
+        from scipy.sparse import csr_matrix
+        from scipy.sparse.csgraph import dijkstra
+
+        nodes = {node: k for k, node in enumerate(graph)}
+        for what, places in (("robot", robots), ("task", tasks)):
+            for node in places:
+                if node not in nodes:
+                    raise InputError(f"{an(what)} stands at {node!r}, which is no node of the graph")
+        shortest: dict[tuple[int, int], float] = {}
+        for tail, head, data in graph.edges(data=True):
+            try:
+                length = float(data.get(weight, 1.0))
+            except (TypeError, ValueError):
+                length = -1.0
+            if not 0.0 <= length < np.inf:
+                raise InputError(f"the length of edge {tail!r} to {head!r} must be finite and not negative", found=str(data.get(weight)))
+            for pair in ((nodes[tail], nodes[head]),) if graph.is_directed() else ((nodes[tail], nodes[head]), (nodes[head], nodes[tail])):
+                shortest[pair] = min(length, shortest.get(pair, np.inf))
+        ends = np.array(list(shortest), dtype=np.int64).reshape(-1, 2)
+        # scipy takes a stored 0 for an edge of no length only where it is stored explicitly, as it is here
+        arcs = csr_matrix((np.array(list(shortest.values())), (ends[:, 0], ends[:, 1])), shape=(len(nodes),) * 2)
+        rows = [nodes[node] for node in (*robots, *tasks)]
+        matrix = dijkstra(arcs, indices=rows)[:, rows[len(robots) :]] if rows else np.zeros((0, 0))
+        lost = np.argwhere(np.isinf(matrix))
+        if len(lost):
+            i, j = lost[0].tolist()
+            begin = f"robot {robots[i]!r}" if i < len(robots) else f"task {tasks[i - len(robots)]!r}"
+            raise InputError(f"no way leads from {begin} to task {tasks[j]!r}", expected="tasks that robots can reach")
+        named = [tuple(map(str, places)) if len(set(map(str, places))) == len(places) else None for places in (robots, tasks)]
+        return cls(
+            len(robots), len(tasks), "matrix", matrix=matrix, robot_names=named[0], task_names=named[1],
+            name=str(getattr(graph, "name", "") or "graph"), format="networkx",
+        )  # fmt: skip
 
     def refuse_counts(self) -> None:
         super().refuse_counts()
@@ -173,7 +233,7 @@ class RobotTasks(Declared):
         return self.distances[self.num_robots :]
 
     def row_name(self, row: int) -> str:
-        """What a row of the distances stands for."""
+        """The robot or task that a row of the distances stands for."""
         robots = self.num_robots
         return f"robot {self.robot_name(row)}" if row < robots else f"task {self.task_name(row - robots)}"
 
@@ -210,8 +270,8 @@ class RobotTasks(Declared):
         return cls(**values, positions=None if places[0] is None else np.vstack(places))
 
 
-def _points(what: str, given: ArrayLike | Iterable[Any]) -> Floats:
-    points = _table(f"{what} positions", given, several=False)
+def _points(what: str, places: ArrayLike | Iterable[Any]) -> Floats:
+    points = _table(f"{what} positions", places, several=False)
     if points.ndim == 1:
         points = np.column_stack([points, np.zeros(len(points))])
     if points.ndim != 2 or points.shape[1] != 2:
@@ -219,11 +279,33 @@ def _points(what: str, given: ArrayLike | Iterable[Any]) -> Floats:
     return points
 
 
-def _table(what: str, given: Any, several: bool = True) -> Floats:
+def _table(what: str, values: Any, several: bool = True) -> Floats:
     try:
-        made = np.asarray(given, dtype=np.float64)
+        table = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{what} must be numbers, as many in each row", found=repr(given)[:40]) from None
-    if several and made.ndim != 2:
-        raise InputError(f"{what} must be a table", found=f"shape {made.shape}")
-    return made
+        raise InputError(f"{what} must be numbers, as many in each row", found=repr(values)[:40]) from None
+    if several and table.ndim != 2:
+        raise InputError(f"{what} must be a table", found=f"shape {table.shape}")
+    return table
+
+
+def _columns(what: str, frame: Any, known: tuple[str, ...]) -> dict[str, list[Any]]:
+    if not hasattr(frame, "columns") or not hasattr(frame, "iloc"):
+        raise InputError(f"{what} must be a pandas frame", found=type(frame).__name__)
+    titles = [str(column) for column in frame.columns]
+    for title in titles:
+        if title not in known:
+            raise InputError(f"column {title!r} of {what} is unknown", expected=", ".join(known))
+        if titles.count(title) > 1:
+            raise InputError(f"column {title!r} of {what} stands twice")
+    for title in ("x", "y"):
+        if title not in titles:
+            raise InputError(f"column {title!r} of {what} is missing")
+    return {title: frame.iloc[:, k].tolist() for k, title in enumerate(titles)}
+
+
+def _numbers(what: str, part: dict[str, list[Any]], title: str) -> Any:
+    try:
+        return np.array(part[title], dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"column {title!r} of {what} must hold numbers", found=shown(str(part[title][:3]))) from None

@@ -39,7 +39,7 @@ ELEMENTS: dict[str, tuple[Callable[..., RiskElement], dict[str, Reader]]] = {
     "travelled": (TravelledRisk, {"rate": NUMBER, "free": NUMBER}),
     "tether": (TetherRisk, {"length_rate": NUMBER, "contact_rate": NUMBER}),
 }
-"""By kind: the class, and how each of its fields is read."""
+"""Class of each kind, with the readers of its fields."""
 
 TETHER: dict[str, Reader] = {"reel": lambda data, path, states: tuple(reals(data, path, 2)), "obstacles": BOXES, "spacing": SPACING}
 
@@ -74,12 +74,12 @@ def read_element(data: Any, path: str, states: int) -> RiskElement:
     make, readers = ELEMENTS[data["kind"]]
     tethered = TETHER if data["kind"] == "tether" else {}
     fields(data, path, ("kind", "label", *readers, *tethered))
-    given = {key: read(data[key], f"{path}.{key}", states) for key, read in readers.items() if key in data}
+    arguments = {key: read(data[key], f"{path}.{key}", states) for key, read in readers.items() if key in data}
     if "label" in data:
-        given["label"] = string(data["label"], f"{path}.label")
+        arguments["label"] = string(data["label"], f"{path}.label")
     try:
         if tethered:
-            given["tether"] = Tether(**{key: read(data[key], f"{path}.{key}", states) for key, read in tethered.items() if key in data})
-        return make(**given)
+            arguments["tether"] = Tether(**{key: read(data[key], f"{path}.{key}", states) for key, read in tethered.items() if key in data})
+        return make(**arguments)
     except TypeError as fault:
         raise InputError(f"{path} is incomplete: {str(fault).partition('__init__() ')[2]}") from None

@@ -54,8 +54,8 @@ GROWTHS = ("linear", "exponential")
 
 @dataclass(frozen=True, eq=False)
 class LengthRisk(MemorylessElement):
-    """Of the length L of the move: ``rate * L`` (linear, as the source has it) or ``1 - exp(-rate * L)``, which cutting a move into shorter
-    ones does not change.
+    """The risk of a move of length L: ``rate * L`` (linear, as the source has it) or ``1 - exp(-rate * L)``, which is the same when a move
+    is cut into shorter ones.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ ROUNDED = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class TurnRisk(MemorylessElement):
-    """Of a turn, which takes three states: ``rate`` times a measure of it.
+    """The risk of a turn, which takes three states: ``rate`` times a measure of the turn.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ class TurnRisk(MemorylessElement):
 
 @dataclass(frozen=True, eq=False)
 class AccessRisk(MemorylessElement):
-    """Of a change in how wide a place is, which costs in one direction more than in the other: ``narrowing`` times what a move loses of the
+    """The risk of a change in width, higher in one direction than in the other: ``narrowing`` times what a move loses of the
     width, or ``widening`` times what it gains.
 
     Parameters
@@ -206,7 +206,7 @@ class MoveRisk(MemorylessElement):
         refuse_outside(f"before {{}} of {self.label}", self.before + 1, space.num_states + 1, "state")
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
-        made = np.zeros(len(after))
+        risk = np.zeros(len(after))
         width = space.num_states + 1
         for whole in (True, False):  # a pair of moves may have a risk of its own beside that of its second move
             chosen = (self.before >= 0) == whole
@@ -216,6 +216,6 @@ class MoveRisk(MemorylessElement):
             asked = ((before + 1 if whole else 0) * width + state + 1) * width + after
             order = np.argsort(known, kind="stable")
             at = np.minimum(np.searchsorted(known[order], asked), len(known) - 1)
-            found = known[order][at] == asked
-            made += np.where(found, self.risk[chosen][order][at], 0.0) * (1.0 - made)  # no 1 - (1 - r), which loses small risks
-        return made
+            listed = known[order][at] == asked
+            risk += np.where(listed, self.risk[chosen][order][at], 0.0) * (1.0 - risk)  # no 1 - (1 - r), which loses small risks
+        return risk

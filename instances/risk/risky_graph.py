@@ -116,8 +116,8 @@ class RiskyGraph(Declared):
                 raise InputError(f"two risk elements are labelled {shown(element.label)}", expected="different labels")
             element.check(self)
         if not self.conditional:
-            told = "risks are not conditional: their product is the risk of a path if failures are independent; their sum is safe anyway"
-            self.put(notes=tuple(dict.fromkeys((*self.notes, told))))
+            warning = "risks are not conditional: their product is the risk of a path if failures are independent; their sum is safe anyway"
+            self.put(notes=tuple(dict.fromkeys((*self.notes, warning))))
 
     def _order_moves(self) -> None:
         tail, head = self.tail, self.head
@@ -133,7 +133,7 @@ class RiskyGraph(Declared):
     @classmethod
     def from_networkx(
         cls, graph: nx.DiGraph, elements: Iterable[RiskElement], start: Any, *, conditional: bool, goals: Iterable[Any] = (),
-        reward: str = "reward", position: str = "pos", **given: Any,
+        reward: str = "reward", position: str = "pos", **further: Any,
     ) -> RiskyGraph:  # fmt: skip
         """From a networkx graph, directed or not; states are its nodes in their order.
 
@@ -161,18 +161,18 @@ class RiskyGraph(Declared):
             len(nodes), tail, head, tuple(elements), index[start], conditional, tuple(index[g] for g in goals),
             np.array([data.get(reward, 0.0) for _, data in graph.nodes(data=True)]),
             positions=None if None in points else np.array(points, dtype=np.float64),
-            state_names=tuple(map(str, nodes)), **given,
+            state_names=tuple(map(str, nodes)), **further,
         )  # fmt: skip
 
     @cached_property
     def indptr(self) -> Indices:
-        """Where the moves out of each state begin: shape (states + 1,)."""
+        """First move out of each state, shape (states + 1,)."""
         return np.concatenate([[0], np.cumsum(np.bincount(self.tail, minlength=self.num_states))]).astype(np.int32)
 
     def neighbours(self, state: int) -> list[int]:
         """States that a move leads to."""
-        made: list[int] = self.head[self.indptr[state] : self.indptr[state + 1]].tolist()
-        return made
+        states: list[int] = self.head[self.indptr[state] : self.indptr[state + 1]].tolist()
+        return states
 
     @property
     def traverse(self) -> tuple[TraverseElement, ...]:
@@ -230,12 +230,12 @@ class RiskyGraph(Declared):
         }  # fmt: skip
 
 
-def named_states(names: Sequence[str], given: Iterable[str], what: str) -> tuple[int, ...]:
+def named_states(names: Sequence[str], chosen: Iterable[str], what: str) -> tuple[int, ...]:
     """Numbers of states by name; raises InputError for one that does not exist."""
     index: Mapping[str, int] = {name: k for k, name in enumerate(names)}
-    made = []
-    for name in given:
+    states = []
+    for name in chosen:
         if name not in index:
             raise InputError(f"the {what} {shown(name)} is no state")
-        made.append(index[name])
-    return tuple(made)
+        states.append(index[name])
+    return tuple(states)

@@ -21,8 +21,11 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
+COLUMNS = ("from", "to", "mean", "variance", "least")
+"""Columns of a frame of edges; the last may be left out."""
+
 PROBLEMS = ("uncertain-path",)
-"""What may be asked of such a graph."""
+"""Problems that such data allow."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,32 +84,124 @@ class UncertainGraph(Declared):
     vertex_name = NameOf("vertex")
 
     @classmethod
+    def from_names(
+        cls, tails: list[str], heads: list[str], costs: dict[str, Floats], start: str, goal: str, *, vertices: list[str] | None = None,
+        undirected: bool = False, **further: Any,
+    ) -> UncertainGraph:  # fmt: skip
+        """A graph from the names of its vertices, one tail and one head an edge, and costs by ``mean``, ``variance`` and perhaps ``least``.
+
+        Without ``vertices``, these come in ascending order where all are whole numbers, else as they first appear. Each edge of an
+        undirected graph leads both ways, at one random cost.
+        """
+        names = list(dict.fromkeys(name for ends in zip(tails, heads, strict=True) for name in ends)) if vertices is None else vertices
+        if vertices is None and all(name.isascii() and name.isdigit() and len(name) < 19 for name in names):
+            names.sort(key=int)
+        number = {name: k for k, name in enumerate(names)}
+        for what, name in (("start", start), ("goal", goal)):
+            if name not in number:
+                raise InputError(f"the {what} {name[:80]!r} is no vertex of any edge")
+        a, b = (np.array([number[name] for name in column], dtype=np.int64) for column in (tails, heads))
+        if undirected:
+            further["variable"] = np.tile(np.arange(len(a), dtype=np.int32), 2)
+            a, b = np.concatenate([a, b]), np.concatenate([b, a])
+            costs = {key: np.tile(values, 2) for key, values in costs.items()}
+        usual = names == [str(k + 1) for k in range(len(names))]
+        return cls(
+            len(names), a, b, costs["mean"], costs["variance"], number[start], number[goal], least=costs.get("least"),  # type: ignore[arg-type]
+            vertex_names=None if usual else tuple(names), **further,
+        )  # fmt: skip
+
+    @classmethod
     def from_frame(
         cls, edges: pd.DataFrame, *, start: Any, goal: Any, undirected: bool = False, name: str = "uncertain-graph"
     ) -> UncertainGraph:
-        """A graph from a pandas frame; see ``uncertain_sources.graph_from_frame``."""
-        from .uncertain_sources import graph_from_frame
+        """A graph from a pandas frame, with its own names of vertices.
 
-        return graph_from_frame(edges, start=start, goal=goal, undirected=undirected, name=name)
+        Parameters
+        ----------
+        edges : DataFrame
+            Columns ``from``, ``to``, ``mean``, ``variance`` and optionally ``least``; one row an edge.
+        start, goal : str or int
+        undirected : bool
+            Whether each edge leads both ways, at one random cost.
+
+        Raises
+        ------
+        InputError
+            Naming the column, edge or vertex that is wrong.
+        """
+        if not hasattr(edges, "columns") or not hasattr(edges, "iloc"):
+            raise InputError("edges must be a pandas frame", found=type(edges).__name__)
+        titles = [str(column) for column in edges.columns]
+        for title in titles:
+            if title not in COLUMNS or titles.count(title) > 1:
+                raise InputError(f"column {title!r} of edges is unknown or stands twice", expected=", ".join(COLUMNS))
+        for title in COLUMNS[:4]:
+            if title not in titles:
+                raise InputError(f"edges lack the column {title!r}", expected=", ".join(COLUMNS[:4]), found=", ".join(titles))
+        ends = [[_name(value) for value in edges[title].tolist()] for title in COLUMNS[:2]]
+        costs = {title: _numbers(edges[title], title) for title in COLUMNS[2:] if title in titles}
+        return cls.from_names(ends[0], ends[1], costs, _name(start), _name(goal), undirected=undirected, name=name, format="frame")
 
     @classmethod
     def from_networkx(cls, graph: Any, *, start: Any = None, goal: Any = None, name: str | None = None) -> UncertainGraph:
-        """A graph from one of networkx; see ``uncertain_sources.graph_from_networkx``."""
-        from .uncertain_sources import graph_from_networkx
+        """A graph from one of networkx, whose vertices come in the order of its nodes.
 
-        return graph_from_networkx(graph, start=start, goal=goal, name=name)
+        Parameters
+        ----------
+        graph : networkx.Graph or DiGraph
+            Each edge has the attributes ``mean`` and ``variance``, and may have ``least``. An undirected edge leads both ways at one random
+            cost. A node may have a position ``pos``.
+        start, goal : node, optional
+            The graph's attributes ``start`` and ``goal`` by default.
+        name : str, optional
+            The graph's own by default.
+
+        Raises
+        ------
+        InputError
+            Naming the node or edge that is wrong.
+        """
+        if not callable(getattr(graph, "edges", None)) or not callable(getattr(graph, "nodes", None)):
+            raise InputError("not a networkx graph", found=type(graph).__name__)
+        nodes = list(graph.nodes)
+        ends = {"start": graph.graph.get("start") if start is None else start, "goal": graph.graph.get("goal") if goal is None else goal}
+        for what, node in ends.items():
+            if node is None or node not in graph:
+                raise InputError(f"the {what} is no node of the graph", found=repr(node)[:80])
+        edges = list(graph.edges(data=True))
+        keys = [key for key in COLUMNS[2:] if key != "least" or any("least" in data for _, _, data in edges)]
+        costs = {key: np.array([_cost(u, v, data, key) for u, v, data in edges], dtype=np.float64) for key in keys}
+        places = [graph.nodes[node].get("pos") for node in nodes]
+        names = {node: str(node).strip() for node in nodes}
+        return cls.from_names(
+            [names[u] for u, _, _ in edges], [names[v] for _, v, _ in edges], costs, names[ends["start"]], names[ends["goal"]],
+            vertices=list(names.values()), undirected=not graph.is_directed(), name=name or str(graph.name) or "uncertain-graph",
+            positions=None if any(pos is None for pos in places) else np.array(places, dtype=np.float64), format="networkx",
+        )  # fmt: skip
 
     def to_frame(self) -> pd.DataFrame:
         """One row an edge: from, to, mean, variance, and least where it is given."""
-        from .uncertain_sources import graph_to_frame
+        import pandas as pd
 
-        return graph_to_frame(self)
+        names = np.array([self.vertex_name(v) for v in range(self.num_vertices)], dtype=object)
+        columns = {"from": names[self.tails], "to": names[self.heads], "mean": self.mean, "variance": self.variance}
+        return pd.DataFrame(columns if self.least is None else {**columns, "least": self.least})
 
     def to_networkx(self) -> Any:
-        """As a ``networkx.DiGraph``; see ``uncertain_sources.graph_to_networkx``."""
-        from .uncertain_sources import graph_to_networkx
+        """As a ``networkx.DiGraph``, or a ``Graph`` where all edges lead both ways at one cost; ``from_networkx`` reads it back."""
+        import networkx as nx
 
-        return graph_to_networkx(self)
+        both = self.undirected
+        result = nx.Graph() if both else nx.DiGraph()
+        result.graph.update(name=self.name, start=self.vertex_name(self.start), goal=self.vertex_name(self.goal))
+        for v in range(self.num_vertices):
+            result.add_node(self.vertex_name(v), **({} if self.positions is None else {"pos": tuple(self.positions[v].tolist())}))
+        keys = [key for key in COLUMNS[2:] if getattr(self, key) is not None]
+        ends = zip(self.tails.tolist(), self.heads.tolist(), strict=True)
+        for (tail, head), *costs in zip(ends, *(getattr(self, key).tolist() for key in keys), strict=True):
+            result.add_edge(self.vertex_name(tail), self.vertex_name(head), **dict(zip(keys, costs, strict=True)))
+        return result
 
     def refuse_counts(self) -> None:
         super().refuse_counts()
@@ -129,7 +224,7 @@ class UncertainGraph(Declared):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """What is known of each edge beside its ends."""
+        """Names of the arrays of edge data that are present."""
         return tuple(key for key in ("mean", "variance", "least") if getattr(self, key) is not None)
 
     def _order(self) -> None:
@@ -175,8 +270,17 @@ class UncertainGraph(Declared):
 
     @property
     def variables(self) -> Indices:
-        """Which random variable is the cost of each edge."""
+        """Number of the random variable that is the cost of each edge."""
         return np.arange(self.num_edges, dtype=np.int32) if self.variable is None else self.variable
+
+    @property
+    def undirected(self) -> bool:
+        """True if every edge shares its random cost with the edge the other way, and with no other."""
+        if self.variable is None:
+            return False
+        back = self.edges_of_pairs(self.heads, self.tails)
+        _, counts = np.unique(self.variable, return_counts=True)
+        return bool((back >= 0).all() and (self.variable[back] == self.variable).all() and (counts == 2).all())
 
     def edges_of(self, path: Iterable[int]) -> NDArray[np.int64]:
         """Numbers of the edges between consecutive vertices, -1 where there is none."""
@@ -223,3 +327,25 @@ class UncertainGraph(Declared):
 
     def told(self) -> Iterable[str]:
         return (*super().told(), f"{self.vertex_name(self.start)} to {self.vertex_name(self.goal)}")
+
+
+def _name(value: object) -> str:
+    if isinstance(value, float) and value.is_integer():
+        return str(int(value))
+    return str(value).strip()
+
+
+def _numbers(values: Any, title: str) -> Floats:
+    try:
+        return np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"column {title} of edges must hold numbers", found=str(error)[:80]) from None
+
+
+def _cost(tail: Any, head: Any, data: dict[str, Any], key: str) -> float:
+    try:
+        return float(data[key])
+    except KeyError:
+        raise InputError(f"edge {tail!r} - {head!r} has no {key}", expected="mean and variance, or least of all edges") from None
+    except (TypeError, ValueError):
+        raise InputError(f"the {key} of edge {tail!r} - {head!r} must be a number", found=repr(data[key])[:40]) from None

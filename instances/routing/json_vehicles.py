@@ -71,7 +71,7 @@ def decode_travel(data: Any, sites: Sites, convention: str, path: str = "travel"
 
 
 class Key(NamedTuple):
-    """How one key of a vehicle type stands in JSON; what has its default is left out."""
+    """Reader and writer of one key of a vehicle type in JSON; a value that equals the default is not written."""
 
     default: Any
     read: Callable[[Any, str], Any]

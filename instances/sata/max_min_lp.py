@@ -140,13 +140,13 @@ class MaxMinInstance(Declared):
 
     @classmethod
     def read_own(cls, data: Mapping[str, Any], counts: Mapping[str, int]) -> dict[str, Any]:
-        given, names = data["variables"], None
-        if isinstance(given, list):
-            names, count = strings(given, "variables"), len(given)
-        elif isinstance(given, int):
-            count = integer(given, "variables", 1)
+        variables, names = data["variables"], None
+        if isinstance(variables, list):
+            names, count = strings(variables, "variables"), len(variables)
+        elif isinstance(variables, int):
+            count = integer(variables, "variables", 1)
         else:
-            raise InputError("variables must be a list of names or a whole number", found=kind_of(given))
+            raise InputError("variables must be a list of names or a whole number", found=kind_of(variables))
         matrices = {key: _read_matrix(data[key], key, count) for key in ("packing", "covering")}
         return {**matrices, "sense": string(data["sense"], "sense"), "variable_names": names}
 

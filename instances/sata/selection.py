@@ -23,7 +23,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class JsonPart(Generic[T]):
-    """How a kind of set function or constraint is written: its keys beside ``kind``, and both ways.
+    """Reader and writer of a kind of set function or constraint in JSON.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ CONSTRAINTS: Registry[JsonPart[Constraint]] = Registry(
 
 
 def writable(function: SetFunction, constraint: Constraint) -> bool:
-    """Whether a file can hold both."""
+    """True if a file can hold both."""
     return function.kind in SET_FUNCTIONS and constraint.kind in CONSTRAINTS
 
 
@@ -120,9 +120,9 @@ def _rows(indptr: Any, values: list[Any]) -> list[list[Any]]:
     return [values[a:b] for a, b in pairwise(indptr.tolist())]
 
 
-def _sets(given: Mapping[str, Any]) -> tuple[list[Any], Any, Any]:
+def _sets(data: Mapping[str, Any]) -> tuple[list[Any], Any, Any]:
     """The sets, and as CSR."""
-    sets = [wholes(items, f"function.sets[{k}]") for k, items in enumerate(array(given["sets"], "function.sets"))]
+    sets = [wholes(items, f"function.sets[{k}]") for k, items in enumerate(array(data["sets"], "function.sets"))]
     return sets, np.cumsum([0, *(len(items) for items in sets)]), np.concatenate(sets) if sets else np.zeros(0, dtype=np.int64)
 
 
@@ -138,11 +138,11 @@ def _encode_coverage(f: Coverage) -> dict[str, Any]:
     return {"item_weights": json_numbers(f.item_weights), "sets": _rows(f.indptr, f.indices.tolist())}
 
 
-def _decode_coverage(given: Mapping[str, Any], elements: int) -> Coverage:
-    sets, starts, items = _sets(given)
-    count = len(array(given["item_weights"], "function.item_weights"))
+def _decode_coverage(data: Mapping[str, Any], elements: int) -> Coverage:
+    sets, starts, items = _sets(data)
+    count = len(array(data["item_weights"], "function.item_weights"))
     _refuse_sets(sets, count)
-    return Coverage(starts, items, reals(given["item_weights"], "function.item_weights", count))
+    return Coverage(starts, items, reals(data["item_weights"], "function.item_weights", count))
 
 
 def _encode_sparse(f: FacilityLocation) -> dict[str, Any]:
@@ -151,11 +151,11 @@ def _encode_sparse(f: FacilityLocation) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _decode_sparse(given: Mapping[str, Any], elements: int) -> FacilityLocation:
-    sets, starts, items = _sets(given)
-    count = integer(given["items"], "function.items", 0)
+def _decode_sparse(data: Mapping[str, Any], elements: int) -> FacilityLocation:
+    sets, starts, items = _sets(data)
+    count = integer(data["items"], "function.items", 0)
     _refuse_sets(sets, count)
-    lists = array(given["weights"], "function.weights", len(sets))
+    lists = array(data["weights"], "function.weights", len(sets))
     weights = [reals(row, f"function.weights[{k}]", len(sets[k])) for k, row in enumerate(lists)]
     return FacilityLocation(starts, items, np.concatenate(weights) if weights else np.zeros(0), count)
 
@@ -165,9 +165,9 @@ def _encode_dense(f: DenseFacilityLocation) -> dict[str, Any]:
     return {**data, "matrix": [json_numbers(row) for row in f.matrix.astype(np.float64)]}
 
 
-def _decode_dense(given: Mapping[str, Any], elements: int) -> DenseFacilityLocation:
-    values = matrix(given["matrix"], "function.matrix")
-    if not flags([given.get("single", False)], "function.single", 1)[0]:
+def _decode_dense(data: Mapping[str, Any], elements: int) -> DenseFacilityLocation:
+    values = matrix(data["matrix"], "function.matrix")
+    if not flags([data.get("single", False)], "function.single", 1)[0]:
         return DenseFacilityLocation(values)
     with np.errstate(over="ignore"):
         single = values.astype(np.float32)

@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
 PROBLEMS = ("bottleneck", "bottleneck-lp", "winner-takes-all", "selection")
-"""What may be asked of a sensing graph; the first is meant when nothing else is said."""
+"""Problems that a sensing graph allows; the first is the default."""
 
 EDGE_KEYS = ("action", "target", "weight")
 """Columns of edges in JSON."""
@@ -213,10 +213,10 @@ class SensingGraph(Declared):
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """What is worth a warning: idle robots and unseen targets, the first few by name."""
-        found = (_few("robot", "without an action that sees anything", self.idle_robots, self.robot_name),
+        """Warnings about idle robots and unseen targets, the first few by name."""
+        notes = (_few("robot", "without an action that sees anything", self.idle_robots, self.robot_name),
                  _few("target", "that no action sees", self.unseen_targets, self.target_name))  # fmt: skip
-        return tuple(note for note in found if note)
+        return tuple(note for note in notes if note)
 
     # -- sizes -------------------------------------------------------------------------------------------------------
 
@@ -361,10 +361,10 @@ def graph_of_edges(
     a, t = arrays.whole_numbers("action", action, hint), arrays.whole_numbers("target", target, hint)
     if t.shape != a.shape:
         raise InputError("action and target must have one entry an edge", expected=str(len(a)), found=str(len(t)))
-    given = arrays.reals("weight", weight)
-    if given.ndim and given.shape != a.shape:
-        raise InputError("weight must be a number, or have one entry an edge", expected=str(len(a)), found=str(given.shape))
-    c = np.array(np.broadcast_to(given, a.shape))
+    values = arrays.reals("weight", weight)
+    if values.ndim and values.shape != a.shape:
+        raise InputError("weight must be a number, or have one entry an edge", expected=str(len(a)), found=str(values.shape))
+    c = np.array(np.broadcast_to(values, a.shape))
     num_robots, robot_names = _count("robots", robots, owner, "actions")
     num_targets, target_names = _count("targets", targets, t, "edges")
     arrays.refuse_outside("the robot of action {}", owner, num_robots, "robot")
@@ -403,15 +403,15 @@ def _warned(graph: SensingGraph) -> SensingGraph:
     return graph
 
 
-def _count(what: str, given: Any, used: NDArray[np.int64], users: str) -> tuple[int, tuple[str, ...] | None]:
-    """How many there are, and their names; a number is refused before anything of its size is allocated."""
-    if given is None or (isinstance(given, int | np.integer) and not isinstance(given, bool)):
-        count = int(used.max(initial=-1)) + 1 if given is None else arrays.size(f"the number of {what}", given)
+def _count(what: str, members: Any, used: NDArray[np.int64], users: str) -> tuple[int, tuple[str, ...] | None]:
+    """Number of members and their names; a number is refused before anything of its size is allocated."""
+    if members is None or (isinstance(members, int | np.integer) and not isinstance(members, bool)):
+        count = int(used.max(initial=-1)) + 1 if members is None else arrays.size(f"the number of {what}", members)
         arrays.refuse_unused(what, count, len(used), users)
         return count, None
-    if isinstance(given, str | bytes) or not isinstance(given, Iterable):
-        raise InputError(f"{what} must be a number or a list of names", found=repr(given)[:80])
-    labels = tuple(str(g) for g in given)
+    if isinstance(members, str | bytes) or not isinstance(members, Iterable):
+        raise InputError(f"{what} must be a number or a list of names", found=repr(members)[:80])
+    labels = tuple(str(g) for g in members)
     return len(labels), labels
 
 

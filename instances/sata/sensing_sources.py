@@ -196,15 +196,15 @@ def _weight(value: Any, edge: str) -> float:
 
 def _pos(graph: Any, kind: str, nodes: list[Any]) -> Any:
     """Positions of all nodes of a kind, or None where none has one."""
-    given = [graph.nodes[node].get("pos") for node in nodes]
-    if all(pos is None for pos in given):
+    places = [graph.nodes[node].get("pos") for node in nodes]
+    if all(pos is None for pos in places):
         return None
-    for node, pos in zip(nodes, given, strict=True):
+    for node, pos in zip(nodes, places, strict=True):
         if pos is None:
             raise InputError(f"{kind} {node!r} has no position pos", expected=f"one for every {kind}, or for none")
         if np.shape(pos) != (2,):
             raise InputError(f"the position pos of {kind} {node!r} must be two numbers", found=repr(pos)[:40])
-    return given
+    return places
 
 
 def graph_to_networkx(graph: SensingGraph) -> Any:
@@ -212,7 +212,7 @@ def graph_to_networkx(graph: SensingGraph) -> Any:
     are positions, ``pos``; ``from_networkx`` makes the same graph of it."""
     import networkx as nx
 
-    made = nx.Graph(name=graph.name)
+    result = nx.Graph(name=graph.name)
     every: tuple[tuple[str, int, Callable[[int], str], Floats | None], ...] = (
         ("robot", graph.num_robots, graph.robot_name, None),
         ("action", graph.num_actions, graph.action_labels.__getitem__, graph.action_positions),
@@ -222,12 +222,12 @@ def graph_to_networkx(graph: SensingGraph) -> Any:
     for kind, count, label, points in every:
         nodes[kind] = [(kind, label(k)) for k in range(count)]
         for k, node in enumerate(nodes[kind]):
-            made.add_node(node, kind=kind, name=node[1], **({} if points is None else {"pos": tuple(points[k].tolist())}))
+            result.add_node(node, kind=kind, name=node[1], **({} if points is None else {"pos": tuple(points[k].tolist())}))
     robots, actions, targets = (nodes[kind] for kind in KINDS)
-    made.add_edges_from((robots[r], actions[a]) for a, r in enumerate(graph.robot_of_action.tolist()))
+    result.add_edges_from((robots[r], actions[a]) for a, r in enumerate(graph.robot_of_action.tolist()))
     columns = graph.action_of_edge.tolist(), graph.indices.tolist(), graph.weights.tolist()
-    made.add_weighted_edges_from((actions[a], targets[t], w) for a, t, w in zip(*columns, strict=True))
-    return made
+    result.add_weighted_edges_from((actions[a], targets[t], w) for a, t, w in zip(*columns, strict=True))
+    return result
 
 
 # -- positions -------------------------------------------------------------------------------------------------------------
@@ -295,9 +295,9 @@ def graph_from_positions(
 
 
 def _points(what: str, points: ArrayLike, count: int | None) -> Floats:
-    made = arrays.reals(f"{what} positions", points)
-    if made.size == 0:
-        made = made.reshape(0, 2)
-    checked = arrays.positions(what, made, len(made) if count is None else count)
+    array = arrays.reals(f"{what} positions", points)
+    if array.size == 0:
+        array = array.reshape(0, 2)
+    checked = arrays.positions(what, array, len(array) if count is None else count)
     assert checked is not None
     return checked
