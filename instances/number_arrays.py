@@ -130,6 +130,11 @@ def check_csr(indptr: Indices, columns: Indices, count: int, row: str, column: s
         raise InputError(f"the {column}s of each {row} must ascend, none twice")
 
 
+def row_starts(rows: NDArray[np.integer[Any]], count: int) -> NDArray[np.int64]:
+    """Starts of ``count`` rows of a CSR matrix, and the number of entries, from the row of each entry."""
+    return np.concatenate([[0], np.cumsum(np.bincount(rows, minlength=count))])
+
+
 def entries_of(indptr: NDArray[np.integer[Any]], rows: NDArray[np.integer[Any]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Places of all entries of some rows of a CSR matrix, row after row, and how many each row has."""
     counts = (indptr[rows + 1] - indptr[rows]).astype(np.int64)

@@ -151,9 +151,7 @@ class AssignmentInstance(Declared):
             pair = " and ".join(f"{what} {number + 1 if names is None else names[number]}" for what, number, names in named)
             raise InputError(f"the pair of {pair} stands twice")
         kept = order[~(c[order] == math.inf)]
-        indptr = np.zeros(n + 1, dtype=np.int64)
-        np.cumsum(np.bincount(i[kept], minlength=n), out=indptr[1:])
-        return cls(n, m, indptr, j[kept], c[kept], **further)  # type: ignore[arg-type]
+        return cls(n, m, arrays.row_starts(i[kept], n), j[kept], c[kept], **further)  # type: ignore[arg-type]
 
     @classmethod
     def from_frame(cls, costs: pd.DataFrame, **further: Any) -> AssignmentInstance:

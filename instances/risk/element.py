@@ -20,8 +20,6 @@ from ..number_arrays import reals
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-CATEGORIES = ("locale", "action", "traverse")
-
 
 class Space(Protocol):
     """The part of a graph that risk elements read."""

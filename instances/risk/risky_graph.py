@@ -167,7 +167,7 @@ class RiskyGraph(Declared):
     @cached_property
     def indptr(self) -> Indices:
         """First move out of each state, shape (states + 1,)."""
-        return np.concatenate([[0], np.cumsum(np.bincount(self.tail, minlength=self.num_states))]).astype(np.int32)
+        return arrays.row_starts(self.tail, self.num_states).astype(np.int32)
 
     def neighbours(self, state: int) -> list[int]:
         """States that a move leads to."""

@@ -176,5 +176,4 @@ def _read_matrix(data: Any, path: str, columns: int) -> SparseMatrix:
     twice = np.nonzero((np.diff(row) == 0) & (np.diff(column) == 0))[0]
     if len(twice):
         raise InputError(f"{path} has two entries in row {row[twice[0]] + 1} for variable {column[twice[0]]}")
-    indptr = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=rows))])
-    return SparseMatrix(indptr, column, value, columns)  # type: ignore[arg-type]
+    return SparseMatrix(arrays.row_starts(row, rows), column, value, columns)  # type: ignore[arg-type]

@@ -241,9 +241,8 @@ class SensingGraph(Declared):
     def by_target(self) -> Incidence:
         """Actions that see each target."""
         order = np.argsort(self.indices, kind="stable")
-        starts = np.zeros(self.num_targets + 1, dtype=np.int32)
-        np.cumsum(np.bincount(self.indices, minlength=self.num_targets), out=starts[1:])
-        return Incidence(starts, self.action_of_edge[order], self.weights[order])
+        starts = arrays.row_starts(self.indices, self.num_targets)
+        return Incidence(starts.astype(np.int32), self.action_of_edge[order], self.weights[order])
 
     @cached_property
     def action_of_edge(self) -> Indices:
@@ -253,8 +252,7 @@ class SensingGraph(Declared):
     @cached_property
     def by_robot(self) -> tuple[Indices, Indices]:
         """``(indptr, actions)``: the actions of robot i are ``actions[indptr[i]:indptr[i + 1]]``, in ascending order."""
-        starts = np.zeros(self.num_robots + 1, dtype=np.int32)
-        np.cumsum(np.bincount(self.robot_of_action, minlength=self.num_robots), out=starts[1:])
+        starts = arrays.row_starts(self.robot_of_action, self.num_robots).astype(np.int32)
         return starts, np.argsort(self.robot_of_action, kind="stable").astype(np.int32)
 
     @cached_property
@@ -389,11 +387,10 @@ def graph_of_edges(
         a, t = np.divmod(key, max(num_targets, 1))
     if not c.all():
         a, t, c = a[c > 0], t[c > 0], c[c > 0]
-    indptr = np.zeros(len(owner) + 1, dtype=np.int64)
-    np.cumsum(np.bincount(a, minlength=len(owner)), out=indptr[1:])
+    starts = arrays.row_starts(a, len(owner)).astype(np.int32)
     return SensingGraph(
-        owner.astype(np.int32), indptr.astype(np.int32), t.astype(np.int32), c, num_robots, num_targets, robot_names=robot_names,
-        target_names=target_names, **further,
+        owner.astype(np.int32), starts, t.astype(np.int32), c, num_robots, num_targets, robot_names=robot_names, target_names=target_names,
+        **further,
     )  # fmt: skip
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, UsageError
+from ..number_arrays import row_starts
 from .sensing_graph import SensingGraph, graph_of_edges
 
 Floats = NDArray[np.float64]
@@ -142,7 +143,7 @@ def unless_counted(labels: list[str]) -> int | list[str]:
 def unless_usual(labels: list[str], owner: Codes, robots: list[str]) -> list[str] | None:
     """The names of actions, or None where they are those that actions have without names."""
     order = np.argsort(owner, kind="stable")
-    starts = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=len(robots)))])
+    starts = row_starts(owner, len(robots))
     position = np.empty(len(owner), dtype=np.int64)
     position[order] = np.arange(len(owner)) - starts[owner[order]]
     usual = (f"{robots[r]}.{k + 1}" for r, k in zip(owner.tolist(), position.tolist(), strict=True))
