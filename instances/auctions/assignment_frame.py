@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..frames import name_of
 from ..suggestions import did_you_mean
 from ..text import number, shown
 
@@ -100,13 +101,8 @@ def _numbered(column: Any) -> tuple[NDArray[np.int64], tuple[str, ...]]:
 
     codes, distinct = pd.factorize(column)
     place: dict[str, int] = {}
-    at = [place.setdefault(name, len(place)) if (name := _name(value)) else -1 for value in distinct]
+    at = [place.setdefault(name, len(place)) if (name := name_of(value)) else -1 for value in distinct]
     return np.array([*at, -1], dtype=np.int64)[codes], tuple(place)
-
-
-def _name(value: Any) -> str:
-    """Numbers that an empty cell among them made floats are whole again."""
-    return str(int(value)) if isinstance(value, float | np.floating) and float(value).is_integer() else str(value).strip()
 
 
 def _numbers(title: str, column: Any, expected: str = "a number, or inf") -> Floats:
@@ -163,7 +159,7 @@ def _matrix(frame: pd.DataFrame, titles: list[str]) -> dict[str, Any]:
         costs[:, at] = _numbers(shown(str(frame.columns[k])), frame.iloc[:, k], LAYOUTS)
     costs[np.isnan(costs)] = math.inf  # a cell without a number forbids a pair, as in a file
     robots = frame.index if corner is None else frame.iloc[:, corner]
-    return {"costs": costs, "robot_names": tuple(map(_name, robots)), "bin_names": tuple(str(frame.columns[k]).strip() for k in kept)}
+    return {"costs": costs, "robot_names": tuple(map(name_of, robots)), "bin_names": tuple(str(frame.columns[k]).strip() for k in kept)}
 
 
 def _is_text(column: Any) -> bool:

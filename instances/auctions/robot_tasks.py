@@ -13,9 +13,10 @@ from .. import number_arrays as arrays
 from ..declared import Declared, NameOf, Names, extent
 from ..document import json_numbers, matrix
 from ..errors import InputError
+from ..frames import columns_of, numbers_of
 from ..memory import fits, readable
 from ..parts import LARGEST, Axis, Choice, Count, Numbers
-from ..text import an, shown
+from ..text import an
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -113,14 +114,16 @@ class RobotTasks(Declared):
         InputError
             For an unknown or missing column, and whatever ``RobotTasks`` refuses.
         """
-        teams, places = _columns("robots", robots, COLUMNS[:3]), _columns("tasks", tasks, COLUMNS)
+        teams, places = columns_of("robots", robots, COLUMNS[:3], "xy"), columns_of("tasks", tasks, COLUMNS, "xy")
         further: dict[str, Any] = {}
         for key, part in (("robot_names", teams), ("task_names", places)):
             if "name" in part:
                 further[key] = tuple(map(str, part["name"]))
         if "weight" in places:
-            further["weights"] = _numbers("tasks", places, "weight")
-        points = [np.column_stack([_numbers(what, part, axis) for axis in "xy"]) for what, part in (("robots", teams), ("tasks", places))]
+            further["weights"] = numbers_of("tasks", "weight", places["weight"])
+        points = [
+            np.column_stack([numbers_of(what, axis, part[axis]) for axis in "xy"]) for what, part in (("robots", teams), ("tasks", places))
+        ]
         return cls.of_positions(points[0], points[1], metric, name=name, format="frame", **further)
 
     @classmethod
@@ -287,25 +290,3 @@ def _table(what: str, values: Any, several: bool = True) -> Floats:
     if several and table.ndim != 2:
         raise InputError(f"{what} must be a table", found=f"shape {table.shape}")
     return table
-
-
-def _columns(what: str, frame: Any, known: tuple[str, ...]) -> dict[str, list[Any]]:
-    if not hasattr(frame, "columns") or not hasattr(frame, "iloc"):
-        raise InputError(f"{what} must be a pandas frame", found=type(frame).__name__)
-    titles = [str(column) for column in frame.columns]
-    for title in titles:
-        if title not in known:
-            raise InputError(f"column {title!r} of {what} is unknown", expected=", ".join(known))
-        if titles.count(title) > 1:
-            raise InputError(f"column {title!r} of {what} stands twice")
-    for title in ("x", "y"):
-        if title not in titles:
-            raise InputError(f"column {title!r} of {what} is missing")
-    return {title: frame.iloc[:, k].tolist() for k, title in enumerate(titles)}
-
-
-def _numbers(what: str, part: dict[str, list[Any]], title: str) -> Any:
-    try:
-        return np.array(part[title], dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"column {title!r} of {what} must hold numbers", found=shown(str(part[title][:3]))) from None

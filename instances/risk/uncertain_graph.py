@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .. import number_arrays as arrays
 from ..declared import CountOf, Declared, NameOf, Names, extent
 from ..errors import InputError
+from ..frames import columns_of, name_of, numbers_of
 from ..parts import Axis, Count, Numbers, Whole, Wholes
 
 if TYPE_CHECKING:
@@ -130,18 +131,10 @@ class UncertainGraph(Declared):
         InputError
             Naming the column, edge or vertex that is wrong.
         """
-        if not hasattr(edges, "columns") or not hasattr(edges, "iloc"):
-            raise InputError("edges must be a pandas frame", found=type(edges).__name__)
-        titles = [str(column) for column in edges.columns]
-        for title in titles:
-            if title not in COLUMNS or titles.count(title) > 1:
-                raise InputError(f"column {title!r} of edges is unknown or stands twice", expected=", ".join(COLUMNS))
-        for title in COLUMNS[:4]:
-            if title not in titles:
-                raise InputError(f"edges lack the column {title!r}", expected=", ".join(COLUMNS[:4]), found=", ".join(titles))
-        ends = [[_name(value) for value in edges[title].tolist()] for title in COLUMNS[:2]]
-        costs = {title: _numbers(edges[title], title) for title in COLUMNS[2:] if title in titles}
-        return cls.from_names(ends[0], ends[1], costs, _name(start), _name(goal), undirected=undirected, name=name, format="frame")
+        columns = columns_of("edges", edges, COLUMNS, COLUMNS[:4])
+        ends = [[name_of(value) for value in columns[title].tolist()] for title in COLUMNS[:2]]
+        costs = {title: numbers_of("edges", title, columns[title]) for title in COLUMNS[2:] if title in columns}
+        return cls.from_names(ends[0], ends[1], costs, name_of(start), name_of(goal), undirected=undirected, name=name, format="frame")
 
     @classmethod
     def from_networkx(cls, graph: Any, *, start: Any = None, goal: Any = None, name: str | None = None) -> UncertainGraph:
@@ -327,19 +320,6 @@ class UncertainGraph(Declared):
 
     def told(self) -> Iterable[str]:
         return (*super().told(), f"{self.vertex_name(self.start)} to {self.vertex_name(self.goal)}")
-
-
-def _name(value: object) -> str:
-    if isinstance(value, float) and value.is_integer():
-        return str(int(value))
-    return str(value).strip()
-
-
-def _numbers(values: Any, title: str) -> Floats:
-    try:
-        return np.array(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"column {title} of edges must hold numbers", found=str(error)[:80]) from None
 
 
 def _cost(tail: Any, head: Any, data: dict[str, Any], key: str) -> float:

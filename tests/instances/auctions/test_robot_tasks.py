@@ -82,7 +82,7 @@ def test_frames_are_read_with_names_and_weights():
 @pytest.mark.parametrize(
     ("robots", "tasks", "message"),
     [
-        ({"x": [0]}, {"x": [0], "y": [0]}, "column 'y' of robots is missing"),
+        ({"x": [0]}, {"x": [0], "y": [0]}, "robots lacks the column 'y'"),
         ({"x": [0], "y": [0], "weight": [1]}, {"x": [0], "y": [0]}, "column 'weight' of robots is unknown"),
         ({"x": [0], "y": [0]}, {"x": ["far"], "y": [0]}, "column 'x' of tasks must hold numbers"),
         ({"x": [], "y": []}, {"x": [0], "y": [0]}, "there are no robots"),

@@ -114,9 +114,9 @@ def test_an_undirected_edge_leads_both_ways_at_one_cost():
 @pytest.mark.parametrize(
     ("frame", "message"),
     [
-        (FRAME.drop(columns="variance"), "edges lack the column 'variance'"),
+        (FRAME.drop(columns="variance"), "edges lacks the column 'variance'"),
         (FRAME.assign(colour=1), "column 'colour' of edges is unknown"),
-        (FRAME.assign(mean="much"), "column mean of edges must hold numbers"),
+        (FRAME.assign(mean="much"), "column 'mean' of edges must hold numbers"),
         (FRAME.assign(variance=-1.0), "the variance of edge S -> A must be from 0"),
         ([1, 2], "edges must be a pandas frame"),
     ],
