@@ -36,6 +36,8 @@ class CountOf:
         self.axis = axis
 
     def __get__(self, instance: Any, owner: Any = None) -> int:
+        if instance is None:
+            return self  # type: ignore[return-value]
         count: int = instance.counts[self.axis]
         return count
 
@@ -47,6 +49,8 @@ class NameOf:
         self.axis = axis
 
     def __get__(self, instance: Any, owner: Any = None) -> Callable[[int], str]:
+        if instance is None:
+            return self  # type: ignore[return-value]
         return partial(instance.name_of, self.axis)
 
 
@@ -68,7 +72,7 @@ class Declared:
     keys: ClassVar[tuple[str, ...]] = ()  # of JSON in their order, where it is not axes, fields, own keys
     own_keys: ClassVar[tuple[str, ...]] = ()  # that JSON must have, and the kind reads and writes itself
     hashed: ClassVar[tuple[str, ...]] = ()  # attributes that the digest covers; by default all declared fields
-    says_problems: ClassVar[bool] = False  # JSON says what may be asked where that is not all
+    lists_problems: ClassVar[bool] = False  # JSON says what may be asked where that is not all
     name: str = ""
     format: str = "arrays"
     problem: str = ""
@@ -146,12 +150,12 @@ class Declared:
         """Hash of everything that values depend on; names and positions are not part of it."""
         return digest(self.kind, *(getattr(self, key) for key in self.hashed or self.parts()))
 
-    def told(self) -> Iterable[str]:
+    def summary(self) -> Iterable[str]:
         """The parts of ``repr`` that follow the name."""
         return (f"{count} {key}" for key, count in self.sizes().items())
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self.name}: {', '.join(self.told())}>"
+        return f"<{type(self).__name__} {self.name}: {', '.join(self.summary())}>"
 
     # -- JSON --------------------------------------------------------------------------------------------------------
 
@@ -166,7 +170,7 @@ class Declared:
         data.update(self._written(""))
         data.update(self.write_own())
         head: dict[str, Any] = {"name": self.name, "problem": self.problem}
-        if self.says_problems and self.problems != self.problem_names:
+        if self.lists_problems and self.problems != self.problem_names:
             head["problems"] = list(self.problems)
         notes = self.own_notes()
         ordered = {key: data[key] for key in self.keys or data if key in data}
@@ -199,7 +203,7 @@ class Declared:
         """The instance out of JSON; see ``Kind.decode``."""
         tables, top = [axis for axis in cls.axes if axis.table], cls._stored("")
         needed = (*(axis.key for axis in tables), *(key for key, field in top.items() if cls._needed(*field)), *cls.own_keys)
-        known = ("name", "problem", *(["problems"] * cls.says_problems), *(cls.keys or (*needed, *top)), "notes")
+        known = ("name", "problem", *(["problems"] * cls.lists_problems), *(cls.keys or (*needed, *top)), "notes")
         document.fields(data, "the document", tuple(dict.fromkeys(known)), ("name", "problem", *needed))
         values: dict[str, Any] = dict(zip(("problem", "problems"), cls._asked(data), strict=True))
         counts: dict[str, int] = {}
@@ -209,7 +213,7 @@ class Declared:
         values.update({name: part.read(data[key], key, counts) for key, (name, part) in top.items() if key in data})
         values.update(cls.read_own(data, counts))
         name, notes = document.string(data["name"], "name"), document.strings(data.get("notes", []), "notes")
-        return cls.of_parts(**values, name=name, format="json", notes=notes)
+        return cls.from_values(**values, name=name, format="json", notes=notes)
 
     @classmethod
     def _needed(cls, name: str, part: Part) -> bool:
@@ -221,14 +225,14 @@ class Declared:
         problem = document.string(data["problem"], "problem")
         problems = document.strings(data.get("problems", list(cls.problem_names)), "problems")
         known = ", ".join(cls.problem_names)
-        if cls.says_problems and len(cls.problem_names) == 1 and {problem, *problems} != set(cls.problem_names):
+        if cls.lists_problems and len(cls.problem_names) == 1 and {problem, *problems} != set(cls.problem_names):
             found = ", ".join(dict.fromkeys((problem, *data.get("problems", ()))))
             raise InputError(f"{cls.content} allow one problem", expected=known, found=found)
         for k, name in enumerate(problems):
             if name not in cls.problem_names:
                 raise InputError(f"problems[{k}] is no problem of {cls.content}", expected=known, found=name)
         if problem not in problems:
-            fault = "problem must be one of problems" if cls.says_problems else f"problem is none of {cls.content}"
+            fault = "problem must be one of problems" if cls.lists_problems else f"problem is none of {cls.content}"
             raise InputError(fault, expected=", ".join(problems), found=problem)
         return problem, problems
 
@@ -258,6 +262,6 @@ class Declared:
         return {}
 
     @classmethod
-    def of_parts(cls, **values: Any) -> Self:
+    def from_values(cls, **values: Any) -> Self:
         """The instance of what a document holds."""
         return cls(**values)

@@ -251,8 +251,8 @@ class AssignmentInstance(Declared):
             "positions": self.robot_positions is not None and self.bin_positions is not None,
         }
 
-    def told(self) -> Iterable[str]:
-        return (*super().told(), f"{self.num_pairs} pairs")
+    def summary(self) -> Iterable[str]:
+        return (*super().summary(), f"{self.num_pairs} pairs")
 
     def write_own(self) -> dict[str, Any]:
         """A matrix where at least half of all pairs are allowed, else lists of pairs."""
@@ -272,7 +272,7 @@ class AssignmentInstance(Declared):
         return {"robots": robots, "bins": bins, "costs": costs}
 
     @classmethod
-    def of_parts(cls, **values: Any) -> AssignmentInstance:
+    def from_values(cls, **values: Any) -> AssignmentInstance:
         if "robots" in values:
             return cls.from_pairs(**values)
         return cls.from_matrix(**{key: value for key, value in values.items() if key not in ("num_robots", "num_bins")})

@@ -150,8 +150,8 @@ class ExplorationMap(Declared):
             **{key: float(getattr(self, key)[:, :1].sum()) for key in GAINS},
         }  # fmt: skip
 
-    def told(self) -> Iterable[str]:
-        return (*super().told(), f"{self.steps} steps")
+    def summary(self) -> Iterable[str]:
+        return (*super().summary(), f"{self.steps} steps")
 
 
 def _reached(table: Flags, begin: Integers) -> Flags:

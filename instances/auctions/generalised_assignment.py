@@ -137,8 +137,8 @@ class GeneralisedAssignmentInstance(Declared):
             "consumption": extent(used), "capacity": extent(self.capacity), "capacity_of_all": math.fsum(self.capacity),
         }  # fmt: skip
 
-    def told(self) -> Iterable[str]:
-        return (*super().told(), self.objective)
+    def summary(self) -> Iterable[str]:
+        return (*super().summary(), self.objective)
 
     def write_own(self) -> dict[str, Any]:
         return {self.objective: json_numbers(self.values)}

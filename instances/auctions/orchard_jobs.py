@@ -157,8 +157,8 @@ class OrchardJobs(Declared):
             "bins": self.num_bins, "bins_standing": int(self.standing.sum()), "work": int(self.work.sum()),
         }  # fmt: skip
 
-    def told(self) -> Iterable[str]:
-        return (*super().told(), f"{self.grid.rows} x {self.grid.columns} cells")
+    def summary(self) -> Iterable[str]:
+        return (*super().summary(), f"{self.grid.rows} x {self.grid.columns} cells")
 
     def write_own(self) -> dict[str, Any]:
         """Cells by row and column; bins are counted from 1."""

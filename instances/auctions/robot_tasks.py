@@ -253,8 +253,8 @@ class RobotTasks(Declared):
         away = self.distances[self.distances > 0] if (self.distances > 0).any() else np.zeros(1)
         return {**self.sizes(), "metric": self.metric, "distances": extent(away), "weights": float(np.asarray(self.weights).sum())}
 
-    def told(self) -> Iterable[str]:
-        return (*super().told(), self.metric)
+    def summary(self) -> Iterable[str]:
+        return (*super().summary(), self.metric)
 
     def write_own(self) -> dict[str, Any]:
         return {} if self.matrix is None else {"distances": json_numbers(self.matrix)}
@@ -266,7 +266,7 @@ class RobotTasks(Declared):
         return {"matrix": matrix(data["distances"], "distances", counts["robot"] + counts["task"], counts["task"])}
 
     @classmethod
-    def of_parts(cls, **values: Any) -> RobotTasks:
+    def from_values(cls, **values: Any) -> RobotTasks:
         places = [values.pop(key) for key in ("robot_positions", "task_positions")]
         if (places[0] is None) != (places[1] is None):
             raise InputError("positions are given of robots or of tasks alone", expected="x and y of both, or of neither")

@@ -65,7 +65,7 @@ class RiskyGraph(Declared):
     kind = "risky-graph"
     problem_names = ("risky-path",)
     content = "graphs with risk"
-    says_problems = True
+    lists_problems = True
     axes = (Axis("state", positions="positions", dimensions=3), Axis("move", least=0, counted=False))
     keys = ("states", "moves", "start", "goals", "objective", "discount", "conditional", "elements", "obstacles")
     own_keys = ("conditional", "elements")
@@ -205,9 +205,9 @@ class RiskyGraph(Declared):
             self.objective, "" if self.positions is None else self.positions, *of_elements,
         )  # fmt: skip
 
-    def told(self) -> Iterable[str]:
+    def summary(self) -> Iterable[str]:
         labels = ", ".join(element.label for element in self.elements) or "nothing"
-        return (*super().told(), f"risk of {labels}")
+        return (*super().summary(), f"risk of {labels}")
 
     def write_own(self) -> dict[str, Any]:
         data: dict[str, Any] = {

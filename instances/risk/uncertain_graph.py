@@ -318,8 +318,8 @@ class UncertainGraph(Declared):
             "positions": self.positions is not None,
         }
 
-    def told(self) -> Iterable[str]:
-        return (*super().told(), f"{self.vertex_name(self.start)} to {self.vertex_name(self.goal)}")
+    def summary(self) -> Iterable[str]:
+        return (*super().summary(), f"{self.vertex_name(self.start)} to {self.vertex_name(self.goal)}")
 
 
 def _cost(tail: Any, head: Any, data: dict[str, Any], key: str) -> float:

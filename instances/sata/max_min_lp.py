@@ -95,7 +95,7 @@ class MaxMinInstance(Declared):
 
     kind = "max-min"
     problem_names = ("max-min-lp",)
-    says_problems = True
+    lists_problems = True
     content = "packing and covering rows"
     default_name = "max-min-lp"
     axes = (Axis("variable", table=False, least=0),)
@@ -124,9 +124,9 @@ class MaxMinInstance(Declared):
         elif (np.diff(self.covering.indptr) == 0).any():
             raise InputError(f"covering row {int(np.argmin(np.diff(self.covering.indptr))) + 1} holds no variable: nothing can cover it")
 
-    def told(self) -> Iterable[str]:
+    def summary(self) -> Iterable[str]:
         rows = f"{self.packing.rows} packing and {self.covering.rows} covering rows"
-        return (self.sense, *super().told(), rows)
+        return (self.sense, *super().summary(), rows)
 
     def digest(self) -> str:
         """Hash of everything that values depend on."""

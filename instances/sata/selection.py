@@ -69,7 +69,7 @@ class SelectionInstance(Declared):
 
     kind = "selection"
     problem_names = ("selection",)
-    says_problems = True
+    lists_problems = True
     content = "selections"
     axes = (Axis("element", table=False, least=0),)
     keys = ("elements", "function", "constraint")

@@ -72,7 +72,7 @@ class SensingGraph(Declared):
 
     kind = "sensing"
     problem_names = PROBLEMS
-    says_problems = True
+    lists_problems = True
     content = "sensing graphs"
     default_name = "sensing-graph"
     axes = (
@@ -311,8 +311,8 @@ class SensingGraph(Declared):
             "unseen_targets": [self.target_name(int(t)) for t in self.unseen_targets],
         }
 
-    def told(self) -> Iterable[str]:
-        return (*super().told(), f"{self.num_edges} edges ({self.density:.3g} %)")
+    def summary(self) -> Iterable[str]:
+        return (*super().summary(), f"{self.num_edges} edges ({self.density:.3g} %)")
 
     # -- JSON ----------------------------------------------------------------------------------------------------------
 
@@ -332,7 +332,7 @@ class SensingGraph(Declared):
         return {"action": action, "target": target, "weight": weight}
 
     @classmethod
-    def of_parts(cls, **values: Any) -> SensingGraph:
+    def from_values(cls, **values: Any) -> SensingGraph:
         members = {f"{what}s": (values.pop(f"num_{what}s"), values.pop(f"{what}_names", None)) for what in ("robot", "target")}
         return graph_of_edges(**values, **{key: count if names is None else names for key, (count, names) in members.items()})
 
