@@ -21,19 +21,9 @@ _BLOCK = 4096
 def atomic_file(path: str | PathLike[str]) -> Iterator[IO[bytes]]:
     """A binary file that takes the name ``path`` only when the block ends without an exception.
 
-    The data go to a temporary file in the same folder, which is flushed to disk and then renamed. Whatever ends the
-    block early, Ctrl-C included, removes the temporary file and leaves what stood at ``path`` as it was.
-
-    Parameters
-    ----------
-    path : path-like
-        Where the file shall stand; a symbolic link is followed, so that the link itself survives.
-        A device or a pipe is written to as it is.
-
-    Raises
-    ------
-    InputError
-        If ``path`` is a directory, its folder is missing, or it cannot be written.
+    The data go to a temporary file in the same folder, which is flushed to disk and then renamed. Whatever ends the block early, Ctrl-C
+    included, leaves what stood at ``path``. A symbolic link is followed and survives; a device or a pipe is written to as it is. Raises
+    InputError for a directory, a missing folder, and a file that cannot be written.
     """
     target = _target(path)
     temporary: str | None = None

@@ -15,7 +15,7 @@ from .suggestions import did_you_mean
 
 @dataclass(frozen=True)
 class Recipe:
-    """Where a bundled file comes from: ``generate(kind, seed, **settings)``, written as ``file``, or the ``source`` of a small case."""
+    """The origin of a bundled file: ``generate(kind, seed, **settings)``, written as ``file``, or the ``source`` of a small case."""
 
     file: str
     kind: str = ""
@@ -27,8 +27,8 @@ class Recipe:
         """The command that makes the file; "" for a case of the literature."""
         if self.source:
             return ""
-        given = "".join(f" --set {key}={value}" for key, value in {**self.settings, "name": name}.items())
-        return f"waybound generate {self.kind}{given} --seed {self.seed} --out {self.file}"
+        options = "".join(f" --set {key}={value}" for key, value in {**self.settings, "name": name}.items())
+        return f"waybound generate {self.kind}{options} --seed {self.seed} --out {self.file}"
 
 
 RECIPES: dict[str, Recipe] = {

@@ -43,7 +43,7 @@ _PARTS = re.compile(r"(\d+(?:\.\d+)?)\s*([a-z]+)")
 
 @dataclass(frozen=True)
 class Clock:
-    """What the times of a problem count.
+    """The unit and the origin of a problem's times.
 
     Parameters
     ----------
@@ -143,8 +143,8 @@ def moment_of(cell: str, line: int | None, what: str) -> Any:
     try:
         if _DAY.match(cell):
             return datetime.datetime.fromisoformat(cell)
-        if found := _CLOCK.match(cell):
-            hours, minutes, seconds = int(found[1]), int(found[2]), float(found[3] or 0)
+        if match := _CLOCK.match(cell):
+            hours, minutes, seconds = int(match[1]), int(match[2]), float(match[3] or 0)
             whole = datetime.timedelta(hours=hours, minutes=minutes, seconds=seconds)
             if whole <= DAY and minutes < 60 and seconds < 60:
                 return whole if whole == DAY else (datetime.datetime.min + whole).time()
@@ -160,8 +160,8 @@ def span_of(cell: str, line: int | None, what: str) -> Any:
     if is_number(cell):
         return float(cell)
     with contextlib.suppress(OverflowError):  # longer than any calendar
-        if found := _SPAN.match(cell):
-            days, hours, minutes, seconds = int(found[1] or 0), int(found[2]), int(found[3]), float(found[4])
+        if match := _SPAN.match(cell):
+            days, hours, minutes, seconds = int(match[1] or 0), int(match[2]), int(match[3]), float(match[4])
             return datetime.timedelta(days=days, hours=hours, minutes=minutes, seconds=seconds)
         parts = _PARTS.findall(cell.lower())
         units = [ALIASES.get(unit, unit) for _, unit in parts]
@@ -210,7 +210,7 @@ class Times:
 
     @property
     def clock(self) -> Clock | None:
-        """What was found; None where no unit was named."""
+        """The clock of all times read so far; None where no unit was named."""
         if self.unit is None:
             return None
         return Clock(self.unit, "" if self.origin is None else self.origin.isoformat(), self._of_day and self.origin is None)

@@ -39,12 +39,12 @@ def parse_json(text: str) -> Any:
         return int(digits) if len(digits) <= 300 else float(digits)
 
     def pairs(items: list[tuple[str, Any]]) -> Object:
-        made = dict(items)
-        if len(made) != len(items):
+        keys = dict(items)
+        if len(keys) != len(items):
             seen: set[str] = set()
             key = next(k for k, _ in items if k in seen or seen.add(k))  # type: ignore[func-returns-value]
             raise InputError(f"key {shown(key)} stands twice in one object", line=_line_of(text, json.dumps(key)))
-        return made
+        return keys
 
     try:
         data = json.loads(text, parse_constant=constant, parse_int=whole, object_pairs_hook=pairs)
@@ -61,7 +61,7 @@ def parse_json(text: str) -> Any:
 
 
 def _deeper(data: Any, levels: int) -> bool:
-    """Whether lists and objects stand within each other more than ``levels`` deep."""
+    """True if lists and objects are nested more than ``levels`` deep."""
     inside = [data] if isinstance(data, list | dict) else []
     for _ in range(levels):
         inside = [
@@ -131,15 +131,16 @@ def real(data: Any, path: str, *, null: float | None = None) -> float:
     return value
 
 
-def integer(data: Any, path: str, least: int) -> int:
-    """A whole number of at least ``least``."""
-    if isinstance(data, bool) or not isinstance(data, int) or not least <= data < 10**18:
-        raise InputError(f"{path} must be a whole number", expected=f"{least} or more", found=kind_of(data))
+def integer(data: Any, path: str, least: int, most: int | None = None) -> int:
+    """A whole number of at least ``least``, and at most ``most`` where that is given."""
+    if isinstance(data, bool) or not isinstance(data, int) or not least <= data < (10**18 if most is None else most + 1):
+        expected = f"{least} or more" if most is None else f"{least} to {most}"
+        raise InputError(f"{path} must be a whole number", expected=expected, found=kind_of(data))
     return data
 
 
-def reals(data: Any, path: str, length: int, *, null: float | None = None) -> Floats:
-    """A list of finite numbers, as an array of the given length."""
+def reals(data: Any, path: str, length: int | None = None, *, null: float | None = None) -> Floats:
+    """A list of finite numbers as an array, of the given length where one is given."""
     items = array(data, path, length)
     if all(type(item) is float or type(item) is int for item in items):
         try:
@@ -170,13 +171,30 @@ def flags(data: Any, path: str, length: int) -> NDArray[np.bool_]:
     return np.array(items, dtype=bool)
 
 
+def matrix(data: Any, path: str, rows: int | None = None, columns: int | None = None, *, null: float | None = None) -> Floats:
+    """A list of rows, all of one length, as an array; rows and columns are as many as there are where no number is given."""
+    lists = array(data, path, rows)
+    width = columns if columns is not None else len(array(lists[0], f"{path}[0]")) if lists else 0
+    values = [reals(row, f"{path}[{k}]", width, null=null) for k, row in enumerate(lists)]
+    return np.array(values, dtype=np.float64).reshape(len(lists), width)
+
+
 def square(data: Any, path: str, size: int) -> Floats:
     """A list of rows, as an array of shape (size, size)."""
-    return np.array([reals(row, f"{path}[{k}]", size) for k, row in enumerate(array(data, path, size))]).reshape(size, size)
+    return matrix(data, path, size, size)
+
+
+def positions(data: Mapping[str, Any], path: str, count: int, keys: Sequence[str] = "xy") -> Floats | None:
+    """Places in two or more columns of an object, as an array of shape (count, coordinates); None where there are none."""
+    there = [key for key in keys if key in data]
+    if there and there != list(keys)[: max(2, len(there))]:
+        expected = ", or ".join(f"{', '.join(keys[: n - 1])} and {keys[n - 1]}" for n in range(2, len(keys) + 1))
+        raise InputError(f"{path} has {' and '.join(there)} alone", expected=expected)
+    return np.column_stack([reals(data[key], f"{path}.{key}", count) for key in there]) if there else None
 
 
 def kind_of(data: Any) -> str:
-    """What a value is, for messages."""
+    """A short description of a JSON value for messages."""
     if isinstance(data, str):
         return shown(data)
     if isinstance(data, bool | int | float) or data is None:

@@ -132,7 +132,7 @@ class CheckFailedError(WayboundError):
 
 
 def in_words(fault: BaseException) -> str:
-    """What went wrong, in one line: the message of an error of ours, a name and a text for every other exception."""
+    """One line on an exception: the message of one of ours, type and text of any other."""
     if isinstance(fault, WayboundError):
         return str(fault)
     if isinstance(fault, KeyboardInterrupt):

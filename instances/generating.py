@@ -12,26 +12,10 @@ from .limits import check_whole
 
 
 def generate(kind: str, seed: int, **settings: Any) -> Instance:
-    """A new instance; the same seed and settings give the same instance, on every machine.
+    """A new instance of the generator ``kind``; the same seed and settings give the same instance, on every machine.
 
-    Parameters
-    ----------
-    kind : str
-        A name of ``GENERATORS``: ``solomon``, ``uchoa``, ``sata``, ``coverage``, ...
-    seed : int
-        At least 0.
-    **settings
-        The recipe's own; dashes and underscores are one. Values may be text, as on the command line.
-
-    Returns
-    -------
-    Instance
-        Of format ``generated``.
-
-    Raises
-    ------
-    UsageError
-        If the recipe or a setting does not exist, or a value is out of range.
+    Settings may be text, as on the command line; dashes and underscores are one. Raises UsageError for an unknown generator or setting, and
+    for values out of range.
     """
     recipe = GENERATORS[kind]
     check_whole("seed", seed, option="the seed")

@@ -1,4 +1,4 @@
-"""What every instance has, whatever its family, and the digest of data."""
+"""The attributes that all instances share, and the digest of data."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 @runtime_checkable
 class Instance(Protocol):
-    """What every reader returns.
+    """The attributes that all instances share: every reader returns an object that has them.
 
     ``kind`` names the family (``routing``, later ``sensing``, ``risk``, ...), ``problem`` the problem that is meant
     when nothing else is said, and ``problems`` all that may be asked of it.
@@ -38,7 +38,7 @@ def with_settings(instance: Any, settings: Mapping[str, Any]) -> Any:
 
 
 def settings_of(instance: Any) -> dict[str, Any]:
-    """Those of ``with_settings``."""
+    """The settings stored by ``with_settings``."""
     return dict(getattr(instance, "_settings", {}))
 
 

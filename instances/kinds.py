@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .instance import Instance
 from .registry import Registry
+
+if TYPE_CHECKING:
+    from .declared import Declared
 
 
 @dataclass(frozen=True)
@@ -30,3 +33,8 @@ class Kind:
 
 
 KINDS: Registry[Kind] = Registry("kind", "waybound.instances.*.json_kind", group="waybound.kinds")
+
+
+def kind_of(model: type[Declared]) -> Kind:
+    """The kind of instances that declare how they stand in JSON."""
+    return Kind(model.kind, model.to_document, model.from_document)

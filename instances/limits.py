@@ -1,4 +1,4 @@
-"""What may be asked of a machine: larger numbers are slips of the keyboard, and are refused before anything starts."""
+"""Upper limits of the numbers that users set: larger ones are slips of the keyboard, refused before anything starts."""
 
 from __future__ import annotations
 
@@ -24,17 +24,7 @@ MOST: dict[str, float] = {
 
 
 def check_number(name: str, value: Any, *, above: float | None = None, option: str | None = None) -> None:
-    """Raise UsageError unless ``value`` is a number of at least 0 (or more than ``above``), and no more than ``MOST`` of its kind.
-
-    Parameters
-    ----------
-    name : str
-        A key of ``MOST``.
-    value : object
-    above : float, optional
-    option : str, optional
-        What the user wrote, for the message; ``name`` by default.
-    """
+    """Raise UsageError unless ``value`` is a number from 0, or above ``above``, to ``MOST[name]``; ``option`` is the user's word for it."""
     said = option or name
     if isinstance(value, bool) or not issubclass(type(value), Real) or not (value >= 0 if above is None else value > above):
         raise UsageError(f"{said} must be {'not negative' if above is None else 'positive'}, not {value!r}")

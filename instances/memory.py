@@ -1,4 +1,4 @@
-"""How much memory there is, asked before something large is made of it."""
+"""Free memory, asked before something large is allocated."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import os
 from pathlib import Path
 
 SHARE = 0.8
-"""Of what is free that one thing may take."""
+"""Share of the free memory that one array may take."""
 
 
 def available() -> float:
     """Bytes that can be had without paging: what the system calls available, or what the container's limit leaves; infinite where
     nothing is known."""
-    found = [_of_system(), _of_container(Path("/sys/fs/cgroup"))]
-    return min(found)
+    sizes = [_of_system(), _of_container(Path("/sys/fs/cgroup"))]
+    return min(sizes)
 
 
 def fits(size: float) -> bool:
-    """Whether ``size`` bytes can be had."""
+    """True if ``size`` bytes can be allocated."""
     return size <= SHARE * available()
 
 

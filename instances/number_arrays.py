@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ from .errors import InputError
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
+T = TypeVar("T", bound=np.generic)
 
 LARGEST_NUMBER = 2**31 - 2
 """Largest number of anything that is counted: indices have 32 bits."""
@@ -114,7 +115,7 @@ def unchanging(values: NDArray[Any]) -> bool:
     return False
 
 
-def frozen(values: NDArray[Any]) -> Any:
+def frozen(values: NDArray[T]) -> NDArray[T]:
     """A view that cannot be written through; the caller's own array stays as it is."""
     view = values.view()
     view.setflags(write=False)
@@ -181,6 +182,11 @@ def check_csr(indptr: Indices, columns: Indices, count: int, row: str, column: s
         raise InputError(f"the {column}s of each {row} must ascend, none twice")
 
 
+def row_starts(rows: NDArray[np.integer[Any]], count: int) -> NDArray[np.int64]:
+    """Starts of ``count`` rows of a CSR matrix, and the number of entries, from the row of each entry."""
+    return np.concatenate([[0], np.cumsum(np.bincount(rows, minlength=count))])
+
+
 def entries_of(indptr: NDArray[np.integer[Any]], rows: NDArray[np.integer[Any]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Places of all entries of some rows of a CSR matrix, row after row, and how many each row has."""
     counts = (indptr[rows + 1] - indptr[rows]).astype(np.int64)
@@ -188,40 +194,42 @@ def entries_of(indptr: NDArray[np.integer[Any]], rows: NDArray[np.integer[Any]])
     return np.repeat(indptr[rows] - before, counts) + np.arange(int(counts.sum())), counts
 
 
-def names(what: str, given: Iterable[object] | None, count: int) -> tuple[str, ...] | None:
+def names(what: str, values: Iterable[object] | None, count: int) -> tuple[str, ...] | None:
     """One printable name each, all different; None stays None."""
-    if given is None:
+    if values is None:
         return None
-    if isinstance(given, str | bytes) or not isinstance(given, Iterable):
-        raise InputError(f"the names of {_several(what)} must be a list", found=repr(given)[:40])
-    made = tuple(str(g) for g in given)
-    if len(made) != count:
-        raise InputError(f"there must be one name for each {what}", expected=str(count), found=str(len(made)))
-    for name in made:
+    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
+        raise InputError(f"the names of {_several(what)} must be a list", found=repr(values)[:40])
+    labels = tuple(str(g) for g in values)
+    if len(labels) != count:
+        raise InputError(f"there must be one name for each {what}", expected=str(count), found=str(len(labels)))
+    for name in labels:
         if not name or not name.isprintable() or name != name.strip():
             raise InputError(f"the name of each {what} must be printable, not empty, without blanks at its ends", found=ascii(name)[:40])
-    if len(set(made)) != count:
+    if len(set(labels)) != count:
         seen: set[str] = set()
-        twice = next(n for n in made if n in seen or seen.add(n))  # type: ignore[func-returns-value]
+        twice = next(n for n in labels if n in seen or seen.add(n))  # type: ignore[func-returns-value]
         raise InputError(f"two {_several(what)} have the name {twice!r}", expected="different names")
-    return made
+    return labels
 
 
 def _several(thing: str) -> str:
     return "vertices" if thing == "vertex" else f"{thing}s"
 
 
-def positions(what: str, points: ArrayLike | None, count: int, known: Sequence[str] | None = None) -> Floats | None:
-    """Points of the plane, one each, as an array of shape (count, 2); None stays None. ``known`` are names for messages."""
+def positions(what: str, points: ArrayLike | None, count: int, known: Sequence[str] | None = None, dimensions: int = 2) -> Floats | None:
+    """Places, one each, as an array of shape (count, 2), or (count, 3) where that many ``dimensions`` are allowed; None stays None.
+
+    ``known`` are names for messages.
+    """
     if points is None:
         return None
-    made = reals(f"{what} positions", points)
-    if made.shape != (count, 2):
-        raise InputError(f"{what} positions must be two numbers each", expected=f"({count}, 2)", found=str(made.shape))
-    wrong = ~np.isfinite(made).all(axis=1)
+    places = reals(f"{what} positions", points)
+    if places.ndim != 2 or len(places) != count or not 2 <= places.shape[1] <= dimensions:
+        several = "two" if dimensions == 2 else "two or three"
+        raise InputError(f"{what} positions must be {several} numbers each", expected=f"({count}, 2)", found=str(places.shape))
+    wrong = ~np.isfinite(places).all(axis=1)
     if wrong.any():
         k = int(np.argmax(wrong))
-        raise InputError(f"the position of {what} {k + 1 if known is None else known[k]} must be finite", found=str(made[k]))
-    copy = made.copy()
-    copy.setflags(write=False)
-    return copy
+        raise InputError(f"the position of {what} {k + 1 if known is None else known[k]} must be finite", found=str(places[k]))
+    return frozen(places.copy())

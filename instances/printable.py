@@ -26,22 +26,22 @@ def printable(text: object, most: int = LONGEST) -> str:
     text that is too long the beginning and the end are kept.
     """
     try:
-        made = str(text)
+        shown = str(text)
     except (ValueError, RecursionError):  # a number of thousands of digits, lists a thousand deep
-        made = f"too large to show: {type(text).__name__}"
-    if len(made) > 2 * most:
-        made = made[:most] + made[-most:]
-    if not made.isascii():
-        made = _PILED.sub(r"\1", _UNSEEN.sub(" ", made))
-    if not made.isprintable():
-        made = "".join(c if c.isprintable() else " " for c in made)
-    if len(made) > most:
+        shown = f"too large to show: {type(text).__name__}"
+    if len(shown) > 2 * most:
+        shown = shown[:most] + shown[-most:]
+    if not shown.isascii():
+        shown = _PILED.sub(r"\1", _UNSEEN.sub(" ", shown))
+    if not shown.isprintable():
+        shown = "".join(c if c.isprintable() else " " for c in shown)
+    if len(shown) > most:
         tail = most // 3
-        made = f"{made[: most - tail - 5]} ... {made[len(made) - tail :]}"
-    return made
+        shown = f"{shown[: most - tail - 5]} ... {shown[len(shown) - tail :]}"
+    return shown
 
 
 def one_line(text: object) -> str:
     """An error or a note: printable, without runs of blanks, at most ``LONGEST_LINE`` characters."""
-    made = printable(text, 4 * LONGEST_LINE)
-    return printable(" ".join(made.split()), LONGEST_LINE)
+    shown = printable(text, 4 * LONGEST_LINE)
+    return printable(" ".join(shown.split()), LONGEST_LINE)

@@ -19,30 +19,10 @@ def read_instance(
     problem: str | None = None,
     settings: dict[str, Any] | None = None,
 ) -> Instance:
-    """The instance that a file holds.
+    """The instance that a file holds, of the named ``format`` or else of the one recognised from the content.
 
-    Parameters
-    ----------
-    path : path-like
-    format : str, optional
-        A name of ``FORMATS``; recognised from the content by default.
-    problem : str, optional
-        What is to be asked of it, which settles the format where the content allows more than one, and nothing else.
-    settings : dict, optional
-        Those of ``--set``; what the format's reader takes of them is taken out.
-
-    Returns
-    -------
-    Instance
-        ``RoutingInstance`` for every format of routing files.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is of no known format, or breaks the rules of its format; with file, line, what was
-        expected and what was found.
-    UsageError
-        If ``format`` is unknown, or the content allows more than one format and none is named.
+    ``problem`` settles the format where the content allows several. The format's reader takes its own ``settings`` out of those of
+    ``--set``. Raises InputError with file, line, what was expected and what was found, and UsageError for an unknown or ambiguous format.
     """
     chosen = FORMATS[format] if format is not None else None
     text = read_text(path)
@@ -58,12 +38,12 @@ def read_instance(
 
 def recognise(text: str, path: str | PathLike[str] = "input", problem: str | None = None) -> Format:
     """The one format whose marks ``text`` bears, and in which ``problem`` may be asked if it bears those of several."""
-    found = [entry for entry in FORMATS.values() if entry.recognises(text)]
-    able = [entry for entry in found if not entry.problems or problem in entry.problems] if len(found) > 1 else found
+    recognising = [entry for entry in FORMATS.values() if entry.recognises(text)]
+    able = [entry for entry in recognising if not entry.problems or problem in entry.problems] if len(recognising) > 1 else recognising
     if len(able) == 1:
         return able[0]
-    if found:
-        choices = "; ".join(f"{entry.name} ({', '.join(entry.problems) or 'as the file says'})" for entry in found)
+    if recognising:
+        choices = "; ".join(f"{entry.name} ({', '.join(entry.problems) or 'as the file says'})" for entry in recognising)
         raise UsageError(f"{path}: the content allows more than one format; choose with --format, or --problem, from {choices}")
     if re.search(r"^\s*route\s*#?\s*\d+\s*:|^\s*TOUR_SECTION", text, re.I | re.M):
         raise InputError("is a solution file, not an instance", file=path)

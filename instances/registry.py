@@ -91,12 +91,12 @@ class Registry(Generic[T]):
 
     def _load(self, point: EntryPoint) -> None:
         try:
-            found = point.load()
-            if not isinstance(found, ModuleType):
-                own = getattr(found, "name", point.name)
+            entry = point.load()
+            if not isinstance(entry, ModuleType):
+                own = getattr(entry, "name", point.name)
                 if own != point.name:
                     raise UsageError(f"it calls itself {own!r}")
-                self.add(point.name, found)
+                self.add(point.name, entry)
         except Exception as fault:
             owner = "" if point.dist is None else f" of {point.dist.name}"
             warnings.warn(f"{self.what} {point.name}{owner} cannot be loaded: {in_words(fault)}", RuntimeWarning, stacklevel=2)
@@ -141,15 +141,15 @@ def _modules_at(place: str) -> Iterator[str]:
                 yield from _modules_at(f"{above}.{module.name}{below}")
         return
     try:
-        found = importlib.util.find_spec(place)
+        spec = importlib.util.find_spec(place)
     except ModuleNotFoundError:
-        found = None
-    if found is not None and found.submodule_search_locations is None:
+        spec = None
+    if spec is not None and spec.submodule_search_locations is None:
         yield place
-    elif found is not None:
+    elif spec is not None:
         yield from (f"{place}.{module.name}" for module in _members(place) if not module.ispkg)
 
 
 def _members(package: str) -> list[pkgutil.ModuleInfo]:
-    found = pkgutil.iter_modules(importlib.import_module(package).__path__)
-    return sorted((m for m in found if not m.name.startswith("_") and not m.name.endswith("_kernels")), key=lambda m: m.name)
+    modules = pkgutil.iter_modules(importlib.import_module(package).__path__)
+    return sorted((m for m in modules if not m.name.startswith("_") and not m.name.endswith("_kernels")), key=lambda m: m.name)

@@ -25,24 +25,12 @@ _WHOLE = re.compile(r"[+-]?[0-9]{1,18}\Z")
 
 
 def read_text(path: str | PathLike[str]) -> str:
-    """Decoded text of the file at ``path``, without a byte order mark, all line ends as ``\\n``.
-
-    Raises
-    ------
-    InputError
-        If it is missing, a directory or a device, empty, beyond ``LARGEST_FILE``, binary, or not UTF-8.
-    """
+    """Text of a file without a byte order mark, all line ends as ``\\n``; InputError for a missing, empty or binary one, or no UTF-8."""
     return decode(read_bytes(path), path)
 
 
 def read_bytes(path: str | PathLike[str]) -> bytes:
-    """What the file at ``path`` holds.
-
-    Raises
-    ------
-    InputError
-        If it is missing, a directory or a device, or beyond ``LARGEST_FILE``.
-    """
+    """The bytes of a file; raises InputError for a missing one, a directory, a device, and for more than ``LARGEST_FILE`` bytes."""
     file = Path(path)
     try:
         if file.is_dir():
@@ -103,13 +91,7 @@ def label(text: str) -> str:
 
 
 def numbers(text: str, line: int, what: str) -> list[float]:
-    """Finite numbers of one line, separated by blanks.
-
-    Raises
-    ------
-    InputError
-        Naming the line and the first token that is no finite number.
-    """
+    """Finite numbers of one line, separated by blanks; raises InputError with the first token that is none."""
     if _PLAIN.match(text):
         try:
             values = [float(token) for token in text.split()]
@@ -123,7 +105,7 @@ def numbers(text: str, line: int, what: str) -> list[float]:
 
 
 def is_number(token: str) -> bool:
-    """Whether ``token`` is a finite decimal number in ASCII."""
+    """True if ``token`` is a finite decimal number in ASCII."""
     try:
         return bool(_PLAIN.match(token)) and math.isfinite(float(token))
     except ValueError:

@@ -31,7 +31,7 @@ class World(ABC):
 
     @abstractmethod
     def observe(self) -> Any:
-        """What the agents know now. Asking twice between two steps gives the same."""
+        """The knowledge of the agents now. Asking twice between two steps gives the same."""
 
     @abstractmethod
     def step(self, actions: Mapping[int, Any]) -> None:
@@ -49,7 +49,7 @@ class World(ABC):
 
     @property
     def over(self) -> bool:
-        """Whether nothing is left to happen, in a world that has an end."""
+        """True if a world that has an end has come to it."""
         return False
 
 
@@ -74,15 +74,9 @@ class WorldKind:
     make: Callable[[np.random.Generator, Mapping[str, Any]], World]
 
 
-def setting_values(who: str, settings: Mapping[str, Setting], given: Mapping[str, Any]) -> dict[str, Any]:
-    """A value for each of ``settings``, from ``given`` or by default; dashes and underscores are one.
-
-    Raises
-    ------
-    UsageError
-        For a setting that ``who`` does not have, or a value out of range.
-    """
-    named = {key.replace("_", "-"): value for key, value in given.items()}
+def setting_values(who: str, settings: Mapping[str, Setting], values: Mapping[str, Any]) -> dict[str, Any]:
+    """A value for each of ``settings``, from ``values`` or by default; dashes and underscores are one; UsageError for another name."""
+    named = {key.replace("_", "-"): value for key, value in values.items()}
     for key in named:
         if key not in settings:
             raise UsageError(f"{who} has no setting {key!r}; it takes {', '.join(settings)}{did_you_mean(key, settings)}")
@@ -90,22 +84,7 @@ def setting_values(who: str, settings: Mapping[str, Setting], given: Mapping[str
 
 
 def make_world(kind: str, seed: int, **settings: Any) -> World:
-    """A world at its start; the same seed and settings give the same world.
-
-    Parameters
-    ----------
-    kind : str
-        A name of ``WORLDS``.
-    seed : int
-        At least 0.
-    **settings
-        The world's own; values may be text, as on the command line.
-
-    Raises
-    ------
-    UsageError
-        If the kind or a setting does not exist, or a value is out of range.
-    """
+    """A world of ``WORLDS`` at its start; the same seed and settings give the same world. Values may be text, as on the command line."""
     recipe = WORLDS[kind]
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
         raise UsageError(f"the seed must be a whole number of at least 0, not {seed!r}")

@@ -13,22 +13,10 @@ from .text import an
 
 
 def write_instance(instance: Instance, path: str | PathLike[str], format: str | None = None) -> None:  # noqa: A002
-    """Write ``instance`` to ``path``, whole or not at all.
+    """Write ``instance`` to ``path``, whole or not at all, in the named format or in that of the suffix.
 
-    Parameters
-    ----------
-    instance : Instance
-    path : path-like
-    format : str, optional
-        A name of ``FORMATS``; by default the one that the suffix of ``path`` stands for.
-
-    Raises
-    ------
-    UsageError
-        If no format is named and the suffix stands for none, or the format cannot express the instance; then the
-        message names what has no place in it.
-    InputError
-        If the file cannot be written.
+    Raises UsageError where the suffix stands for no format, or naming what has no place in the format, and InputError where the file cannot
+    be written.
     """
     chosen = FORMATS[format] if format is not None else format_of_suffix(path, instance.kind)
     if chosen.write is None:

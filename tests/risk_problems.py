@@ -12,7 +12,7 @@ from one_factor import any_fails_by_quadrature
 from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import Context
-from waybound.instances.risk.json_kind.risk_allocation import decode
+from waybound.instances.risk.allocation_files import decode
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.linear_programs import LinearPrograms
 

@@ -46,8 +46,7 @@ from .instances.registry import Registry
 from .instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
 from .instances.routing.travel import Travel
 from .instances.sata.constraints import Constraint, LimitRows, LinearConstraint
-from .instances.sata.json_kind.selection import CONSTRAINTS, SET_FUNCTIONS, JsonPart
-from .instances.sata.selection import SelectionInstance
+from .instances.sata.selection import CONSTRAINTS, SET_FUNCTIONS, JsonPart, SelectionInstance
 from .instances.sata.sensing_graph import SensingGraph
 from .instances.sata.set_functions import AT_ENTRY, AT_ITEM, IN_MATRIX, ItemFunction, ItemWeights, SetFunction
 from .instances.worlds import WORLDS, World, WorldKind

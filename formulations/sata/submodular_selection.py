@@ -76,7 +76,7 @@ class SubmodularSelection(DecidedElements):
         return self.function.num_elements
 
     def to_instance(self) -> Any:
-        return SelectionInstance(self.function, self.constraint, self.element_names, self.name, "json", notes=self.notes)
+        return SelectionInstance(self.function, self.constraint, self.element_names, name=self.name, format="json", notes=self.notes)
 
     def element_name(self, element: int) -> str:
         return str(element + 1) if self.element_names is None else self.element_names[element]

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import InitVar, dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import InitVar, dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import number_arrays as arrays
+from ..declared import Declared, NameOf, Names
+from ..document import fields, json_numbers, matrix, reals, wholes
 from ..errors import InputError
-from ..instance import digest
-from ..text import label
+from ..parts import LARGEST, Axis, Count, Numbers
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,14 +24,14 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
 PROBLEMS = ("bin-assignment", "bottleneck-assignment")
-"""What may be asked of such data."""
+"""Problems that such data allow; the first is the default."""
 
-LARGEST = 1e150
-"""Of a cost: sums and squares stay finite."""
+PAIR_KEYS = ("robot", "bin", "cost")
+"""Lists of JSON, one entry a pair."""
 
 
-@dataclass(frozen=True, eq=False)
-class AssignmentInstance:
+@dataclass(frozen=True, eq=False, repr=False)
+class AssignmentInstance(Declared):
     """Which robot may be sent to which bin, and at what cost: complete or sparse.
 
     ``from_matrix``, ``from_pairs`` and ``from_frame`` make one from the user's own data; the constructor takes a CSR matrix.
@@ -68,23 +69,24 @@ class AssignmentInstance:
     Source: Zhang (2015), Multi-robot coordination, section 3.4.2; docs/formulations/bin-assignment.md#model.
     """
 
-    kind: ClassVar[str] = "assignment"
-    num_robots: int
-    num_bins: int
+    kind = "assignment"
+    problem_names = PROBLEMS
+    content = "assignments"
+    axes = (Axis("robot", positions="robot_positions"), Axis("bin", positions="bin_positions"))
+    keys = ("robots", "bins", "cost", "pairs")
+    hashed = ("num_robots", "num_bins", "indptr", "bins", "cost", "waits")
+    num_robots: Annotated[int, Count("robot")]
+    num_bins: Annotated[int, Count("bin")]
     indptr: Indices
     bins: Indices
     cost: Floats
-    filled: Floats | None = None
-    robot_names: tuple[str, ...] | None = None
-    bin_names: tuple[str, ...] | None = None
+    filled: Annotated[Floats | None, Numbers("bin", absent=math.inf, what="time until {} is full", each="time of being filled")] = None
+    robot_names: Names = None
+    bin_names: Names = None
     robot_positions: Floats | None = None
     bin_positions: Floats | None = None
-    name: str = "assignment"
-    format: str = "arrays"
-    problem: str = PROBLEMS[0]
-    problems: tuple[str, ...] = PROBLEMS
-    notes: tuple[str, ...] = field(default=())
     known: InitVar[arrays.Spread | None] = None
+    robot_name, bin_name = NameOf("robot"), NameOf("bin")
 
     @classmethod
     def from_matrix(cls, costs: Any, **further: Any) -> AssignmentInstance:
@@ -111,26 +113,26 @@ class AssignmentInstance:
             n, m = matrix.shape
             return cls(n, m, matrix.indptr, matrix.indices, matrix.data, **further)
         try:
-            made = np.asarray(costs, dtype=np.float64)
+            table = np.asarray(costs, dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
             raise _not_rectangular(costs) from None
-        if made.shape == (0,):
+        if table.shape == (0,):
             raise InputError("there are no robots", expected="one at least")
-        if made.ndim != 2:
-            raise InputError("costs must be a matrix, one row a robot and one column a bin", found=f"shape {made.shape}")
-        n, m = made.shape
-        own, found = arrays.copied(made)
-        if made.size and found.largest < math.inf:  # every pair is allowed, and none is NaN
-            return cls(n, m, np.arange(n + 1) * m, None, own, **further, known=found)  # type: ignore[arg-type]
-        bad = np.isnan(made)
+        if table.ndim != 2:
+            raise InputError("costs must be a matrix, one row a robot and one column a bin", found=f"shape {table.shape}")
+        n, m = table.shape
+        own, spread = arrays.copied(table)
+        if table.size and spread.largest < math.inf:  # every pair is allowed, and none is NaN
+            return cls(n, m, np.arange(n + 1) * m, None, own, **further, known=spread)  # type: ignore[arg-type]
+        bad = np.isnan(table)
         if bad.any():
             robot, column = np.argwhere(bad)[0].tolist()
             raise InputError(
                 f"the cost in row {robot + 1}, column {column + 1} is not a number",
                 expected="a number, or infinity for a forbidden pair",
             )
-        kept = made < math.inf
-        pairs = np.concatenate([[0], np.cumsum(kept.sum(axis=1))]), np.nonzero(kept)[1].astype(np.int32), made[kept]
+        kept = table < math.inf
+        pairs = np.concatenate([[0], np.cumsum(kept.sum(axis=1))]), np.nonzero(kept)[1].astype(np.int32), table[kept]
         return cls(n, m, *pairs, **further)
 
     @classmethod
@@ -151,12 +153,10 @@ class AssignmentInstance:
             k = order[int(np.argmax(twice))]
             ends = (("robot", i, n), ("bin", j, m))
             named = [(what, int(at[k]), arrays.names(what, further.get(f"{what}_names"), count)) for what, at, count in ends]
-            told = " and ".join(f"{what} {number + 1 if names is None else names[number]}" for what, number, names in named)
-            raise InputError(f"the pair of {told} stands twice")
+            pair = " and ".join(f"{what} {number + 1 if names is None else names[number]}" for what, number, names in named)
+            raise InputError(f"the pair of {pair} stands twice")
         kept = order[~(c[order] == math.inf)]
-        indptr = np.zeros(n + 1, dtype=np.int64)
-        np.cumsum(np.bincount(i[kept], minlength=n), out=indptr[1:])
-        return cls(n, m, indptr, j[kept], c[kept], **further)  # type: ignore[arg-type]
+        return cls(n, m, arrays.row_starts(i[kept], n), j[kept], c[kept], **further)  # type: ignore[arg-type]
 
     @classmethod
     def from_frame(cls, costs: pd.DataFrame, **further: Any) -> AssignmentInstance:
@@ -179,55 +179,49 @@ class AssignmentInstance:
         """
         from .assignment_frame import arguments_of
 
-        pairs, found = arguments_of(costs)
-        return (cls.from_pairs if pairs else cls.from_matrix)(**{**found, **further})
+        pairs, arguments = arguments_of(costs)
+        return (cls.from_pairs if pairs else cls.from_matrix)(**{**arguments, **further})
+
+    def refuse_counts(self) -> None:
+        super().refuse_counts()
+        if len(self.counts) == 2:
+            for what, count in self.sizes().items():
+                arrays.refuse_unused(what, count, self._listed(), "pairs")
+
+    def _listed(self) -> int:
+        """Number of pairs, by the bins."""
+        bins: Any = self.bins
+        return self.num_robots * self.num_bins if bins is None else len(bins)
 
     def __post_init__(self, known: arrays.Spread | None) -> None:
-        n, m = arrays.size("num_robots", self.num_robots), arrays.size("num_bins", self.num_bins)
-        if not n or not m:
-            raise InputError(f"there are no {'robots' if not n else 'bins'}", expected="one at least")
-        indptr, cost = arrays.indices("indptr", self.indptr), arrays.reals("cost", self.cost)
-        listed: Any = self.bins
-        bins = None if listed is None else arrays.indices("bins", listed)
-        many = n * m if bins is None else len(bins)
-        for what, count in (("robots", n), ("bins", m)):
-            arrays.refuse_unused(what, count, many, "pairs")
-        if len(indptr) != n + 1 or cost.shape != (many,):
+        if known is not None:
+            self.put(spread=known)
+        super().__post_init__()
+
+    def arrange(self) -> None:
+        indptr, cost, many = arrays.indices("indptr", self.indptr), arrays.reals("cost", self.cost), self._listed()
+        bins: Any = self.bins
+        if len(indptr) != self.num_robots + 1 or cost.shape != (many,):
             raise InputError(
                 "indptr must have one entry more than robots, bins and cost one a pair", found=f"{len(indptr)}, {many}, {cost.size}"
             )
         if bins is not None:
-            arrays.check_csr(indptr, bins, m, "robot", "bin", "pairs")
-            object.__setattr__(self, "bins", arrays.frozen(bins))
-        elif (np.diff(indptr) != m).any() or indptr[0]:
-            raise InputError("where every pair is allowed, each robot has as many as there are bins", expected=str(m))
+            bins = arrays.indices("bins", bins)
+            arrays.check_csr(indptr, bins, self.num_bins, "robot", "bin", "pairs")
+            self.put(bins=arrays.frozen(bins))
+        elif (np.diff(indptr) != self.num_bins).any() or indptr[0]:
+            raise InputError("where every pair is allowed, each robot has as many as there are bins", expected=str(self.num_bins))
         else:
-            object.__delattr__(self, "bins")  # they are made when they are asked for
-        for key, values in (("indptr", indptr), ("cost", cost)):
-            object.__setattr__(self, key, arrays.frozen(values))
-        for what, count in (("robot", n), ("bin", m)):
-            names = arrays.names(what, getattr(self, f"{what}_names"), count)
-            object.__setattr__(self, f"{what}_names", names)
-            object.__setattr__(self, f"{what}_positions", arrays.positions(what, getattr(self, f"{what}_positions"), count, names))
-        object.__setattr__(self, "name", label(self.name))
-        if known is not None:
-            object.__setattr__(self, "spread", known)
+            del self.__dict__["bins"]  # they are made when they are asked for
+        self.put(indptr=arrays.frozen(indptr), cost=arrays.frozen(cost))
+
+    def check_rest(self) -> None:
+        cost = self.cost
         if not (self.spread.least >= -LARGEST and self.spread.largest <= LARGEST):  # NaN is neither
             k = int(np.argmax(~(np.abs(cost) <= LARGEST)))
-            robot = self.robot_name(int(np.searchsorted(indptr, k, side="right")) - 1)
+            robot = self.robot_name(int(np.searchsorted(self.indptr, k, side="right")) - 1)
             pair = f"robot {robot} and bin {self.bin_name(int(self.bins[k]))}"
             raise InputError(f"the cost of {pair} must be a number of at most {LARGEST:g}", found=str(cost[k]))
-        if self.filled is not None:
-            filled = arrays.reals("filled", self.filled)
-            if filled.shape != (m,):
-                raise InputError("there must be one time of being filled a bin", expected=str(m), found=str(filled.shape))
-            late = ~((filled >= 0) & ((filled <= LARGEST) | (filled == math.inf)))
-            if late.any():
-                k = int(np.argmax(late))
-                raise InputError(
-                    f"the time until bin {self.bin_name(k)} is full must be from 0 to {LARGEST:g}, or infinite", found=str(filled[k])
-                )
-            object.__setattr__(self, "filled", arrays.frozen(filled))
 
     # -- lookups -----------------------------------------------------------------------------------------------------
 
@@ -237,10 +231,10 @@ class AssignmentInstance:
             """The bins of a complete matrix."""
             if name != "bins" or "cost" not in self.__dict__:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-            made = np.tile(np.arange(self.num_bins, dtype=np.int32), self.num_robots)
-            made.setflags(write=False)
-            object.__setattr__(self, "bins", made)
-            return made
+            bins = np.tile(np.arange(self.num_bins, dtype=np.int32), self.num_robots)
+            bins.setflags(write=False)
+            self.put(bins=bins)
+            return bins
 
     @cached_property
     def spread(self) -> arrays.Spread:
@@ -253,7 +247,7 @@ class AssignmentInstance:
 
     @property
     def complete(self) -> bool:
-        """Whether every robot may be sent to every bin."""
+        """True if every robot may be sent to every bin."""
         return self.num_pairs == self.num_robots * self.num_bins
 
     @property
@@ -265,15 +259,14 @@ class AssignmentInstance:
         """The costs as a matrix of shape (robots, bins), infinite where a pair is forbidden; a view where all are allowed."""
         if self.complete:
             return self.cost.reshape(self.num_robots, self.num_bins)
-        made = np.full((self.num_robots, self.num_bins), math.inf)
-        made[self.robots, self.bins] = self.cost
-        return made
+        costs = np.full((self.num_robots, self.num_bins), math.inf)
+        costs[self.robots, self.bins] = self.cost
+        return costs
 
-    def robot_name(self, robot: int) -> str:
-        return str(robot + 1) if self.robot_names is None else self.robot_names[robot]
-
-    def bin_name(self, number: int) -> str:
-        return str(number + 1) if self.bin_names is None else self.bin_names[number]
+    @property
+    def waits(self) -> Floats:
+        """``filled``, empty where nobody has to wait."""
+        return np.zeros(0) if self.filled is None else self.filled
 
     def to_frame(self) -> pd.DataFrame:
         """One row a pair: robot, bin, cost."""
@@ -282,33 +275,50 @@ class AssignmentInstance:
         names = [self.robot_name(k) for k in self.robots.tolist()], [self.bin_name(k) for k in self.bins.tolist()]
         return pd.DataFrame({"robot": names[0], "bin": names[1], "cost": self.cost})
 
-    def digest(self) -> str:
-        """Hash of everything that values depend on; names and positions are not part of it."""
-        filled = np.zeros(0) if self.filled is None else self.filled
-        return digest("assignment", self.num_robots, self.num_bins, self.indptr, self.bins, self.cost, filled)
-
     def facts(self) -> dict[str, Any]:
         """Sizes and ranges, as plain JSON values."""
         degree, used = np.diff(self.indptr), np.bincount(self.bins, minlength=self.num_bins)
         return {
-            "robots": self.num_robots,
-            "bins": self.num_bins,
+            **self.sizes(),
             "pairs": self.num_pairs,
             "forbidden": self.num_robots * self.num_bins - self.num_pairs,
             "bins_a_robot": [int(degree.min()), int(degree.max())],
             "robots_a_bin": [int(used.min()), int(used.max())],
             "costs": [self.spread.least, self.spread.largest] if self.num_pairs else [],
             "whole_costs": self.spread.whole,
-            "not_yet_full": 0 if self.filled is None else int((self.filled > 0).sum()),
+            "not_yet_full": int((self.waits > 0).sum()),
             "positions": self.robot_positions is not None and self.bin_positions is not None,
         }
 
-    def __repr__(self) -> str:
-        return f"<AssignmentInstance {self.name}: {self.num_robots} robots, {self.num_bins} bins, {self.num_pairs} pairs>"
+    def summary(self) -> Iterable[str]:
+        return (*super().summary(), f"{self.num_pairs} pairs")
+
+    def write_own(self) -> dict[str, Any]:
+        """A matrix where at least half of all pairs are allowed, else lists of pairs."""
+        if 2 * self.num_pairs >= self.num_robots * self.num_bins:
+            return {"cost": json_numbers(self.matrix())}
+        return {"pairs": {"robot": self.robots.tolist(), "bin": self.bins.tolist(), "cost": json_numbers(self.cost)}}
+
+    @classmethod
+    def read_own(cls, data: Mapping[str, Any], counts: Mapping[str, int]) -> dict[str, Any]:
+        if ("cost" in data) == ("pairs" in data):
+            raise InputError("costs stand in one of two ways", expected="the key 'cost', a matrix, or the key 'pairs'")
+        if "cost" in data:
+            return {"costs": matrix(data["cost"], "cost", counts["robot"], counts["bin"], null=math.inf)}
+        pairs = fields(data["pairs"], "pairs", PAIR_KEYS, PAIR_KEYS)
+        robots = wholes(pairs["robot"], "pairs.robot")
+        bins, costs = wholes(pairs["bin"], "pairs.bin", len(robots)), reals(pairs["cost"], "pairs.cost", len(robots))
+        return {"robots": robots, "bins": bins, "costs": costs}
+
+    @classmethod
+    def from_values(cls, **values: Any) -> AssignmentInstance:
+        if "robots" in values:
+            return cls.from_pairs(**values)
+        return cls.from_matrix(**{key: value for key, value in values.items() if key not in ("num_robots", "num_bins")})
 
 
 def _not_rectangular(costs: Iterable[Any]) -> InputError:
-    """What is wrong with rows of which numpy makes no matrix."""
+    """The error for costs of which numpy makes no matrix."""
     try:
         lengths = [len(row) for row in costs]
     except TypeError:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..frames import name_of
 from ..suggestions import did_you_mean
 from ..text import number, shown
 
@@ -33,7 +34,7 @@ LAYOUTS = "columns robot, bin and cost, one row a pair, or one row a robot and o
 
 
 def arguments_of(frame: pd.DataFrame) -> tuple[bool, dict[str, Any]]:
-    """Whether the frame is a table of pairs, and what ``from_pairs`` or ``from_matrix`` takes of it."""
+    """True for a table of pairs, False for a matrix, with the arguments of ``from_pairs`` or ``from_matrix``."""
     if not hasattr(frame, "columns") or not hasattr(frame, "iloc"):
         raise InputError("costs must be a pandas frame", found=type(frame).__name__)
     held = [_title(name) for name in frame.index.names if name is not None]
@@ -44,8 +45,8 @@ def arguments_of(frame: pd.DataFrame) -> tuple[bool, dict[str, Any]]:
     return (True, _pairs(frame, titles)) if _of_pairs(titles) else (False, _matrix(frame, titles))
 
 
-def _title(given: Any) -> str:
-    return str(given).strip().lower().replace("_", "-")
+def _title(name: Any) -> str:
+    return str(name).strip().lower().replace("_", "-")
 
 
 def _of_pairs(titles: list[str]) -> bool:
@@ -80,17 +81,17 @@ def _pairs(frame: pd.DataFrame, titles: list[str]) -> dict[str, Any]:
         if wrong.any():
             raise InputError(f"row {int(np.argmax(wrong)) + 1} {why}", expected=expected)
     owners = {"robot": (robots, robot_names), "bin": (bins, bin_names)}
-    told = {title: _told(title, columns[title], *owners[what]) for title, what in FURTHER.items() if title in titles}
-    made: dict[str, Any] = {"filled": told["filled"]} if "filled" in told else {}
+    columns_of_owners = {title: _told(title, columns[title], *owners[what]) for title, what in FURTHER.items() if title in titles}
+    arguments: dict[str, Any] = {"filled": columns_of_owners["filled"]} if "filled" in columns_of_owners else {}
     for what in ("robot", "bin"):
-        x, y = told.get(f"{what}-x"), told.get(f"{what}-y")
+        x, y = columns_of_owners.get(f"{what}-x"), columns_of_owners.get(f"{what}-y")
         if (x is None) != (y is None):
             raise InputError(f"places of {what}s need both {what}-x and {what}-y", found=", ".join(map(str, frame.columns)))
         if x is not None and y is not None:
-            made[f"{what}_positions"] = np.column_stack([x, y])
+            arguments[f"{what}_positions"] = np.column_stack([x, y])
     return {
         "num_robots": len(robot_names), "num_bins": len(bin_names), "robots": robots[named], "bins": bins[named], "costs": costs[named],
-        "robot_names": robot_names, "bin_names": bin_names, **made,
+        "robot_names": robot_names, "bin_names": bin_names, **arguments,
     }  # fmt: skip
 
 
@@ -100,13 +101,8 @@ def _numbered(column: Any) -> tuple[NDArray[np.int64], tuple[str, ...]]:
 
     codes, distinct = pd.factorize(column)
     place: dict[str, int] = {}
-    at = [place.setdefault(name, len(place)) if (name := _name(value)) else -1 for value in distinct]
+    at = [place.setdefault(name, len(place)) if (name := name_of(value)) else -1 for value in distinct]
     return np.array([*at, -1], dtype=np.int64)[codes], tuple(place)
-
-
-def _name(value: Any) -> str:
-    """Numbers that an empty cell among them made floats are whole again."""
-    return str(int(value)) if isinstance(value, float | np.floating) and float(value).is_integer() else str(value).strip()
 
 
 def _numbers(title: str, column: Any, expected: str = "a number, or inf") -> Floats:
@@ -115,15 +111,15 @@ def _numbers(title: str, column: Any, expected: str = "a number, or inf") -> Flo
 
     if pd.api.types.is_numeric_dtype(column.dtype):
         return np.array(column.to_numpy(dtype=np.float64, na_value=np.nan))
-    made = np.full(len(column), np.nan)
+    numbers = np.full(len(column), np.nan)
     for k, value in enumerate(column.tolist()):
         if isinstance(value, str):
             text = value.strip().lower()
             if text not in ABSENT:
-                made[k] = math.inf if text == "inf" else _number(value, k, title, expected)
+                numbers[k] = math.inf if text == "inf" else _number(value, k, title, expected)
         elif not pd.isna(value):
-            made[k] = _number(value, k, title, expected)
-    return made
+            numbers[k] = _number(value, k, title, expected)
+    return numbers
 
 
 def _number(value: Any, row: int, title: str, expected: str) -> float:
@@ -136,23 +132,23 @@ def _number(value: Any, row: int, title: str, expected: str) -> float:
 def _told(title: str, column: Any, owner: NDArray[np.int64], names: tuple[str, ...]) -> Floats:
     """One number a robot or bin, out of all its rows."""
     values = _numbers(title, column)
-    made, row = np.full(len(names), np.nan), np.zeros(len(names), dtype=np.int64)
+    numbers, row = np.full(len(names), np.nan), np.zeros(len(names), dtype=np.int64)
     for k in np.nonzero(owner >= 0)[0][::-1]:  # the first row of each stands last
-        made[owner[k]], row[owner[k]] = values[k], k
+        numbers[owner[k]], row[owner[k]] = values[k], k
     stray = (owner < 0) & ~np.isnan(values)
     if stray.any():
         raise InputError(f"{title} stands in row {int(np.argmax(stray)) + 1}, which names no {FURTHER[title]}", expected="an empty cell")
     rows = np.nonzero(owner >= 0)[0]
-    same = (values[rows] == made[owner[rows]]) & ~np.isnan(values[rows])
+    same = (values[rows] == numbers[owner[rows]]) & ~np.isnan(values[rows])
     if not same.all():
         k = int(rows[int(np.argmin(same))])
         what, first = f"{title} of {FURTHER[title]} {names[owner[k]]}", int(row[owner[k]])
         if np.isnan(values[k]):
             raise InputError(f"{what} is missing in row {k + 1}", expected="a number")
         raise InputError(
-            f"{what} is another one in row {k + 1} than in row {first + 1}", expected=f"{made[owner[k]]:g}", found=f"{values[k]:g}"
+            f"{what} is another one in row {k + 1} than in row {first + 1}", expected=f"{numbers[owner[k]]:g}", found=f"{values[k]:g}"
         )
-    return made
+    return numbers
 
 
 def _matrix(frame: pd.DataFrame, titles: list[str]) -> dict[str, Any]:
@@ -163,11 +159,11 @@ def _matrix(frame: pd.DataFrame, titles: list[str]) -> dict[str, Any]:
         costs[:, at] = _numbers(shown(str(frame.columns[k])), frame.iloc[:, k], LAYOUTS)
     costs[np.isnan(costs)] = math.inf  # a cell without a number forbids a pair, as in a file
     robots = frame.index if corner is None else frame.iloc[:, corner]
-    return {"costs": costs, "robot_names": tuple(map(_name, robots)), "bin_names": tuple(str(frame.columns[k]).strip() for k in kept)}
+    return {"costs": costs, "robot_names": tuple(map(name_of, robots)), "bin_names": tuple(str(frame.columns[k]).strip() for k in kept)}
 
 
 def _is_text(column: Any) -> bool:
-    """Whether a column holds names: text alone, and not numbers or ``inf`` written as text."""
+    """True for a column of names: text alone, and not numbers or ``inf`` written as text."""
     values = [value.strip() if isinstance(value, str) else None for value in column.tolist()]
     if not values or None in values:
         return False

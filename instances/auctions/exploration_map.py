@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from .. import number_arrays as arrays
+from ..declared import CountOf, Declared, NameOf, Names
+from ..document import array, wholes
 from ..errors import InputError
-from ..instance import digest
-from ..text import label
-from .assignment import LARGEST
+from ..parts import LARGEST, Axis, Numbers, Part, Whole, Wholes
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-PROBLEMS = ("room-exploration",)
-"""What may be asked of such data."""
-
 GAINS = ("exploring", "mapping", "searching")
-"""What is gained by entering a room, by observing its type, and by looking for a target in it."""
+"""Gains: of entering a room, of observing its type, of looking for a target in it."""
 
 SHOWN = 5
 """Rooms that a message lists."""
@@ -30,8 +28,41 @@ SHOWN = 5
 MOST_STEPS = 1000
 
 
-@dataclass(frozen=True, eq=False)
-class ExplorationMap:
+class Gains(Numbers):
+    """Numbers of which none is larger than the one before it in its row."""
+
+    def refuse(self, key: str, value: Floats, instance: Declared) -> None:
+        rising = np.diff(value, axis=1, prepend=LARGEST) > 0
+        wrong = ~((value >= 0) & (value <= LARGEST)) | rising
+        if wrong.any():
+            room, time = np.argwhere(wrong)[0].tolist()
+            what = f"{key} of room {room + 1}, time {time + 1}"
+            raise InputError(f"{what} must be at least 0, and no more than the time before", found=str(value[room, time]))
+
+
+class Links(Part):
+    """Pairs of different rooms."""
+
+    def converted(self, key: str, value: Any, counts: dict[str, int]) -> Integers:
+        pairs = arrays.whole_numbers(key, np.asarray(value).ravel()).reshape(-1, 2) if np.size(value) else np.zeros((0, 2), np.int64)
+        return arrays.frozen(pairs)
+
+    def refuse(self, key: str, value: Integers, instance: Declared) -> None:
+        arrays.refuse_outside(f"a room of {key}, entry {{}}", value.ravel(), instance.counts["room"], "room")
+        if (value[:, 0] == value[:, 1]).any():
+            raise InputError(f"{key} must join two different rooms", found=f"room {value[value[:, 0] == value[:, 1]][0, 0]} twice")
+
+    def read(self, data: Any, path: str, counts: Mapping[str, int]) -> Integers:
+        pairs = [wholes(pair, f"{path}[{k}]", 2) for k, pair in enumerate(array(data, path))]
+        return np.array(pairs, dtype=np.int64).reshape(-1, 2)
+
+    def write(self, value: Integers) -> list[list[int]]:
+        pairs: list[list[int]] = value.tolist()
+        return pairs
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ExplorationMap(Declared):
     """A graph of rooms, what each visit and observation of a room gains, and where robots hear each other.
 
     Parameters
@@ -68,94 +99,48 @@ class ExplorationMap:
     Source: Zhang (2015), section 5.3; docs/formulations/room-exploration.md#model.
     """
 
-    kind: ClassVar[str] = "exploration-map"
-    doors: Integers
-    exploring: Floats
-    mapping: Floats
-    searching: Floats
-    starts: Integers
-    base: int
-    heard: Integers
-    silence: int
-    steps: int
-    room_names: tuple[str, ...] | None = None
+    kind = "exploration-map"
+    problem_names = ("room-exploration",)
+    content = "maps of rooms"
+    axes = (Axis("room", positions="positions"), Axis("robot", table=False))
+    hashed = ("adjacent", *GAINS, "starts", "base", "linked", "silence", "steps")
+    doors: Annotated[Integers, Links()]
+    exploring: Annotated[Floats, Gains("room", None, table="room")]
+    mapping: Annotated[Floats, Gains("room", None, table="room")]
+    searching: Annotated[Floats, Gains("room", None, table="room")]
+    starts: Annotated[Integers, Wholes("robot", refers="room", what="the start of robot {}", key="robots", table="")]
+    base: Annotated[int, Whole(0, "room")]
+    heard: Annotated[Integers, Links()]
+    silence: Annotated[int, Whole(0, MOST_STEPS)]
+    steps: Annotated[int, Whole(1, MOST_STEPS)]
+    room_names: Names = None
     positions: Floats | None = None
-    name: str = "exploration-map"
-    format: str = "arrays"
-    problem: str = PROBLEMS[0]
-    problems: tuple[str, ...] = PROBLEMS
-    notes: tuple[str, ...] = field(default=())
+    num_rooms, num_robots = CountOf("room"), CountOf("robot")
+    room_name = NameOf("room")
 
-    def __post_init__(self) -> None:
-        put = object.__setattr__
-        put(self, "name", label(self.name))
-        gains = [_gains(key, getattr(self, key)) for key in GAINS]
-        rooms = len(gains[0])
-        if not rooms:
-            raise InputError("there are no rooms", expected="one at least")
-        for key, made in zip(GAINS, gains, strict=True):
-            if len(made) != rooms:
-                raise InputError(f"{key} must have one row a room", expected=str(rooms), found=str(len(made)))
-            put(self, key, arrays.frozen(made))
-        for key in ("doors", "heard"):
-            put(self, key, arrays.frozen(_pairs(key, getattr(self, key), rooms)))
-        starts = arrays.whole_numbers("starts", self.starts)
-        if not len(starts):
-            raise InputError("there are no robots", expected="one at least")
-        arrays.refuse_outside("the start of robot {}", starts, rooms, "room")
-        put(self, "starts", arrays.frozen(starts))
-        for key, least, most in (("base", 0, rooms - 1), ("silence", 0, MOST_STEPS), ("steps", 1, MOST_STEPS)):
-            value = getattr(self, key)
-            if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
-                raise InputError(f"{key} must be a whole number from {least} to {most}", found=str(value)[:40])
-            put(self, key, int(value))
-        put(self, "room_names", arrays.names("room", self.room_names, rooms))
-        put(self, "positions", arrays.positions("room", self.positions, rooms, self.room_names))
-        self._refuse_walls()
-
-    def _refuse_walls(self) -> None:
+    def check_rest(self) -> None:
         """Raise InputError where no robot can enter a room, or one can never be heard."""
         doors = self.adjacent
         alone = np.nonzero(~_reached(doors, self.starts))[0].tolist()
         if alone:
-            told = ", ".join(map(self.room_name, alone[:SHOWN])) + ", ..." * (len(alone) > SHOWN)
+            names = ", ".join(map(self.room_name, alone[:SHOWN])) + ", ..." * (len(alone) > SHOWN)
             raise InputError(
-                f"no doors lead from a robot to {len(alone)} of the {self.num_rooms} rooms: {told}", expected="doors to every room"
+                f"no doors lead from a robot to {len(alone)} of the {self.num_rooms} rooms: {names}", expected="doors to every room"
             )
         heard = np.nonzero(_reached(self.linked, np.array([self.base])))[0]
         lost = np.nonzero(~_reached(doors, heard)[self.starts])[0]
         if len(lost):
             raise InputError(f"robot {lost[0] + 1} can enter no room from which links lead to the base", expected="doors or links to it")
 
-    # -- lookups -----------------------------------------------------------------------------------------------------
-
-    @property
-    def num_rooms(self) -> int:
-        return len(self.exploring)
-
-    @property
-    def num_robots(self) -> int:
-        return len(self.starts)
-
     @property
     def adjacent(self) -> Flags:
-        """Whether one step leads from a room to another; shape (rooms, rooms)."""
+        """Mask of the moves of one step, shape (rooms, rooms)."""
         return _table(self.doors, self.num_rooms)
 
     @property
     def linked(self) -> Flags:
-        """Whether two rooms hear each other, themselves included; shape (rooms, rooms)."""
+        """Mask of the rooms that hear each other, themselves included, shape (rooms, rooms)."""
         return np.asarray(_table(self.heard, self.num_rooms) | np.eye(self.num_rooms, dtype=bool))
-
-    def room_name(self, room: int) -> str:
-        return str(room + 1) if self.room_names is None else self.room_names[room]
-
-    def digest(self) -> str:
-        """Hash of everything that values depend on; names and positions are not part of it."""
-        return digest(
-            "exploration-map", self.adjacent, self.exploring, self.mapping, self.searching, self.starts, self.base, self.linked,
-            self.silence, self.steps,
-        )  # fmt: skip
 
     def facts(self) -> dict[str, Any]:
         """Sizes, as plain JSON values."""
@@ -165,46 +150,21 @@ class ExplorationMap:
             **{key: float(getattr(self, key)[:, :1].sum()) for key in GAINS},
         }  # fmt: skip
 
-    def __repr__(self) -> str:
-        return f"<ExplorationMap {self.name}: {self.num_rooms} rooms, {self.num_robots} robots, {self.steps} steps>"
-
-
-def _gains(key: str, given: ArrayLike) -> Floats:
-    try:
-        made = np.array(given, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{key} must be a matrix of numbers, all rows of one length") from None
-    if made.ndim != 2:
-        raise InputError(f"{key} must be a matrix, one row a room", found=f"shape {made.shape}")
-    rising = np.diff(made, axis=1, prepend=LARGEST) > 0
-    wrong = ~((made >= 0) & (made <= LARGEST)) | rising
-    if wrong.any():
-        room, time = np.argwhere(wrong)[0].tolist()
-        raise InputError(
-            f"{key} of room {room + 1}, time {time + 1} must be at least 0, and no more than the time before", found=str(made[room, time])
-        )
-    return made
-
-
-def _pairs(key: str, given: ArrayLike, rooms: int) -> Integers:
-    made = arrays.whole_numbers(key, np.asarray(given).ravel()).reshape(-1, 2) if np.size(given) else np.zeros((0, 2), np.int64)
-    arrays.refuse_outside(f"a room of {key}, entry {{}}", made.ravel(), rooms, "room")
-    if (made[:, 0] == made[:, 1]).any():
-        raise InputError(f"{key} must join two different rooms", found=f"room {made[made[:, 0] == made[:, 1]][0, 0]} twice")
-    return made
+    def summary(self) -> Iterable[str]:
+        return (*super().summary(), f"{self.steps} steps")
 
 
 def _reached(table: Flags, begin: Integers) -> Flags:
     """Rooms that pairs of a table lead to from some rooms."""
-    found = np.zeros(len(table), dtype=bool)
+    reached = np.zeros(len(table), dtype=bool)
     front = np.unique(begin)
     while len(front):
-        found[front] = True
-        front = np.nonzero(table[front].any(axis=0) & ~found)[0]
-    return found
+        reached[front] = True
+        front = np.nonzero(table[front].any(axis=0) & ~reached)[0]
+    return reached
 
 
 def _table(pairs: Integers, rooms: int) -> Flags:
-    made = np.zeros((rooms, rooms), dtype=bool)
-    made[pairs[:, 0], pairs[:, 1]] = made[pairs[:, 1], pairs[:, 0]] = True
-    return made
+    table = np.zeros((rooms, rooms), dtype=bool)
+    table[pairs[:, 0], pairs[:, 1]] = table[pairs[:, 1], pairs[:, 0]] = True
+    return table

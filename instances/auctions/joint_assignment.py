@@ -3,28 +3,23 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from .. import number_arrays as arrays
+from ..declared import CountOf, Declared, Names
 from ..errors import InputError
-from ..instance import digest
-from ..text import label
-from .assignment import LARGEST
+from ..parts import Axis, Numbers
 
 Floats = NDArray[np.float64]
-
-PROBLEMS = ("joint-assignment",)
-"""What may be asked of such data."""
 
 MOST_TRIPLES = 50_000_000
 
 
-@dataclass(frozen=True, eq=False)
-class JointAssignmentInstance:
+@dataclass(frozen=True, eq=False, repr=False)
+class JointAssignmentInstance(Declared):
     """Times of travel between robots, requests and bins, and when bins are full.
 
     Parameters
@@ -52,95 +47,27 @@ class JointAssignmentInstance:
     Source: Zhang (2015), section 3.4.2, both decisions as one; docs/formulations/joint-assignment.md#model.
     """
 
-    kind: ClassVar[str] = "joint-assignment"
-    to_bin: Floats
-    to_request: Floats
-    between: Floats
-    filled: Floats | None = None
-    robot_names: tuple[str, ...] | None = None
-    bin_names: tuple[str, ...] | None = None
-    request_names: tuple[str, ...] | None = None
-    name: str = "joint-assignment"
-    format: str = "arrays"
-    problem: str = PROBLEMS[0]
-    problems: tuple[str, ...] = PROBLEMS
-    notes: tuple[str, ...] = field(default=())
+    kind = "joint-assignment"
+    problem_names = ("joint-assignment",)
+    content = "joint assignments"
+    axes = (Axis("robot"), Axis("bin"), Axis("request", least=0))
+    to_bin: Annotated[Floats, Numbers("robot", "bin", absent=math.inf)]
+    to_request: Annotated[Floats, Numbers("robot", "request", absent=math.inf)]
+    between: Annotated[Floats, Numbers("request", "bin")]
+    filled: Annotated[Floats | None, Numbers("bin", absent=math.inf, default=0.0, each="time of being filled")] = None
+    robot_names: Names = None
+    bin_names: Names = None
+    request_names: Names = None
+    num_robots = CountOf("robot")
+    num_bins = CountOf("bin")
+    num_requests = CountOf("request")
 
-    def __post_init__(self) -> None:
-        put = object.__setattr__
-        put(self, "name", label(self.name))
-        to_bin = _matrix("to_bin", self.to_bin, None)
-        n, m = to_bin.shape
-        for what, count in (("robots", n), ("bins", m)):
-            if not count:
-                raise InputError(f"there are no {what}", expected="one at least")
-        to_request = _matrix("to_request", self.to_request, (n, None))
-        q = to_request.shape[1]
-        if n * (m + 1) * (q + 1) > MOST_TRIPLES:
+    def refuse_counts(self) -> None:
+        super().refuse_counts()
+        if len(self.counts) == 3 and (n := self.num_robots) * ((m := self.num_bins) + 1) * ((q := self.num_requests) + 1) > MOST_TRIPLES:
             raise InputError(f"{n} robots, {m} bins and {q} requests make more than {MOST_TRIPLES:,} triples")
-        between = _matrix("between", np.zeros((0, m)) if q == 0 else self.between, (q, m))
-        filled = np.zeros(m) if self.filled is None else arrays.reals("filled", self.filled)
-        if filled.shape != (m,):
-            raise InputError("there must be one time of being filled a bin", expected=str(m), found=str(filled.shape))
-        for what, count in (("robot", n), ("bin", m), ("request", q)):
-            put(self, f"{what}_names", arrays.names(what, getattr(self, f"{what}_names"), count))
-        self._refuse("to_bin", to_bin, ("robot", "bin"), True)
-        self._refuse("to_request", to_request, ("robot", "request"), True)
-        self._refuse("between", between, ("request", "bin"), False)
-        self._refuse("filled", filled, ("bin",), True)
-        for key, values in (("to_bin", to_bin), ("to_request", to_request), ("between", between), ("filled", filled)):
-            put(self, key, arrays.frozen(values))
-
-    def _refuse(self, key: str, times: Floats, ends: tuple[str, ...], endless: bool) -> None:
-        """Raise InputError for the first of ``times`` that is none, by the names of what it belongs to."""
-        wrong = ~((times >= 0) & ((times <= LARGEST) | (endless & (times == math.inf))))
-        if wrong.any():
-            at = np.argwhere(wrong)[0].tolist()
-            owner = " and ".join(f"{what} {self.name_of(what, k)}" for what, k in zip(ends, at, strict=True))
-            told = ", or infinite" if endless else ""
-            raise InputError(f"{key} of {owner} must be from 0 to {LARGEST:g}{told}", found=str(times[tuple(at)]))
-
-    # -- lookups -----------------------------------------------------------------------------------------------------
-
-    @property
-    def num_robots(self) -> int:
-        return int(self.to_bin.shape[0])
-
-    @property
-    def num_bins(self) -> int:
-        return int(self.to_bin.shape[1])
-
-    @property
-    def num_requests(self) -> int:
-        return int(self.to_request.shape[1])
-
-    def name_of(self, what: str, number: int) -> str:
-        """Of a ``robot``, ``bin`` or ``request``."""
-        names = getattr(self, f"{what}_names")
-        return str(number + 1) if names is None else str(names[number])
-
-    def digest(self) -> str:
-        """Hash of everything that values depend on; names are not part of it."""
-        return digest("joint-assignment", self.to_bin, self.to_request, self.between, self.filled)
 
     def facts(self) -> dict[str, Any]:
         """Sizes, as plain JSON values."""
-        assert self.filled is not None
-        return {
-            "robots": self.num_robots, "bins": self.num_bins, "requests": self.num_requests,
-            "bringing": int(np.isfinite(self.to_request).any(axis=1).sum()), "not_yet_full": int((self.filled > 0).sum()),
-        }  # fmt: skip
-
-    def __repr__(self) -> str:
-        return f"<JointAssignmentInstance {self.name}: {self.num_robots} robots, {self.num_bins} bins, {self.num_requests} requests>"
-
-
-def _matrix(what: str, given: ArrayLike, shape: tuple[int | None, int | None] | None) -> Floats:
-    try:
-        made = np.array(given, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{what} must be a matrix of numbers, all rows of one length") from None
-    if made.ndim != 2 or (shape is not None and any(s is not None and s != k for s, k in zip(shape, made.shape, strict=True))):
-        told = "a matrix" if shape is None else " x ".join("any" if s is None else str(s) for s in shape)
-        raise InputError(f"{what} has another shape", expected=told, found=str(made.shape))
-    return made
+        bringing = int(np.isfinite(self.to_request).any(axis=1).sum())
+        return {**self.sizes(), "bringing": bringing, "not_yet_full": int((np.asarray(self.filled) > 0).sum())}

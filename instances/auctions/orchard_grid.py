@@ -20,26 +20,10 @@ MOST_CELLS = 2500
 class OrchardGrid:
     """Lanes side by side, open to a headland at each end: along a lane everywhere, from lane to lane in the headlands alone.
 
-    Cells are numbered by rows, ``row * columns + column``; the first and last columns are the headlands, the others are harvested.
+    Cells are numbered by rows, ``row * columns + column``; the first and last columns are headlands, the others are harvested. The
+    repository is the row of the collection point, in the first column. Speeds are cells a step, without a full bin and with one; a leg
+    takes whole steps, rounded up.
 
-    Parameters
-    ----------
-    rows : int, >= 1
-        Lanes.
-    columns : int, >= 3
-        Cells a lane, headlands included.
-    repository : int
-        Row of the collection point, which lies in the first column.
-    empty_speed, full_speed : int, cells a step
-        Of a robot without a full bin, and with one. A leg takes whole steps, rounded up.
-
-    Raises
-    ------
-    InputError
-        For numbers out of range.
-
-    Notes
-    -----
     Source: Zhang (2015), section 3.2; docs/formulations/orchard-day.md#the-orchard.
     """
 

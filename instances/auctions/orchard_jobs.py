@@ -2,31 +2,36 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import number_arrays as arrays
+from ..declared import CountOf, Declared
+from ..document import fields, flags, integer, wholes
 from ..errors import InputError
 from ..instance import digest
-from ..text import an, label
+from ..parts import Axis, Flags, Wholes
 from .orchard_grid import OrchardGrid
 from .orchard_rules import NONE, OrchardRules, OrchardStart
 
 Integers = NDArray[np.int64]
 
-PROBLEMS = ("orchard-day",)
-"""What may be asked of such data."""
-
 LONGEST = 10**6
 """Steps of a wait: sums stay far below 2**53."""
 
+GRID_KEYS = {"rows": 1, "columns": 3, "repository": 0, "empty_speed": 1, "full_speed": 1}
+ROBOT_KEYS = ("row", "column", "free")
+BIN_KEYS = ("row", "column", "after", "standing", "work")
+"""Keys of JSON, the first with the least that each may be."""
 
-@dataclass(frozen=True, eq=False)
-class OrchardJobs:
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OrchardJobs(Declared):
     """Robots, and bins that come home full: those that stand in the orchard, and those that have to be brought there first.
 
     A bin is full ``work`` steps after it stands in its cell and the bin ``after`` which it is filled is full.
@@ -58,19 +63,19 @@ class OrchardJobs:
     Source: Zhang (2015), chapter 3; docs/formulations/orchard-day.md#model.
     """
 
-    kind: ClassVar[str] = "orchard-jobs"
+    kind = "orchard-jobs"
+    problem_names = ("orchard-day",)
+    content = "bins in an orchard"
+    axes = (Axis("robot", table=False), Axis("bin", table=False))
+    own_keys = ("orchard", "robots", "bins")
     grid: OrchardGrid
-    robot_cells: Integers
-    robot_free: Integers
-    bin_cells: Integers
-    after: Integers
-    standing: NDArray[np.bool_]
-    work: Integers
-    name: str = "orchard-jobs"
-    format: str = "arrays"
-    problem: str = PROBLEMS[0]
-    problems: tuple[str, ...] = PROBLEMS
-    notes: tuple[str, ...] = field(default=())
+    robot_cells: Annotated[Integers, Wholes("robot", stored=False)]
+    robot_free: Annotated[Integers, Wholes("robot", high=LONGEST, stored=False)]
+    bin_cells: Annotated[Integers, Wholes("bin", stored=False)]
+    after: Annotated[Integers, Wholes("bin", stored=False)]
+    standing: Annotated[NDArray[np.bool_], Flags("bin", stored=False)]
+    work: Annotated[Integers, Wholes("bin", high=LONGEST, stored=False)]
+    num_robots, num_bins = CountOf("robot"), CountOf("bin")
 
     @classmethod
     def of_routes(cls, rules: OrchardRules, start: OrchardStart, name: str = "orchard-jobs") -> OrchardJobs:
@@ -106,50 +111,21 @@ class OrchardJobs:
             np.full(len(cells), rules.fill), name=name,
         )  # fmt: skip
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "name", label(self.name))
-        for key in ("robot_cells", "robot_free", "bin_cells", "after", "work"):
-            object.__setattr__(self, key, arrays.whole_numbers(key, getattr(self, key)))
-        flags = np.asarray(self.standing)
-        if flags.dtype != bool or flags.shape != self.bin_cells.shape:
-            raise InputError("standing must have one truth value a bin")
-        object.__setattr__(self, "standing", flags)
-        for what, cells in (("robot", self.robot_cells), ("bin", self.bin_cells)):
-            if not len(cells):
-                raise InputError(f"there must be {an(what)}")
-        for key, like in (("robot_free", "robot_cells"), ("after", "bin_cells"), ("work", "bin_cells")):
-            if len(getattr(self, key)) != len(getattr(self, like)):
-                raise InputError(
-                    f"{key} and {like} must be of one length", expected=str(len(getattr(self, like))), found=str(len(getattr(self, key)))
-                )
+    def arrange(self) -> None:
         arrays.refuse_outside("the cell of robot {}", self.robot_cells, self.grid.size, "cell")
         harvested = np.isin(self.bin_cells, self.grid.harvested)
         if not harvested.all():
             k = int(np.argmin(harvested))
             raise InputError(f"bin {k + 1} does not stand in a harvest cell", found=f"cell {self.bin_cells[k]}")
-        for key in ("robot_free", "work"):
-            wrong = (getattr(self, key) < 0) | (getattr(self, key) > LONGEST)
-            if wrong.any():
-                raise InputError(f"{key} must be from 0 to {LONGEST}", found=str(getattr(self, key)[int(np.argmax(wrong))]))
-        wrong = (self.after < NONE) | (self.after >= np.arange(len(self.after)))
+
+    def check_rest(self) -> None:
+        wrong = (self.after < NONE) | (self.after >= np.arange(self.num_bins))
         if wrong.any():
             k = int(np.argmax(wrong))
             raise InputError(f"bin {k + 1} is filled after one that has no lower number", found=f"{self.after[k]}, counted from 0")
         twice = np.sort(self.after[self.after >= 0])
         if (np.diff(twice) == 0).any():
             raise InputError(f"two bins are filled next after bin {twice[int(np.argmax(np.diff(twice) == 0))] + 1}")
-        for key in ("robot_cells", "robot_free", "bin_cells", "after", "standing", "work"):
-            object.__setattr__(self, key, arrays.frozen(getattr(self, key)))
-
-    # -- lookups -----------------------------------------------------------------------------------------------------
-
-    @property
-    def num_robots(self) -> int:
-        return len(self.robot_cells)
-
-    @property
-    def num_bins(self) -> int:
-        return len(self.bin_cells)
 
     @cached_property
     def out(self) -> Integers:
@@ -163,7 +139,7 @@ class OrchardJobs:
 
     @property
     def away(self) -> NDArray[np.bool_]:
-        """Which robots do not begin at the repository."""
+        """Mask of the robots that do not begin at the repository."""
         return np.asarray(self.robot_cells != self.grid.home)
 
     def digest(self) -> str:
@@ -181,5 +157,33 @@ class OrchardJobs:
             "bins": self.num_bins, "bins_standing": int(self.standing.sum()), "work": int(self.work.sum()),
         }  # fmt: skip
 
-    def __repr__(self) -> str:
-        return f"<OrchardJobs {self.name}: {self.num_robots} robots, {self.num_bins} bins, {self.grid.rows} x {self.grid.columns} cells>"
+    def summary(self) -> Iterable[str]:
+        return (*super().summary(), f"{self.grid.rows} x {self.grid.columns} cells")
+
+    def write_own(self) -> dict[str, Any]:
+        """Cells by row and column; bins are counted from 1."""
+        robots, bins = (
+            {"row": (cells // self.grid.columns).tolist(), "column": (cells % self.grid.columns).tolist()}
+            for cells in (self.robot_cells, self.bin_cells)
+        )
+        bins.update(after=(self.after + 1).tolist(), standing=self.standing.tolist(), work=self.work.tolist())
+        grid = {key: getattr(self.grid, key) for key in GRID_KEYS}
+        return {"orchard": grid, "robots": {**robots, "free": self.robot_free.tolist()}, "bins": bins}
+
+    @classmethod
+    def read_own(cls, data: Mapping[str, Any], counts: Mapping[str, int]) -> dict[str, Any]:
+        orchard = fields(data["orchard"], "orchard", GRID_KEYS, GRID_KEYS)
+        grid = OrchardGrid(**{key: integer(orchard[key], f"orchard.{key}", least) for key, least in GRID_KEYS.items()})
+        robots, bins = (fields(data[key], key, known, known) for key, known in (("robots", ROBOT_KEYS), ("bins", BIN_KEYS)))
+        robot_cells, bin_cells = _cells(grid, robots, "robots"), _cells(grid, bins, "bins")
+        count = len(bin_cells)
+        return {
+            "grid": grid, "robot_cells": robot_cells, "robot_free": wholes(robots["free"], "robots.free", len(robot_cells)),
+            "bin_cells": bin_cells, "after": wholes(bins["after"], "bins.after", count) - 1,
+            "standing": flags(bins["standing"], "bins.standing", count), "work": wholes(bins["work"], "bins.work", count),
+        }  # fmt: skip
+
+
+def _cells(grid: OrchardGrid, data: Mapping[str, Any], path: str) -> Integers:
+    rows = wholes(data["row"], f"{path}.row")
+    return grid.cells(list(zip(rows.tolist(), wholes(data["column"], f"{path}.column", len(rows)).tolist(), strict=True)))

@@ -22,14 +22,9 @@ NONE = -1
 
 
 class Trip(NamedTuple):
-    """What an idle robot is told: with neither it goes home.
+    """An order to an idle robot: bring a new bin from the repository to the cell ``deliver``, then fetch the full bin of number ``fetch``.
 
-    Parameters
-    ----------
-    deliver : int
-        Cell to which it brings a new bin, which it has at the repository alone; -1 for none.
-    fetch : int
-        Number of the bin that it then brings home, full; -1 for none.
+    -1 stands for none; with neither the robot goes home.
     """
 
     deliver: int = NONE
@@ -38,21 +33,11 @@ class Trip(NamedTuple):
 
 @dataclass(frozen=True)
 class OrchardRules:
-    """What does not change in a day.
+    """The data of an orchard that stay the same all day.
 
-    Parameters
-    ----------
-    grid : OrchardGrid
-    robots, groups : int
-    bins_per_cell : int
-        Fruit of a harvest cell, bins.
-    fill : int, steps
-        For which a group fills a bin.
-    pickers : int
-        In a group.
-    relocation : str
-        Where a group goes from an empty cell: to the nearest cell with fruit and without a group (the first of equals), or to the first
-        such cell of an order drawn for it.
+    ``bins_per_cell`` is the fruit of a harvest cell in bins, ``fill`` the steps for which a group of ``pickers`` fills a bin. From an empty
+    cell a group relocates to the ``nearest`` cell with fruit and without a group (the first of equals), or to the first such cell of an
+    order drawn for it at ``random``.
     """
 
     grid: OrchardGrid
@@ -74,13 +59,9 @@ class OrchardRules:
 
 
 class OrchardStart(NamedTuple):
-    """Where groups begin, and where they go.
+    """First cells of the groups of pickers, shape (groups,), and the orders in which they prefer cells, shape (groups, cells).
 
-    Parameters
-    ----------
-    cells : array of shape (groups,)
-    orders : array of shape (groups, cells)
-        In which order each group prefers cells; no columns where it goes to the nearest. -1 stands for no cell.
+    Orders have no columns where groups go to the nearest cell; -1 stands for no cell.
     """
 
     cells: Integers

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import number_arrays as arrays
+from ..declared import Declared, NameOf, Names, extent
+from ..document import json_numbers, matrix
 from ..errors import InputError
-from ..instance import digest
+from ..frames import columns_of, numbers_of
 from ..memory import fits, readable
-from ..text import label
+from ..parts import LARGEST, Axis, Choice, Count, Numbers
+from ..text import an
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -21,17 +24,20 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 PROBLEMS = ("task-allocation", "balanced-partition")
-"""What may be asked of robots and tasks."""
+"""Problems that such data allow; the first is the default."""
+
+COLUMNS = ("name", "x", "y", "weight")
+"""Columns of the frame of tasks; that of robots has all but the last."""
 
 METRICS = ("euclidean", "manhattan", "chebyshev", "matrix")
 """Rules from places to distances; chebyshev counts the moves on a grid of eight neighbours."""
 
-LARGEST = 1e150
-"""Of a coordinate, a distance or a weight: sums and products stay finite."""
+MOST_IN_FILES = 100_000
+"""Robots or tasks of a file."""
 
 
-@dataclass(frozen=True, eq=False)
-class RobotTasks:
+@dataclass(frozen=True, eq=False, repr=False)
+class RobotTasks(Declared):
     """Robots with starts, tasks, and distances. Rows of distances are robots, then tasks; columns are tasks, for nobody returns.
 
     ``of_positions``, ``of_distances``, ``from_frame`` and ``from_networkx`` make one from what a user has.
@@ -63,89 +69,133 @@ class RobotTasks:
     Source: Lagoudakis et al. (2005), Auction-based multi-robot routing, section II; docs/formulations/task-allocation.md#model.
     """
 
-    kind: ClassVar[str] = "robot-tasks"
-    num_robots: int
-    num_tasks: int
-    metric: str = "euclidean"
+    kind = "robot-tasks"
+    problem_names = PROBLEMS
+    content = "robots and tasks"
+    axes = (
+        Axis("robot", most=MOST_IN_FILES, positions="robot_positions"),
+        Axis("task", most=MOST_IN_FILES, positions="task_positions"),
+    )
+    keys = ("metric", "robots", "tasks", "distances")
+    hashed = ("num_robots", "distances", "weights")
+    num_robots: Annotated[int, Count("robot")]
+    num_tasks: Annotated[int, Count("task")]
+    metric: Annotated[str, Choice(*METRICS, required=True)] = "euclidean"
     positions: Floats | None = None
     matrix: Floats | None = None
-    weights: Floats | None = None
-    robot_names: tuple[str, ...] | None = None
-    task_names: tuple[str, ...] | None = None
-    name: str = "robot-tasks"
-    format: str = "arrays"
-    problem: str = PROBLEMS[0]
-    problems: tuple[str, ...] = PROBLEMS
-    notes: tuple[str, ...] = ()
-    distances: Floats = field(init=False, repr=False)
+    weights: Annotated[Floats | None, Numbers("task", low=-LARGEST, default=0.0, key="weight", what="weight")] = None
+    robot_names: Names = None
+    task_names: Names = None
+    distances: Floats = field(init=False)
+    robot_name, task_name = NameOf("robot"), NameOf("task")
 
     @classmethod
-    def of_positions(cls, robots: ArrayLike, tasks: ArrayLike, metric: str = "euclidean", **given: Any) -> RobotTasks:
+    def of_positions(cls, robots: ArrayLike, tasks: ArrayLike, metric: str = "euclidean", **further: Any) -> RobotTasks:
         """From places: arrays of shape (robots, 2) and (tasks, 2), or, on a line, (robots,) and (tasks,)."""
         starts, places = _points("robot", robots), _points("task", tasks)
-        return cls(len(starts), len(places), metric, np.vstack([starts, places]), **given)
+        return cls(len(starts), len(places), metric, np.vstack([starts, places]), **further)
 
     @classmethod
-    def of_distances(cls, starts: ArrayLike, between: ArrayLike, **given: Any) -> RobotTasks:
+    def of_distances(cls, starts: ArrayLike, between: ArrayLike, **further: Any) -> RobotTasks:
         """From distances: of shape (robots, tasks) from the robots to the tasks, and (tasks, tasks) between tasks."""
         first, second = _table("distances from the robots", starts), _table("distances between the tasks", between)
         tasks = second.shape[1]
         if second.shape[0] != tasks or first.shape[1] != tasks:
             found = f"{first.shape} and {second.shape}"
             raise InputError("distances must be of shapes (robots, tasks) and (tasks, tasks)", found=found)
-        return cls(len(first), tasks, "matrix", matrix=np.vstack([first, second]), **given)
+        return cls(len(first), tasks, "matrix", matrix=np.vstack([first, second]), **further)
 
     @classmethod
     def from_frame(cls, robots: pd.DataFrame, tasks: pd.DataFrame, metric: str = "euclidean", name: str = "frame") -> RobotTasks:
-        """From pandas frames with columns x, y, and perhaps name; that of tasks perhaps with weight too."""
-        from .robot_task_sources import of_frames
+        """Robots and tasks of two pandas frames with columns x, y and perhaps name, that of tasks perhaps weight too.
 
-        return of_frames(robots, tasks, metric, name)
+        Raises
+        ------
+        InputError
+            For an unknown or missing column, and whatever ``RobotTasks`` refuses.
+        """
+        teams, places = columns_of("robots", robots, COLUMNS[:3], "xy"), columns_of("tasks", tasks, COLUMNS, "xy")
+        further: dict[str, Any] = {}
+        for key, part in (("robot_names", teams), ("task_names", places)):
+            if "name" in part:
+                further[key] = tuple(map(str, part["name"]))
+        if "weight" in places:
+            further["weights"] = numbers_of("tasks", "weight", places["weight"])
+        points = [
+            np.column_stack([numbers_of(what, axis, part[axis]) for axis in "xy"]) for what, part in (("robots", teams), ("tasks", places))
+        ]
+        return cls.of_positions(points[0], points[1], metric, name=name, format="frame", **further)
 
     @classmethod
     def from_networkx(cls, graph: Any, robots: Sequence[Any], tasks: Sequence[Any], *, weight: str = "weight") -> RobotTasks:
-        """On a graph of networkx: robots and tasks stand at nodes, distances are shortest paths."""
-        from .robot_task_sources import of_graph
+        """Robots and tasks at nodes of a graph; distances are shortest paths along its edges, directed ones one way.
 
-        return of_graph(graph, robots, tasks, weight)
+        Parameters
+        ----------
+        graph : networkx graph
+        robots, tasks : sequences of nodes
+            A node may hold several; names are those of the nodes where they differ.
+        weight : str
+            Attribute with an edge's length; edges without it are 1 long.
 
-    def __post_init__(self) -> None:
-        for what in ("robots", "tasks"):
-            if arrays.size(f"num_{what}", getattr(self, f"num_{what}")) == 0:
-                raise InputError(f"there are no {what}", expected="at least one")
-        rows = self.num_robots + self.num_tasks
-        if not fits(24.0 * rows * self.num_tasks):
+        Raises
+        ------
+        InputError
+            If a node does not exist, a length is negative or NaN, or no way leads from a robot to a task or between tasks.
+        """
+        from scipy.sparse import csr_matrix
+        from scipy.sparse.csgraph import dijkstra
+
+        nodes = {node: k for k, node in enumerate(graph)}
+        for what, places in (("robot", robots), ("task", tasks)):
+            for node in places:
+                if node not in nodes:
+                    raise InputError(f"{an(what)} stands at {node!r}, which is no node of the graph")
+        shortest: dict[tuple[int, int], float] = {}
+        for tail, head, data in graph.edges(data=True):
+            try:
+                length = float(data.get(weight, 1.0))
+            except (TypeError, ValueError):
+                length = -1.0
+            if not 0.0 <= length < np.inf:
+                raise InputError(f"the length of edge {tail!r} to {head!r} must be finite and not negative", found=str(data.get(weight)))
+            for pair in ((nodes[tail], nodes[head]),) if graph.is_directed() else ((nodes[tail], nodes[head]), (nodes[head], nodes[tail])):
+                shortest[pair] = min(length, shortest.get(pair, np.inf))
+        ends = np.array(list(shortest), dtype=np.int64).reshape(-1, 2)
+        # scipy takes a stored 0 for an edge of no length only where it is stored explicitly, as it is here
+        arcs = csr_matrix((np.array(list(shortest.values())), (ends[:, 0], ends[:, 1])), shape=(len(nodes),) * 2)
+        rows = [nodes[node] for node in (*robots, *tasks)]
+        matrix = dijkstra(arcs, indices=rows)[:, rows[len(robots) :]] if rows else np.zeros((0, 0))
+        lost = np.argwhere(np.isinf(matrix))
+        if len(lost):
+            i, j = lost[0].tolist()
+            begin = f"robot {robots[i]!r}" if i < len(robots) else f"task {tasks[i - len(robots)]!r}"
+            raise InputError(f"no way leads from {begin} to task {tasks[j]!r}", expected="tasks that robots can reach")
+        named = [tuple(map(str, places)) if len(set(map(str, places))) == len(places) else None for places in (robots, tasks)]
+        return cls(
+            len(robots), len(tasks), "matrix", matrix=matrix, robot_names=named[0], task_names=named[1],
+            name=str(getattr(graph, "name", "") or "graph"), format="networkx",
+        )  # fmt: skip
+
+    def refuse_counts(self) -> None:
+        super().refuse_counts()
+        rows = sum(self.counts.values())
+        if len(self.counts) == 2 and not fits(24.0 * rows * self.num_tasks):
             size = readable(8.0 * rows * self.num_tasks)
             raise InputError(f"distances of {self.num_robots:,} robots and {self.num_tasks:,} tasks need {size}, more than there is")
-        put: Callable[[str, Any], None] = lambda key, value: object.__setattr__(self, key, value)  # noqa: E731
-        put("robot_names", arrays.names("robot", self.robot_names, self.num_robots))
-        put("task_names", arrays.names("task", self.task_names, self.num_tasks))
-        put("name", label(self.name))
-        if self.metric not in METRICS:
-            raise InputError(f"unknown metric {self.metric!r}", expected=", ".join(METRICS))
-        put("positions", self._positions())
-        put("weights", self._weights())
-        put("matrix", self._matrix())
-        put("distances", self.matrix if self.matrix is not None else _frozen(self._measured()))
+
+    def check_rest(self) -> None:
+        self.put(positions=self._positions(), matrix=self._matrix())
+        self.put(distances=self.matrix if self.matrix is not None else arrays.frozen(self._measured()))
 
     def _positions(self) -> Floats | None:
-        given = arrays.positions("place", self.positions, self.num_robots + self.num_tasks)
-        if given is None and self.metric != "matrix":
+        points = arrays.positions("place", self.positions, self.num_robots + self.num_tasks)
+        if points is None and self.metric != "matrix":
             raise InputError(f"the metric {self.metric} needs positions of all robots and tasks")
-        if given is not None and (np.abs(given) > LARGEST).any():
-            k = int(np.argmax((np.abs(given) > LARGEST).any(axis=1)))
-            raise InputError(f"coordinates of {self.row_name(k)} must be at most {LARGEST:g}", found=str(given[k]))
-        return given
-
-    def _weights(self) -> Floats:
-        given = np.zeros(self.num_tasks) if self.weights is None else arrays.reals("weights", self.weights)
-        if given.shape != (self.num_tasks,):
-            raise InputError("there must be one weight a task", expected=str(self.num_tasks), found=str(given.shape))
-        wrong = ~(np.abs(given) <= LARGEST)
-        if wrong.any():
-            k = int(np.argmax(wrong))
-            raise InputError(f"the weight of task {self.task_name(k)} must be finite and at most {LARGEST:g}", found=str(given[k]))
-        return _frozen(given.copy())
+        if points is not None and (np.abs(points) > LARGEST).any():
+            k = int(np.argmax((np.abs(points) > LARGEST).any(axis=1)))
+            raise InputError(f"coordinates of {self.row_name(k)} must be at most {LARGEST:g}", found=str(points[k]))
+        return points
 
     def _matrix(self) -> Floats | None:
         if self.metric != "matrix":
@@ -154,18 +204,18 @@ class RobotTasks:
             return None
         if self.matrix is None:
             raise InputError("the metric 'matrix' needs a matrix of distances")
-        given, shape = _table("distances", self.matrix).copy(), (self.num_robots + self.num_tasks, self.num_tasks)
-        if given.shape != shape:
+        table, shape = _table("distances", self.matrix).copy(), (self.num_robots + self.num_tasks, self.num_tasks)
+        if table.shape != shape:
             raise InputError(
-                "distances must have one row a robot and task, and one column a task", expected=str(shape), found=str(given.shape)
+                "distances must have one row a robot and task, and one column a task", expected=str(shape), found=str(table.shape)
             )
-        given[np.arange(self.num_robots, shape[0]), np.arange(self.num_tasks)] = 0.0
-        wrong = ~((given >= 0) & (given <= LARGEST))
+        table[np.arange(self.num_robots, shape[0]), np.arange(self.num_tasks)] = 0.0
+        wrong = ~((table >= 0) & (table <= LARGEST))
         if wrong.any():
             i, j = (int(v[0]) for v in np.nonzero(wrong))
             what = f"the distance from {self.row_name(i)} to task {self.task_name(j)}"
-            raise InputError(f"{what} must be from 0 to {LARGEST:g}", found=str(given[i, j]))
-        return _frozen(given)
+            raise InputError(f"{what} must be from 0 to {LARGEST:g}", found=str(table[i, j]))
+        return arrays.frozen(table)
 
     def _measured(self) -> Floats:
         assert self.positions is not None
@@ -185,33 +235,46 @@ class RobotTasks:
         """Distances between the tasks, shape (tasks, tasks)."""
         return self.distances[self.num_robots :]
 
-    def robot_name(self, robot: int) -> str:
-        return str(robot + 1) if self.robot_names is None else self.robot_names[robot]
-
-    def task_name(self, task: int) -> str:
-        return str(task + 1) if self.task_names is None else self.task_names[task]
-
     def row_name(self, row: int) -> str:
-        """What a row of the distances stands for."""
+        """The robot or task that a row of the distances stands for."""
         robots = self.num_robots
         return f"robot {self.robot_name(row)}" if row < robots else f"task {self.task_name(row - robots)}"
 
-    def digest(self) -> str:
-        """Hash of all distances and weights."""
-        return digest("robot-tasks", self.num_robots, self.distances, self.weights)
+    @property
+    def robot_positions(self) -> Floats | None:
+        return None if self.positions is None else self.positions[: self.num_robots]
+
+    @property
+    def task_positions(self) -> Floats | None:
+        return None if self.positions is None else self.positions[self.num_robots :]
 
     def facts(self) -> dict[str, Any]:
         """Counts, and the range of distances."""
         away = self.distances[self.distances > 0] if (self.distances > 0).any() else np.zeros(1)
-        found: dict[str, Any] = {"robots": self.num_robots, "tasks": self.num_tasks, "metric": self.metric}
-        return {**found, "distances": [float(away.min()), float(away.max())], "weights": float(np.asarray(self.weights).sum())}
+        return {**self.sizes(), "metric": self.metric, "distances": extent(away), "weights": float(np.asarray(self.weights).sum())}
 
-    def __repr__(self) -> str:
-        return f"<RobotTasks {self.name}: {self.num_robots} robots, {self.num_tasks} tasks, {self.metric}>"
+    def summary(self) -> Iterable[str]:
+        return (*super().summary(), self.metric)
+
+    def write_own(self) -> dict[str, Any]:
+        return {} if self.matrix is None else {"distances": json_numbers(self.matrix)}
+
+    @classmethod
+    def read_own(cls, data: Mapping[str, Any], counts: Mapping[str, int]) -> dict[str, Any]:
+        if "distances" not in data:
+            return {}
+        return {"matrix": matrix(data["distances"], "distances", counts["robot"] + counts["task"], counts["task"])}
+
+    @classmethod
+    def from_values(cls, **values: Any) -> RobotTasks:
+        places = [values.pop(key) for key in ("robot_positions", "task_positions")]
+        if (places[0] is None) != (places[1] is None):
+            raise InputError("positions are given of robots or of tasks alone", expected="x and y of both, or of neither")
+        return cls(**values, positions=None if places[0] is None else np.vstack(places))
 
 
-def _points(what: str, given: ArrayLike | Iterable[Any]) -> Floats:
-    points = _table(f"{what} positions", given, several=False)
+def _points(what: str, places: ArrayLike | Iterable[Any]) -> Floats:
+    points = _table(f"{what} positions", places, several=False)
     if points.ndim == 1:
         points = np.column_stack([points, np.zeros(len(points))])
     if points.ndim != 2 or points.shape[1] != 2:
@@ -219,16 +282,11 @@ def _points(what: str, given: ArrayLike | Iterable[Any]) -> Floats:
     return points
 
 
-def _table(what: str, given: Any, several: bool = True) -> Floats:
+def _table(what: str, values: Any, several: bool = True) -> Floats:
     try:
-        made = np.asarray(given, dtype=np.float64)
+        table = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{what} must be numbers, as many in each row", found=repr(given)[:40]) from None
-    if several and made.ndim != 2:
-        raise InputError(f"{what} must be a table", found=f"shape {made.shape}")
-    return made
-
-
-def _frozen(values: Floats) -> Floats:
-    values.setflags(write=False)
-    return values
+        raise InputError(f"{what} must be numbers, as many in each row", found=repr(values)[:40]) from None
+    if several and table.ndim != 2:
+        raise InputError(f"{what} must be a table", found=f"shape {table.shape}")
+    return table

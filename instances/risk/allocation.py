@@ -21,7 +21,7 @@ Ints = NDArray[np.int64]
 RISKS = ("allocated", "joint")
 TERMS = ("absolute", "norm", "square")
 MOST_RISK = 0.5
-"""Of one constraint: beyond it the quantile is not convex in the risk."""
+"""Largest risk of one constraint: beyond it the quantile is not convex in the risk."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,9 +43,9 @@ class Affine:
     def rows(self) -> int:
         return len(self.constant)
 
-    def mean(self, given: Quantities) -> tuple[Floats, Floats]:
+    def mean(self, quantities: Quantities) -> tuple[Floats, Floats]:
         """Matrix over the decisions and constant of the rows' means."""
-        return self.decisions + self.quantities @ given.map, self.constant + self.quantities @ given.offset
+        return self.decisions + self.quantities @ quantities.map, self.constant + self.quantities @ quantities.offset
 
     def check(self, what: str, decisions: int, quantities: int, rows: int | None = None) -> None:
         """Raise InputError unless the shapes fit and all numbers are finite."""
@@ -125,7 +125,7 @@ class ChanceConstraints:
 
 @dataclass(frozen=True, eq=False)
 class Risk:
-    """How much may fail, and how it is counted.
+    """The allowed probability of failure, and how it is counted.
 
     Parameters
     ----------

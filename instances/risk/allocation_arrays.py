@@ -29,8 +29,8 @@ def allocation_from_arrays(
 ) -> RiskAllocationInstance:  # fmt: skip
     """See ``RiskAllocation.from_arrays``."""
     names = _Names()
-    given = names.take("quantities", quantities, (QUANTITY, DECISION))
-    q, n = given.shape
+    mean_map = names.take("quantities", quantities, (QUANTITY, DECISION))
+    q, n = mean_map.shape
     spread = np.asarray(covariance)
     spread = np.diag(names.take("covariance", covariance, (QUANTITY,), (q,))) if spread.ndim == 1 else names.take(
         "covariance", covariance, (QUANTITY, QUANTITY), (q, q)
@@ -66,7 +66,7 @@ def allocation_from_arrays(
     largest = names.take("upper", math.inf if upper is None else upper, (DECISION,), (n,), one=True)
     return RiskAllocationInstance(
         least, largest, names.of(DECISION) or _numbered("x", n),
-        Quantities(given, shift, spread, names.of(QUANTITY) or _numbered("y", q)),
+        Quantities(mean_map, shift, spread, names.of(QUANTITY) or _numbered("y", q)),
         Affine(linear[None], np.zeros((1, q)), np.zeros(1)),
         ChanceConstraints(Affine(np.zeros((many, n)), over, np.zeros(many)), sides, constraint_names, owner),
         Risk(risk, None if total is None else float(total), caps, shares),
@@ -79,24 +79,19 @@ def _numbered(letter: str, count: int) -> tuple[str, ...]:
     return tuple(f"{letter}{k + 1}" for k in range(count))
 
 
-def _budget(name: str, given: Any, known: tuple[str, ...]) -> Budget:
+def _budget(name: str, entry: Any, known: tuple[str, ...]) -> Budget:
     """``(constraints, risk)``, the constraints by name, or by number from 0."""
-    if not isinstance(given, Sequence) or isinstance(given, str) or len(given) != 2:
-        raise InputError(f"budget {name} must be a pair", expected="(constraints, risk)", found=printable(str(given), 40))
+    if not isinstance(entry, Sequence) or isinstance(entry, str) or len(entry) != 2:
+        raise InputError(f"budget {name} must be a pair", expected="(constraints, risk)", found=printable(str(entry), 40))
     index = {label: k for k, label in enumerate(known)}
     members = []
-    for one in given[0]:
-        k = (
-            index.get(one)
-            if isinstance(one, str)
-            else int(one)
-            if isinstance(one, int | np.integer) and not isinstance(one, bool)
-            else None
-        )
+    for one in entry[0]:
+        number = int(one) if isinstance(one, int | np.integer) and not isinstance(one, bool) else None
+        k = index.get(one) if isinstance(one, str) else number
         if k is None or not 0 <= k < len(known):
             raise InputError(f"budget {name} names an unknown chance constraint", found=printable(str(one), 40))
         members.append(k)
-    return Budget(name, np.array(members, dtype=np.int64), float(arrays.reals(f"the risk of budget {name}", given[1])))
+    return Budget(name, np.array(members, dtype=np.int64), float(arrays.reals(f"the risk of budget {name}", entry[1])))
 
 
 class _Names:
@@ -109,10 +104,10 @@ class _Names:
         return self.known.get(kind)
 
     def take(
-        self, what: str, given: Any, kinds: tuple[str, ...], shape: tuple[int | None, ...] | None = None, *, one: bool = False
+        self, what: str, data: Any, kinds: tuple[str, ...], shape: tuple[int | None, ...] | None = None, *, one: bool = False
     ) -> Floats:
-        """``given`` as an array of that shape, one entry of each kind along its axes; ``one`` allows a single number for all."""
-        values = arrays.reals(what, given)
+        """``data`` as an array of that shape, one entry of each kind along its axes; ``one`` allows a single number for all."""
+        values = arrays.reals(what, data)
         if one and values.ndim == 0 and shape is not None:
             return np.full([size or 0 for size in shape], float(values))
         expected = tuple("any" if size is None else size for size in shape) if shape is not None else kinds
@@ -124,7 +119,7 @@ class _Names:
                 expected=_shape(expected),
                 found=_shape(values.shape),
             )
-        for axis, (kind, labels) in enumerate(zip(kinds, _labels(given, len(kinds)), strict=True)):
+        for axis, (kind, labels) in enumerate(zip(kinds, _labels(data, len(kinds)), strict=True)):
             if labels is not None:
                 values = np.take(values, self._order(what, kind, labels), axis=axis)
         return np.ascontiguousarray(values)
@@ -150,9 +145,9 @@ def _shape(sizes: Sequence[Any]) -> str:
     return " x ".join(map(str, sizes)) or "one number"
 
 
-def _labels(given: Any, dimensions: int) -> list[tuple[str, ...] | None]:
+def _labels(values: Any, dimensions: int) -> list[tuple[str, ...] | None]:
     """The labels of a frame or series along its axes; None where there are none but numbers from 0."""
-    if not hasattr(given, "iloc"):
+    if not hasattr(values, "iloc"):
         return [None] * dimensions
-    axes = [given.index, *([given.columns] if dimensions == 2 else [])]
+    axes = [values.index, *([values.columns] if dimensions == 2 else [])]
     return [None if type(axis).__name__ == "RangeIndex" else tuple(map(str, axis)) for axis in axes]

@@ -1,4 +1,4 @@
-"""What a risk element is, whatever it is made of.
+"""Base classes of risk elements.
 
 Source: Xiao (2019), chapter 3; docs/formulations/risky-path.md#risk-elements.
 """
@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Hashable
+from dataclasses import fields
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -19,11 +20,9 @@ from ..number_arrays import reals
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-CATEGORIES = ("locale", "action", "traverse")
-
 
 class Space(Protocol):
-    """What elements know of the states."""
+    """The part of a graph that risk elements read."""
 
     @property
     def num_states(self) -> int: ...
@@ -52,9 +51,9 @@ class RiskElement(ABC):
     def check(self, space: Space) -> None:
         """Raise InputError where it does not fit the states, or is no probability."""
 
-    @abstractmethod
     def parts(self) -> tuple[Any, ...]:
-        """All data that risks depend on, for digests."""
+        """All data that risks depend on, for digests: by default the kind and the fields of a dataclass, but for its label."""
+        return (self.kind, *(getattr(self, entry.name) for entry in fields(self) if entry.name != "label"))  # type: ignore[arg-type]
 
     @abstractmethod
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
@@ -80,7 +79,7 @@ class TraverseElement(RiskElement):
         """Memory and risk after the move from ``state`` to ``after``."""
 
     def no_worse(self, memory: Any, other: Any) -> bool:
-        """Whether whatever follows is at most as risky with ``memory`` as with ``other``, at every state."""
+        """True if every continuation of a path is at most as risky with ``memory`` as with ``other``."""
         return bool(memory == other)
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
@@ -89,13 +88,13 @@ class TraverseElement(RiskElement):
 
 def probabilities(what: str, values: ArrayLike) -> Floats:
     """``values`` as an array; raises InputError for the first one outside [0, 1]."""
-    made = reals(what, values)
-    wrong = ~((made >= 0.0) & (made <= 1.0))
+    array = reals(what, values)
+    wrong = ~((array >= 0.0) & (array <= 1.0))
     if wrong.any():
         at = np.argwhere(wrong)[0].tolist()
         where = ", ".join(f"{axis} {k + 1}" for axis, k in zip(("row", "column"), at, strict=False))
-        raise InputError(f"{what} must lie in [0, 1]", found=f"{made[tuple(at)]:g} in {where}" if where else f"{made:g}")
-    return made
+        raise InputError(f"{what} must lie in [0, 1]", found=f"{array[tuple(at)]:g} in {where}" if where else f"{array:g}")
+    return array
 
 
 def rate_of(what: str, value: float) -> float:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,9 +45,6 @@ class LocaleRisk(MemorylessElement):
         if self.risk.shape != (space.num_states,):
             raise InputError(f"risks of {self.label} must be one a state", expected=str(space.num_states), found=str(self.risk.shape))
 
-    def parts(self) -> tuple[Any, ...]:
-        return (self.kind, self.risk)
-
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         return self.risk[after]
 
@@ -57,8 +54,8 @@ GROWTHS = ("linear", "exponential")
 
 @dataclass(frozen=True, eq=False)
 class LengthRisk(MemorylessElement):
-    """Of the length L of the move: ``rate * L`` (linear, as the source has it) or ``1 - exp(-rate * L)``, which cutting a move into shorter
-    ones does not change.
+    """The risk of a move of length L: ``rate * L`` (linear, as the source has it) or ``1 - exp(-rate * L)``, which is the same when a move
+    is cut into shorter ones.
 
     Parameters
     ----------
@@ -82,9 +79,6 @@ class LengthRisk(MemorylessElement):
     def check(self, space: Space) -> None:
         placed(self, space)
 
-    def parts(self) -> tuple[Any, ...]:
-        return (self.kind, self.rate, self.growth)
-
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         at = placed(self, space)
         length = np.where(state >= 0, np.linalg.norm(at[after] - at[state], axis=-1), 0.0)
@@ -98,7 +92,7 @@ ROUNDED = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class TurnRisk(MemorylessElement):
-    """Of a turn, which takes three states: ``rate`` times a measure of it.
+    """The risk of a turn, which takes three states: ``rate`` times a measure of the turn.
 
     Parameters
     ----------
@@ -124,9 +118,6 @@ class TurnRisk(MemorylessElement):
     def check(self, space: Space) -> None:
         placed(self, space)
 
-    def parts(self) -> tuple[Any, ...]:
-        return (self.kind, self.rate, self.measure)
-
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         at = placed(self, space)
         first, second = at[state] - at[before], at[after] - at[state]
@@ -146,7 +137,7 @@ class TurnRisk(MemorylessElement):
 
 @dataclass(frozen=True, eq=False)
 class AccessRisk(MemorylessElement):
-    """Of a change in how wide a place is, which costs in one direction more than in the other: ``narrowing`` times what a move loses of the
+    """The risk of a change in width, higher in one direction than in the other: ``narrowing`` times what a move loses of the
     width, or ``widening`` times what it gains.
 
     Parameters
@@ -171,9 +162,6 @@ class AccessRisk(MemorylessElement):
     def check(self, space: Space) -> None:
         if self.width.shape != (space.num_states,) or not np.isfinite(self.width).all():
             raise InputError(f"widths of {self.label} must be one finite number a state", expected=str(space.num_states))
-
-    def parts(self) -> tuple[Any, ...]:
-        return (self.kind, self.width, self.narrowing, self.widening)
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         gain = np.where(state >= 0, self.width[after] - self.width[state], 0.0)
@@ -217,11 +205,8 @@ class MoveRisk(MemorylessElement):
             refuse_outside(f"{key} {{}} of {self.label}", getattr(self, key), space.num_states, "state")
         refuse_outside(f"before {{}} of {self.label}", self.before + 1, space.num_states + 1, "state")
 
-    def parts(self) -> tuple[Any, ...]:
-        return (self.kind, self.before, self.state, self.after, self.risk)
-
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
-        made = np.zeros(len(after))
+        risk = np.zeros(len(after))
         width = space.num_states + 1
         for whole in (True, False):  # a pair of moves may have a risk of its own beside that of its second move
             chosen = (self.before >= 0) == whole
@@ -231,6 +216,6 @@ class MoveRisk(MemorylessElement):
             asked = ((before + 1 if whole else 0) * width + state + 1) * width + after
             order = np.argsort(known, kind="stable")
             at = np.minimum(np.searchsorted(known[order], asked), len(known) - 1)
-            found = known[order][at] == asked
-            made += np.where(found, self.risk[chosen][order][at], 0.0) * (1.0 - made)  # no 1 - (1 - r), which loses small risks
-        return made
+            listed = known[order][at] == asked
+            risk += np.where(listed, self.risk[chosen][order][at], 0.0) * (1.0 - risk)  # no 1 - (1 - r), which loses small risks
+        return risk

@@ -1,4 +1,4 @@
-"""Gaussian quantities that depend linearly on decisions: given outright, or as the states of a linear system."""
+"""Gaussian quantities that depend linearly on decisions, stated directly or as the states of a linear system."""
 
 from __future__ import annotations
 
@@ -126,22 +126,22 @@ class Quantities:
 def check_covariance(what: str, matrix: ArrayLike, names: Sequence[str] | None = None) -> None:
     """Raise InputError unless ``matrix`` is symmetric and positive semidefinite but for rounding; says by how much it is not, and where:
     by ``names`` of the rows, or by their numbers from 1."""
-    given = np.asarray(matrix, dtype=np.float64)
-    if not np.isfinite(given).all():
+    array = np.asarray(matrix, dtype=np.float64)
+    if not np.isfinite(array).all():
         raise InputError(f"{what} must be finite")
-    variance = np.diag(given)
+    variance = np.diag(array)
     if (variance < 0).any():
         k = int(np.argmin(variance))
         raise InputError(f"{what} has a negative variance", expected="0 or more", found=f"{variance[k]:g} {_row(k, names)}")
-    largest = float(np.abs(given).max(initial=0.0))
-    apart = np.abs(given - given.T)
+    largest = float(np.abs(array).max(initial=0.0))
+    apart = np.abs(array - array.T)
     if apart.max(initial=0.0) > SEMIDEFINITE * largest:
         i, j = (int(k) for k in np.unravel_index(int(np.argmax(apart)), apart.shape))
         where = f"rows {i + 1} and {j + 1}" if names is None else f"{names[i]} and {names[j]}"
         raise InputError(f"{what} is not symmetric", found=f"entries of {where} that differ by {apart[i, j]:g}")
-    if not (given - np.diag(variance)).any():
+    if not (array - np.diag(variance)).any():
         return
-    values = np.linalg.eigvalsh(given)
+    values = np.linalg.eigvalsh(array)
     if values[0] < -SEMIDEFINITE * max(float(values[-1]), largest):
         raise InputError(f"{what} is not positive semidefinite", found=f"the least eigenvalue {values[0]:.6g}")
 

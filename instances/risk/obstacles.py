@@ -15,12 +15,9 @@ Flags = NDArray[np.bool_]
 
 
 def boxes_of(obstacles: ArrayLike) -> Floats:
-    """Boxes as an array of shape (boxes, 2, dimensions): least and largest corner; touching them is allowed, passing through is not.
+    """Boxes as an array of shape (boxes, 2, dimensions), least and largest corner, from one of shape (boxes, 4) or (boxes, 6).
 
-    Parameters
-    ----------
-    obstacles : array-like, shape (boxes, 4) or (boxes, 6)
-        Least coordinates, then largest: ``x, y, x, y`` in the plane.
+    Touching a box is allowed, passing through it is not.
     """
     flat = reals("obstacles", obstacles)
     if flat.size == 0:
@@ -36,16 +33,9 @@ def boxes_of(obstacles: ArrayLike) -> Floats:
 
 
 def blocked(start: ArrayLike, end: ArrayLike, boxes: Floats) -> Flags:
-    """Which straight segments pass through the inside of an obstacle, or between two that touch.
+    """Mask of the straight segments that pass through the inside of a box, or between two that touch, shape (segments,).
 
-    Parameters
-    ----------
-    start, end : array-like, shape (dimensions,) or (segments, dimensions)
-    boxes : array, shape (boxes, 2, dimensions)
-
-    Returns
-    -------
-    array of bool, shape (segments,)
+    Ends have the shape (dimensions,) or (segments, dimensions).
     """
     a, b = np.broadcast_arrays(np.atleast_2d(np.asarray(start, dtype=np.float64)), np.atleast_2d(np.asarray(end, dtype=np.float64)))
     if not len(boxes):
@@ -69,39 +59,25 @@ _GRAZE = 1e-12
 
 
 def _along_a_seam(a: Floats, b: Floats, boxes: Floats) -> bool:
-    """Whether a segment along an axis runs where two boxes touch, one at each side of it."""
+    """True if a segment along an axis runs between two boxes that touch, one at each side of it."""
     (axis,) = np.nonzero(a != b)[0].tolist()[:1]
     low, high = sorted((float(a[axis]), float(b[axis])))
     for side in np.nonzero(a == b)[0].tolist():
         others = [d for d in range(len(a)) if d not in (axis, side)]
         near = ((boxes[:, 0, others] < a[others]) & (a[others] < boxes[:, 1, others])).all(axis=1)
-        left, right = (boxes[near & (boxes[:, edge, side] == a[side])][:, :, axis] for edge in (1, 0))
-        if len(left) and len(right):
-            begin = np.maximum(np.maximum.outer(left[:, 0], right[:, 0]), low)
-            if (np.minimum(np.minimum.outer(left[:, 1], right[:, 1]), high) > begin).any():
+        below, above = (boxes[near & (boxes[:, edge, side] == a[side])][:, :, axis] for edge in (1, 0))
+        if len(below) and len(above):
+            begin = np.maximum(np.maximum.outer(below[:, 0], above[:, 0]), low)
+            if (np.minimum(np.minimum.outer(below[:, 1], above[:, 1]), high) > begin).any():
                 return True
     return False
 
 
 def visible(reel: ArrayLike, points: ArrayLike, obstacles: ArrayLike) -> Flags:
-    """Which points a straight tether from ``reel`` reaches: reachable space reduced by ray casting.
+    """Mask of the points that a straight tether from ``reel`` reaches: reachable space reduced by ray casting.
 
-    A point is kept if the open segment to it passes through no obstacle. A tether that moves from one kept point to another may still brush
-    an obstacle between them; ``Tether`` says whether it does.
-
-    Parameters
-    ----------
-    reel : array-like, shape (dimensions,)
-    points : array-like, shape (points, dimensions)
-    obstacles : array-like, shape (boxes, 2 * dimensions)
-
-    Returns
-    -------
-    array of bool, shape (points,)
-
-    Notes
-    -----
-    Source: Xiao (2019), section 5.3.1; docs/formulations/risky-path.md#tethers.
+    A tether that moves from one such point to another may still brush an obstacle between them; ``Tether`` tells. Obstacles have the shape
+    (boxes, 2 * dimensions). Source: Xiao (2019), section 5.3.1; docs/formulations/risky-path.md#tethers.
     """
     return ~blocked(np.asarray(reel, dtype=np.float64), points, boxes_of(obstacles))
 
@@ -109,22 +85,17 @@ def visible(reel: ArrayLike, points: ArrayLike, obstacles: ArrayLike) -> Flags:
 def merged_boxes(occupied: NDArray[Any], cell: float = 1.0) -> Floats:
     """Occupied cells of a map in the plane as boxes, runs of a row and then equal runs of rows joined: shape (boxes, 4).
 
-    Parameters
-    ----------
-    occupied : array of bool, shape (rows, columns)
-        Cell (r, c) covers ``[c, c + 1] x [r, r + 1]`` times ``cell``.
-    cell : float
-        Side of a cell.
+    Cell (r, c) covers ``[c, c + 1] x [r, r + 1]`` times the side ``cell``.
     """
     open_: dict[tuple[int, int], int] = {}
-    made: list[tuple[float, ...]] = []
+    boxes: list[tuple[float, ...]] = []
     for row in range(occupied.shape[0] + 1):
         runs: set[tuple[int, int]] = set()
         if row < occupied.shape[0]:
             edges = np.diff(np.concatenate([[0], occupied[row].astype(np.int8), [0]]))
             runs = set(zip(np.nonzero(edges == 1)[0].tolist(), np.nonzero(edges == -1)[0].tolist(), strict=True))
         for run in sorted(open_.keys() - runs):
-            made.append((run[0] * cell, open_.pop(run) * cell, run[1] * cell, row * cell))
+            boxes.append((run[0] * cell, open_.pop(run) * cell, run[1] * cell, row * cell))
         for run in runs - open_.keys():
             open_[run] = row
-    return np.array(sorted(made), dtype=np.float64).reshape(-1, 4)
+    return np.array(sorted(boxes), dtype=np.float64).reshape(-1, 4)

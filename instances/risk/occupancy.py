@@ -21,20 +21,11 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 CONNECTIVITIES = {4: (2, 1), 8: (2, 2), 6: (3, 1), 26: (3, 3)}
-"""By number of neighbours: dimensions, and coordinates in which neighbours may differ."""
+"""Dimensions of the map, and coordinates in which neighbours may differ, for each number of neighbours."""
 
 
 def faded(values: ArrayLike, low: float, high: float, most: float) -> Floats:
-    """Risks that fade from ``most`` at ``low`` to 0 at ``high``: the falling side of a trapezoid.
-
-    Parameters
-    ----------
-    values : array-like
-    low, high : float
-        ``low < high``.
-    most : float
-        In [0, 1].
-    """
+    """Risks that fade from ``most`` at ``low`` to 0 at ``high``: the falling side of a trapezoid."""
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
         raise InputError("risks fade from a smaller to a larger value", found=f"{low:g} to {high:g}")
     if not 0.0 <= most <= 1.0:
@@ -84,9 +75,9 @@ class OccupancyGrid:
     @cached_property
     def number(self) -> Indices:
         """State of each cell, -1 where it is occupied."""
-        made = np.full(self.occupied.shape, -1)
-        made[tuple(self.cells.T)] = np.arange(len(self.cells))
-        return made
+        numbers = np.full(self.occupied.shape, -1)
+        numbers[tuple(self.cells.T)] = np.arange(len(self.cells))
+        return numbers
 
     @property
     def positions(self) -> Floats:

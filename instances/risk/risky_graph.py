@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import number_arrays as arrays
+from ..declared import Declared, NameOf, Names
+from ..document import array, json_number, json_numbers, kind_of, matrix, real, string, wholes
 from ..errors import InputError
 from ..instance import digest
-from ..text import label, shown
+from ..parts import Axis, Count, Numbers, Whole, Wholes
+from ..text import shown
 from .element import RiskElement, TraverseElement
+from .element_files import read_element, written_element
 from .obstacles import boxes_of
 
 if TYPE_CHECKING:
@@ -24,10 +29,11 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.integer[Any]]
 
 OBJECTIVES = ("risk", "hazard", "reward-per-risk")
+LARGEST_FLOAT = sys.float_info.max
 
 
-@dataclass(frozen=True, eq=False)
-class RiskyGraph:
+@dataclass(frozen=True, eq=False, repr=False)
+class RiskyGraph(Declared):
     """States, moves between them, and what puts a path at risk.
 
     Parameters
@@ -56,65 +62,52 @@ class RiskyGraph:
         None stands for "1", "2", ...
     """
 
-    kind: ClassVar[str] = "risky-graph"
-    num_states: int
-    tail: Indices
-    head: Indices
+    kind = "risky-graph"
+    problem_names = ("risky-path",)
+    content = "graphs with risk"
+    lists_problems = True
+    axes = (Axis("state", positions="positions", dimensions=3), Axis("move", least=0, counted=False))
+    keys = ("states", "moves", "start", "goals", "objective", "discount", "conditional", "elements", "obstacles")
+    own_keys = ("conditional", "elements")
+    num_states: Annotated[int, Count("state")]
+    tail: Annotated[Indices, Wholes("move", "state", "tail of move {}")]
+    head: Annotated[Indices, Wholes("move", "state", "head of move {}")]
     elements: tuple[RiskElement, ...]
-    start: int
+    start: Annotated[int, Whole(0, "state")]
     conditional: bool
     goals: tuple[int, ...] = ()
-    rewards: Floats | None = None
+    rewards: Annotated[Floats | None, Numbers("state", high=LARGEST_FLOAT, default=0.0, key="reward", what="reward")] = None
     discount: float = 1.0
     objective: str = ""
     positions: Floats | None = None
     obstacles: Floats | None = None
-    state_names: tuple[str, ...] | None = None
-    name: str = "risky-graph"
-    format: str = "arrays"
-    problem: str = "risky-path"
-    problems: tuple[str, ...] = ("risky-path",)
-    notes: tuple[str, ...] = field(default=())
+    state_names: Names = None
+    state_name = NameOf("state")
 
-    def __post_init__(self) -> None:
-        def put(key: str, value: Any) -> None:
-            object.__setattr__(self, key, value)
+    def refuse_counts(self) -> None:
+        super().refuse_counts()
+        arrays.refuse_unused("states", self.num_states, len(self.tail), "moves")
 
-        n = arrays.size("states", self.num_states)
-        if n == 0:
-            raise InputError("there must be at least one state")
-        put("name", label(self.name))
-        put("state_names", arrays.names("state", self.state_names, n))
-        self._arcs(n)
-        arrays.refuse_unused("states", n, len(self.tail), "moves")
+    def check_rest(self) -> None:
+        n = self.num_states
+        self._order_moves()
         if not isinstance(self.conditional, bool):
             raise InputError("it must be said whether risks are conditional, true or false", found=shown(str(self.conditional)))
-        put("goals", tuple(dict.fromkeys(arrays.whole_numbers("goals", self.goals).tolist())))
-        for what, states in (("start", (self.start,)), ("goal", self.goals)):
-            for state in states:
-                if isinstance(state, bool) or not isinstance(state, int | np.integer) or not 0 <= state < n:
-                    raise InputError(f"the {what} must be a state", expected=f"0 to {n - 1}", found=shown(str(state)))
-        put("start", int(self.start))
-        rewards = np.zeros(n) if self.rewards is None else arrays.reals("rewards", self.rewards)
-        if rewards.shape != (n,):
-            raise InputError("rewards must be one a state", expected=str(n), found=str(rewards.shape))
-        arrays.refuse_negative("reward {}", rewards)
+        goals = tuple(dict.fromkeys(arrays.whole_numbers("goals", self.goals).tolist()))
+        outside = next((goal for goal in goals if not 0 <= goal < n), None)
+        if outside is not None:
+            raise InputError("the goal must be a state", expected=f"0 to {n - 1}", found=shown(str(outside)))
+        rewards = np.asarray(self.rewards)
         arrays.refuse_overflow("rewards", rewards)
-        put("rewards", rewards)
         if isinstance(self.discount, bool) or not isinstance(self.discount, int | float) or not 0.0 <= self.discount <= 1.0:
             raise InputError("the discount must lie in [0, 1]", found=shown(str(self.discount)))
-        put("objective", self.objective or ("reward-per-risk" if rewards.any() and not self.goals else "risk"))
+        self.put(goals=goals, objective=self.objective or ("reward-per-risk" if rewards.any() and not goals else "risk"))
         if self.objective not in OBJECTIVES:
             raise InputError("the objective is unknown", expected=", ".join(OBJECTIVES), found=shown(self.objective))
-        if self.positions is not None:
-            at = arrays.reals("positions", self.positions)
-            if at.ndim != 2 or len(at) != n or at.shape[1] not in (2, 3) or not np.isfinite(at).all():
-                raise InputError("positions must be two or three finite numbers a state", expected=f"({n}, 2)", found=str(at.shape))
-            put("positions", at)
         if self.obstacles is not None:
             boxes = boxes_of(self.obstacles)
-            put("obstacles", boxes.reshape(len(boxes), -1) if len(boxes) else None)
-        put("elements", tuple(self.elements))
+            self.put(obstacles=boxes.reshape(len(boxes), -1) if len(boxes) else None)
+        self.put(elements=tuple(self.elements))
         labels: set[str] = set()
         for element in self.elements:
             if not isinstance(element, RiskElement):
@@ -123,15 +116,11 @@ class RiskyGraph:
                 raise InputError(f"two risk elements are labelled {shown(element.label)}", expected="different labels")
             element.check(self)
         if not self.conditional:
-            told = "risks are not conditional: their product is the risk of a path if failures are independent; their sum is safe anyway"
-            put("notes", tuple(dict.fromkeys((*self.notes, told))))
+            warning = "risks are not conditional: their product is the risk of a path if failures are independent; their sum is safe anyway"
+            self.put(notes=tuple(dict.fromkeys((*self.notes, warning))))
 
-    def _arcs(self, n: int) -> None:
-        tail, head = (arrays.whole_numbers(what, getattr(self, what)) for what in ("tail", "head"))
-        if len(tail) != len(head):
-            raise InputError("moves need a tail and a head each", expected=str(len(tail)), found=str(len(head)))
-        for what, ends in (("tail", tail), ("head", head)):
-            arrays.refuse_outside(f"{what} of move {{}}", ends, n, "state")
+    def _order_moves(self) -> None:
+        tail, head = self.tail, self.head
         if (tail == head).any():
             raise InputError(f"move {int(np.argmax(tail == head))} leads from a state to itself")
         order = np.lexsort([head, tail])
@@ -139,13 +128,12 @@ class RiskyGraph:
         twice = np.nonzero((np.diff(tail) == 0) & (np.diff(head) == 0))[0]
         if len(twice):
             raise InputError(f"two moves lead from state {tail[twice[0]]} to state {head[twice[0]]}")
-        object.__setattr__(self, "tail", tail.astype(np.int32))
-        object.__setattr__(self, "head", head.astype(np.int32))
+        self.put(tail=tail.astype(np.int32), head=head.astype(np.int32))
 
     @classmethod
     def from_networkx(
         cls, graph: nx.DiGraph, elements: Iterable[RiskElement], start: Any, *, conditional: bool, goals: Iterable[Any] = (),
-        reward: str = "reward", position: str = "pos", **given: Any,
+        reward: str = "reward", position: str = "pos", **further: Any,
     ) -> RiskyGraph:  # fmt: skip
         """From a networkx graph, directed or not; states are its nodes in their order.
 
@@ -173,26 +161,23 @@ class RiskyGraph:
             len(nodes), tail, head, tuple(elements), index[start], conditional, tuple(index[g] for g in goals),
             np.array([data.get(reward, 0.0) for _, data in graph.nodes(data=True)]),
             positions=None if None in points else np.array(points, dtype=np.float64),
-            state_names=tuple(map(str, nodes)), **given,
+            state_names=tuple(map(str, nodes)), **further,
         )  # fmt: skip
 
     @cached_property
     def indptr(self) -> Indices:
-        """Where the moves out of each state begin: shape (states + 1,)."""
-        return np.concatenate([[0], np.cumsum(np.bincount(self.tail, minlength=self.num_states))]).astype(np.int32)
+        """First move out of each state, shape (states + 1,)."""
+        return arrays.row_starts(self.tail, self.num_states).astype(np.int32)
 
     def neighbours(self, state: int) -> list[int]:
         """States that a move leads to."""
-        made: list[int] = self.head[self.indptr[state] : self.indptr[state + 1]].tolist()
-        return made
+        states: list[int] = self.head[self.indptr[state] : self.indptr[state + 1]].tolist()
+        return states
 
     @property
     def traverse(self) -> tuple[TraverseElement, ...]:
         """Elements that depend on the whole path."""
         return tuple(e for e in self.elements if isinstance(e, TraverseElement))
-
-    def state_name(self, state: int) -> str:
-        return str(state + 1) if self.state_names is None else self.state_names[state]
 
     def least_risks(self, element: RiskElement, before: ArrayLike, state: ArrayLike, after: ArrayLike) -> Floats:
         """``element.least``, refused where it is no probability.
@@ -216,21 +201,41 @@ class RiskyGraph:
         """Hash of everything that values depend on."""
         of_elements = [part for element in self.elements for part in ("element", *element.parts())]
         return digest(
-            "risky-graph", self.num_states, self.tail, self.head, self.start, self.conditional, self.goals, self.rewards, self.discount,
+            self.kind, self.num_states, self.tail, self.head, self.start, self.conditional, self.goals, self.rewards, self.discount,
             self.objective, "" if self.positions is None else self.positions, *of_elements,
         )  # fmt: skip
 
-    def __repr__(self) -> str:
+    def summary(self) -> Iterable[str]:
         labels = ", ".join(element.label for element in self.elements) or "nothing"
-        return f"<RiskyGraph {self.name}: {self.num_states} states, {len(self.tail)} moves, risk of {labels}>"
+        return (*super().summary(), f"risk of {labels}")
+
+    def write_own(self) -> dict[str, Any]:
+        data: dict[str, Any] = {
+            "goals": list(self.goals), "objective": self.objective, "discount": json_number(self.discount),
+            "conditional": self.conditional, "elements": [written_element(element) for element in self.elements],
+        }  # fmt: skip
+        return data if self.obstacles is None else {**data, "obstacles": json_numbers(self.obstacles)}
+
+    @classmethod
+    def read_own(cls, data: Mapping[str, Any], counts: Mapping[str, int]) -> dict[str, Any]:
+        if not isinstance(data["conditional"], bool):
+            raise InputError("conditional must be true or false", found=kind_of(data["conditional"]))
+        elements = enumerate(array(data["elements"], "elements"))
+        return {
+            "conditional": data["conditional"], "goals": tuple(wholes(data.get("goals", []), "goals").tolist()),
+            "elements": tuple(read_element(item, f"elements[{k}]", counts["state"]) for k, item in elements),
+            "discount": real(data.get("discount", 1), "discount"),
+            "objective": string(data["objective"], "objective") if "objective" in data else "",
+            "obstacles": matrix(data["obstacles"], "obstacles") if "obstacles" in data else None,
+        }  # fmt: skip
 
 
-def named_states(names: Sequence[str], given: Iterable[str], what: str) -> tuple[int, ...]:
+def named_states(names: Sequence[str], chosen: Iterable[str], what: str) -> tuple[int, ...]:
     """Numbers of states by name; raises InputError for one that does not exist."""
     index: Mapping[str, int] = {name: k for k, name in enumerate(names)}
-    made = []
-    for name in given:
+    states = []
+    for name in chosen:
         if name not in index:
             raise InputError(f"the {what} {shown(name)} is no state")
-        made.append(index[name])
-    return tuple(made)
+        states.append(index[name])
+    return tuple(states)

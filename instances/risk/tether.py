@@ -24,16 +24,10 @@ Contacts = tuple[Point, ...]
 
 @dataclass(frozen=True, eq=False)
 class Tether:
-    """A straight line from the reel, around obstacles where it must, to the vehicle.
+    """A straight line from the reel, around obstacles of shape (boxes, 4) where it must, to the vehicle.
 
-    Parameters
-    ----------
-    reel : pair of float
-    obstacles : array-like, shape (boxes, 4)
-        ``x, y, x, y`` of the least and the largest corner.
-    spacing : float, optional
-        Moves are cut into pieces of at most this length: line of sight is tested at their ends only, so that a tether swings past an
-        obstacle that is smaller than a piece. None tests at the states of the path alone, as the source does.
+    Moves are cut into pieces of at most ``spacing``: line of sight is tested at their ends only, so that a tether swings past an obstacle
+    that is smaller than a piece. None tests at the states of the path alone, as the source does.
     """
 
     reel: Point
@@ -64,37 +58,31 @@ class Tether:
             return None
         a, b = np.asarray(before, dtype=np.float64), np.asarray(after, dtype=np.float64)
         pieces = 1 if self.spacing is None else max(1, math.ceil(float(np.hypot(*(b - a))) / self.spacing * (1.0 - 1e-12)))
-        found: Contacts | None = contacts
+        current: Contacts | None = contacts
         for k in range(pieces):
-            found = self._piece(found, a + (b - a) * (k / pieces), a + (b - a) * ((k + 1) / pieces)) if found is not None else None
-        return found
+            current = self._piece(current, a + (b - a) * (k / pieces), a + (b - a) * ((k + 1) / pieces)) if current is not None else None
+        return current
 
     def begun(self, at: Sequence[float]) -> Contacts | None:
         """The contacts of a vehicle set down at ``at``: none, where it can be seen from the reel; None elsewhere."""
         return None if bool(blocked(self.reel, at, self._boxes)[0]) else (self.reel,)
 
     def length(self, contacts: Contacts, at: Sequence[float]) -> float:
-        """From the reel along all contacts to the vehicle."""
+        """Length of the tether from the reel along all contacts to the vehicle."""
         return math.fsum(math.dist(a, b) for a, b in zip(contacts, (*contacts[1:], tuple(at)), strict=True))
 
     def along(self, waypoints: Sequence[Sequence[float]]) -> list[tuple[Contacts, float]]:
-        """Contacts and length at each waypoint of a path.
-
-        Raises
-        ------
-        InputError
-            If the first waypoint cannot be seen from the reel, or a move leads through an obstacle.
-        """
+        """Contacts and length at each waypoint of a path; raises InputError where the reel does not see the first or an obstacle is met."""
         contacts = self.begun(waypoints[0])
         if contacts is None:
             raise InputError("the first waypoint cannot be seen from the reel", found=str(tuple(waypoints[0])))
-        made = [(contacts, self.length(contacts, waypoints[0]))]
+        steps = [(contacts, self.length(contacts, waypoints[0]))]
         for before, after in itertools.pairwise(waypoints):
             contacts = self.moved(contacts, before, after)
             if contacts is None:
                 raise InputError(f"no tether can follow the move to {tuple(after)}: it leads through an obstacle")
-            made.append((contacts, self.length(contacts, after)))
-        return made
+            steps.append((contacts, self.length(contacts, after)))
+        return steps
 
     def _piece(self, contacts: Contacts, before: Floats, after: Floats) -> Contacts | None:
         stack = list(contacts)
@@ -102,15 +90,15 @@ class Tether:
             stack.pop()
         swung = before
         while bool(blocked(stack[-1], after, self._boxes)[0]):
-            found = self._first_swept(stack[-1], swung, after)
-            if found is None or len(stack) > len(contacts) + len(self._corners):
+            swept = self._first_swept(stack[-1], swung, after)
+            if swept is None or len(stack) > len(contacts) + len(self._corners):
                 return None
-            corner, swung = found
+            corner, swung = swept
             stack.append(corner)
         return tuple(stack)
 
     def _relaxes(self, last: Point, current: Point, vehicle: Floats) -> bool:
-        """Whether nothing keeps the tether at ``current``: it sees the vehicle from ``last``, and no obstacle is between."""
+        """True if the contact ``current`` is released: ``last`` sees the vehicle, and no obstacle is between."""
         if bool(blocked(last, vehicle, self._boxes)[0]):
             return False
         triangle = np.array([last, current, vehicle])

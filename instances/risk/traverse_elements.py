@@ -21,7 +21,7 @@ from .tether import Contacts, Tether
 
 @dataclass(frozen=True, eq=False)
 class CollectedRisk(TraverseElement):
-    """Of what the path has collected: mud at the wheels, dust on a lens.
+    """The risk of what the path has collected, such as mud at the wheels or dust on a lens.
 
     Parameters
     ----------
@@ -50,9 +50,6 @@ class CollectedRisk(TraverseElement):
             if columns != (space.num_states,):
                 raise InputError(f"{what} of {self.label} must be one a state", expected=str(space.num_states), found=str(columns))
 
-    def parts(self) -> tuple[Any, ...]:
-        return (self.kind, self.collects, self.risk)
-
     def begin(self, space: Space, state: int) -> tuple[int, float]:
         return self.step(space, 0, -1, state)
 
@@ -68,7 +65,7 @@ class CollectedRisk(TraverseElement):
 
 @dataclass(frozen=True, eq=False)
 class TravelledRisk(TraverseElement):
-    """Of the way travelled so far, as a battery has it: ``1 - exp(-rate * (way - free))`` at each state beyond the first ``free``.
+    """The risk of the way travelled so far, as a battery has it: ``1 - exp(-rate * (way - free))`` at each state beyond ``free``.
 
     Parameters
     ----------
@@ -90,9 +87,6 @@ class TravelledRisk(TraverseElement):
     def check(self, space: Space) -> None:
         placed(self, space)
 
-    def parts(self) -> tuple[Any, ...]:
-        return (self.kind, self.rate, self.free)
-
     def begin(self, space: Space, state: int) -> tuple[float, float]:
         return 0.0, 0.0
 
@@ -107,7 +101,7 @@ class TravelledRisk(TraverseElement):
 
 @dataclass(frozen=True, eq=False)
 class TetherRisk(TraverseElement):
-    """Of a tether: ``length_rate`` times its length, and ``contact_rate`` times the contacts it makes, each 1 at most.
+    """The risk of a tether: ``length_rate`` times its length, and ``contact_rate`` times its contacts, each 1 at most.
 
     Parameters
     ----------
@@ -159,7 +153,7 @@ class TetherRisk(TraverseElement):
 
 
 class FunctionRisk(TraverseElement):
-    """A function of one's own, of the whole path so far: from a tuple of states, the last one new, to its risk.
+    """A user's function of the whole path so far: from a tuple of states, the last one new, to its risk.
 
     Parameters
     ----------

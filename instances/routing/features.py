@@ -1,4 +1,4 @@
-"""What routing data hold, in one vocabulary: file formats, problems, forms, solvers and heuristics name what they can express in it."""
+"""Features of routing data, in the vocabulary in which file formats, problems, forms, solvers and heuristics name what they can express."""
 
 from __future__ import annotations
 
@@ -105,10 +105,10 @@ FEATURES: dict[str, Callable[[Any], bool]] = {
     "route-risk": partial(_any, of=lambda v: v.risk is not None),
     "team-risk": lambda d: d.team_risk is not None,
 }
-"""By name: whether data hold it. What everything can express (asymmetric distances, any number of equal vehicles at one depot) has none."""
+"""Test of each feature by its name. Data that everything can express (asymmetric distances, equal vehicles at one depot) have no name."""
 
 UNASKED = frozenset({"demands", "demand-or-service-of-depots", "rewards", "unit-cost", "penalties", "uncertain-durations"})
-"""What asks nothing of a solver by itself: rewards and penalties count where the objective has a term for them."""
+"""Features that ask nothing of a solver by themselves: rewards and penalties count where the objective has a term for them."""
 
 LOADS = frozenset({"demands", "pickups", "shipments"})
 """Without any of them a capacity limits nothing."""
@@ -123,7 +123,7 @@ def features(data: Data) -> frozenset[str]:
 
 
 def restrictions(data: Data) -> frozenset[str]:
-    """Those that a solver must be able to express: a capacity only where there are loads, a risk only where durations are uncertain."""
+    """Features that a solver must be able to express: a capacity only where there are loads, a risk only where durations are uncertain."""
     held = features(data)
     idle = (frozenset() if held & LOADS else {"capacity"}) | (frozenset() if "uncertain-durations" in held else RISKS)
     return held - UNASKED - idle

@@ -9,7 +9,7 @@ from .features import ENERGY, Data, features
 from .instance import RoutingInstance, Sites, VehicleType
 
 BEYOND_TOURS = frozenset({"shipments", "pickups", "reloads", "recharging", "closing-moves", "shifts", "committed-vehicles"})
-"""What makes one vehicle's route more than a tour."""
+"""Features that make one vehicle's route more than a tour."""
 
 
 def equal_fleet(sites: Sites, *, count: int | None = None, **limits: Any) -> tuple[VehicleType, ...]:
@@ -43,14 +43,14 @@ def _plain(data: Data, held: frozenset[str]) -> tuple[str, ...]:
 
 
 def _other(data: Data, held: frozenset[str]) -> tuple[str, ...]:
-    found = ["pdptw"] if "shipments" in held else []
-    found += ["mdvrp"] if "multiple-depots" in held and "recharging" not in held else []
+    problems = ["pdptw"] if "shipments" in held else []
+    problems += ["mdvrp"] if "multiple-depots" in held and "recharging" not in held else []
     if "limited-fleet" in held:
-        found.append("min-makespan-vrp")
+        problems.append("min-makespan-vrp")
         if {"rewards", "optional-sites"} <= held:
             alone = len(data.fleet) == 1 and data.fleet[0].count == 1
-            found += [*(["orienteering"] if alone else []), "team-orienteering", "makespan-orienteering"]
-    return tuple(found)
+            problems += [*(["orienteering"] if alone else []), "team-orienteering", "makespan-orienteering"]
+    return tuple(problems)
 
 
 def with_problems(instance: RoutingInstance) -> RoutingInstance:

@@ -1,4 +1,4 @@
-"""What a routing instance holds: validated, immutable arrays. An instance knows no problem class and no solver."""
+"""Routing instances: validated, immutable arrays that know no problem class and no solver."""
 
 from __future__ import annotations
 

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..clock import Clock
-from ..document import array, fields, flags, integer, json_number, json_numbers, kind_of, real, reals, string, strings
+from ..document import array, fields, flags, integer, json_number, json_numbers, kind_of, matrix, positions, real, reals, string, strings
 from ..errors import InputError, UsageError
 from ..kinds import KINDS, Kind
 from .instance import Group, RoutingInstance, Shipment, Sites
-from .json_vehicles import decode_coordinates, decode_travel, decode_vehicle, encode_travel, encode_vehicle, optional_real
+from .json_vehicles import decode_travel, decode_vehicle, encode_travel, encode_vehicle, optional_real
 from .reach import refuse_powerless, refuse_unreachable
 from .sites import with_unused
 
@@ -102,24 +102,24 @@ def decode(data: dict[str, Any]) -> RoutingInstance:
     names = [vehicle.name for vehicle in fleet]
     if len(set(names)) != len(names):
         raise InputError("vehicle types must have different names", found=", ".join(names))
-    made = RoutingInstance(
+    instance = RoutingInstance(
         string(data["name"], "name"), "json", sites, travel, tuple(fleet), problem=problem, problems=problems,
         min_vehicles=integer(data.get("min_vehicles", 0), "min_vehicles", 0), objective=strings(data.get("objective", []), "objective"),
         notes=with_unused(strings(data.get("notes", []), "notes"), sites.attributes), team_risk=optional_real(data, "team_risk"),
         forbidden=_forbidden(data["forbidden"], index) if "forbidden" in data else None,
         clock=_clock(data["clock"]) if "clock" in data else None,
     )  # fmt: skip
-    refuse_unreachable(made)
-    refuse_powerless(made)
-    return made
+    refuse_unreachable(instance)
+    refuse_powerless(instance)
+    return instance
 
 
 def _forbidden(data: Any, index: dict[str, int]) -> NDArray[np.bool_]:
-    made = np.zeros((len(index), len(index)), dtype=bool)
+    moves = np.zeros((len(index), len(index)), dtype=bool)
     for k, pair in enumerate(array(data, "forbidden")):
         tail, head = (_site(name, f"forbidden[{k}]", index) for name in array(pair, f"forbidden[{k}]", 2))
-        made[tail, head] = True
-    return made
+        moves[tail, head] = True
+    return moves
 
 
 def _clock(data: Any) -> Clock:
@@ -137,13 +137,13 @@ def _clock(data: Any) -> Clock:
 
 
 def _attributes(data: Any, n: int) -> dict[str, Any]:
-    given = fields(data, "sites.attributes", data if isinstance(data, dict) else ())
-    for title, values in given.items():
+    columns = fields(data, "sites.attributes", data if isinstance(data, dict) else ())
+    for title, values in columns.items():
         string(title, "a key of sites.attributes")
         for k, value in enumerate(array(values, f"sites.attributes.{title}", n)):
             if value is not None and not isinstance(value, bool | int | float | str):
                 raise InputError(f"sites.attributes.{title}[{k}] must be a text, a number, true, false or null", found=kind_of(value))
-    return dict(given)
+    return dict(columns)
 
 
 def plain_json(value: Any) -> Any:
@@ -187,7 +187,7 @@ def _decode_sites(data: Any) -> Sites:
         raise InputError(f"sites.required[{k}] asks for a visit to a depot", expected="false", found="true")
     if "attributes" in data:
         columns["attributes"] = _attributes(data["attributes"], n)
-    here, there = decode_coordinates(data, "sites", n), decode_coordinates(data, "sites", n, ("lon", "lat"))
+    here, there = positions(data, "sites", n), positions(data, "sites", n, ("lon", "lat"))
     if here is not None and there is not None:
         raise InputError("sites have two kinds of coordinates", expected="x and y, or lon and lat")
     return Sites.of(ids, coordinates=there if here is None else here, geographic=there is not None, **columns)
@@ -199,7 +199,7 @@ def _loads(data: Any, path: str, n: int) -> Any:
     if not any(isinstance(row, list) for row in rows):
         return reals(rows, path, n)
     width = len(rows[0]) if isinstance(rows[0], list) else 1
-    return np.array([reals(row, f"{path}[{k}]", width) for k, row in enumerate(rows)])
+    return matrix(rows, path, n, width)
 
 
 def _site(data: Any, path: str, index: dict[str, int]) -> int:
@@ -211,8 +211,8 @@ def _site(data: Any, path: str, index: dict[str, int]) -> int:
 
 def _by_site(data: Any, path: str, index: dict[str, int]) -> list[tuple[int, Any]]:
     """The values of an object with one key a site."""
-    given = fields(data, path, data if isinstance(data, dict) else ())
-    return [(_site(name, f"a key of {path}", index), value) for name, value in given.items()]
+    values = fields(data, path, data if isinstance(data, dict) else ())
+    return [(_site(name, f"a key of {path}", index), value) for name, value in values.items()]
 
 
 def _windows(data: Any, path: str) -> list[tuple[float, float]]:
@@ -222,8 +222,8 @@ def _windows(data: Any, path: str) -> list[tuple[float, float]]:
 
 def _shipment(data: Any, path: str, index: dict[str, int]) -> Shipment:
     fields(data, path, ("pickup", "delivery", "load"), ("pickup", "delivery"))
-    given = data.get("load", 0)
-    loads = [real(v, f"{path}.load") for v in (given if isinstance(given, list) else [given])]
+    load = data.get("load", 0)
+    loads = [real(v, f"{path}.load") for v in (load if isinstance(load, list) else [load])]
     return Shipment(_site(data["pickup"], f"{path}.pickup", index), _site(data["delivery"], f"{path}.delivery", index), tuple(loads))
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..document import array, fields, integer, json_number, json_numbers, real, reals, square, string, strings
+from ..document import array, fields, integer, json_number, json_numbers, matrix, positions, real, square, string, strings
 from ..errors import InputError
 from .sites import Sites
 from .travel import EXPLICIT, METRICS, Travel
@@ -54,135 +56,126 @@ def decode_travel(data: Any, sites: Sites, convention: str, path: str = "travel"
         raise InputError(f"{path} by {metric} {'needs' if metric == EXPLICIT else 'has no'} matrix")
     if path == "travel" and "convention" in data:
         raise InputError("travel has a convention of its own", expected="the key convention of the document")
-    own = decode_coordinates(data, path, n)
+    own = positions(data, path, n)
     if own is None and metric != EXPLICIT:
         own = sites.coordinates
-    matrix = square(data["matrix"], f"{path}.matrix", n) if "matrix" in data else None
-    durations, variances = (square(data[key], f"{path}.{key}", n) if key in data else None for key in ("durations", "variances"))
-    closing = None
-    if "closing" in data:
-        rows = array(data["closing"], f"{path}.closing", n)
-        closing = np.array([reals(row, f"{path}.closing[{k}]", n, null=math.inf) for k, row in enumerate(rows)])
+    distances, durations, variances = (
+        square(data[key], f"{path}.{key}", n) if key in data else None for key in ("matrix", "durations", "variances")
+    )
+    closing = matrix(data["closing"], f"{path}.closing", n, n, null=math.inf) if "closing" in data else None
     convention = string(data["convention"], f"{path}.convention") if "convention" in data else convention
     return Travel(
-        metric, coordinates=own, matrix=matrix, duration_matrix=durations, convention=convention, closing=closing, variances=variances,
+        metric, coordinates=own, matrix=distances, duration_matrix=durations, convention=convention, closing=closing, variances=variances,
         pace=real(data.get("pace", 1.0), f"{path}.pace"),
     )  # fmt: skip
 
 
-def decode_coordinates(data: Any, path: str, n: int, keys: tuple[str, str] = ("x", "y")) -> Floats | None:
-    """The two columns ``keys``, of which there are both or none."""
-    given = [key for key in keys if key in data]
-    if len(given) == 1:
-        raise InputError(f"{path} has {given[0]} alone", expected=" and ".join(keys))
-    return np.column_stack([reals(data[key], f"{path}.{key}", n) for key in given]) if given else None
+class Key(NamedTuple):
+    """Reader and writer of one key of a vehicle type in JSON; a value that equals the default is not written."""
+
+    default: Any
+    read: Callable[[Any, str], Any]
+    write: Callable[[Any], Any] = json_number
+
+
+def _null(read: Callable[..., Any], *further: Any) -> Callable[[Any, str], Any]:
+    """``read``, where null stands for None."""
+    return lambda data, path: None if data is None else read(data, path, *further)
+
+
+def _truth(data: Any, path: str) -> bool:
+    if not isinstance(data, bool):
+        raise InputError(f"{path} must be true or false")
+    return data
+
+
+def _shift(data: Any, path: str) -> tuple[float, float]:
+    begin, end = array(data, path, 2)
+    return real(begin, f"{path}[0]", null=-math.inf), real(end, f"{path}[1]", null=math.inf)
+
+
+LIMIT = Key(math.inf, partial(real, null=math.inf))
+COST = Key(0.0, real)
+ONE = Key(1.0, real)
+
+
+def vehicle_keys(sites: Sites, index: Mapping[str, int]) -> dict[str, Key]:
+    """Keys of a vehicle type but for its capacity and travel, in the order of JSON."""
+
+    def site(data: Any, path: str) -> int:
+        name = string(data, path)
+        if name not in index:
+            raise InputError(f"{path} names no site", expected="an id of sites.id", found=name)
+        return index[name]
+
+    def places(data: Any, path: str) -> tuple[int, ...]:
+        return tuple(site(value, f"{path}[{k}]") for k, value in enumerate(array(data, path)))
+
+    def ids(numbers: Iterable[int]) -> list[str]:
+        return [sites.ids[k] for k in numbers]
+
+    energy_keys = {
+        "capacity": Key(None, real), "rate": Key(None, real), "charge": Key(None, string, str), "stations": Key((), places, ids),
+        "initial": Key(None, _null(real)),
+    }  # fmt: skip
+
+    def energy(data: Any, path: str) -> Energy:
+        fields(data, path, ENERGY_KEYS, ("capacity",))
+        return Energy(**{key: energy_keys[key].read(value, f"{path}.{key}") for key, value in data.items()})
+
+    return {
+        "name": Key(None, string, str),
+        "count": Key("", _null(integer, 1), lambda count: count),
+        "start": Key(None, site, lambda k: sites.ids[k]),
+        "end": Key(None, site, lambda k: sites.ids[k]),
+        "max_duration": LIMIT,
+        "max_distance": LIMIT,
+        "regular_duration": LIMIT,
+        "energy": Key(None, _null(energy), lambda store: _written(store, energy_keys)),
+        "fixed_cost": COST,
+        "unit_cost": ONE,
+        "unit_duration_cost": COST,
+        "unit_overtime_cost": COST,
+        "speed": ONE,
+        "shift": Key((-math.inf, math.inf), _shift, lambda shift: [json_number(v) for v in shift]),
+        "skills": Key(frozenset(), lambda data, path: frozenset(strings(data, path)), sorted),
+        "reloads": Key((), places, ids),
+        "max_reloads": Key(None, _null(integer, 0), int),
+        "committed": Key(False, _truth, bool),
+        "risk": Key(None, _null(real)),
+    }
+
+
+def _written(value: Any, keys: Mapping[str, Key]) -> dict[str, Any]:
+    held = {key: getattr(value, key) for key in keys}
+    return {key: keys[key].write(entry) for key, entry in held.items() if entry != keys[key].default}
 
 
 def encode_vehicle(vehicle: VehicleType, sites: Sites) -> dict[str, Any]:
     """The keys of a vehicle type; those that hold nothing but defaults are left out."""
-    ids = sites.ids
+    data = _written(vehicle, vehicle_keys(sites, {}))
     capacity = json_number(vehicle.capacity) if not vehicle.further_capacity else [json_number(v) for v in vehicle.capacities]
-    data: dict[str, Any] = {
-        "name": vehicle.name, "count": vehicle.count, "capacity": capacity, "start": ids[vehicle.start], "end": ids[vehicle.end],
-    }  # fmt: skip
-    for key in ("max_duration", "max_distance", "regular_duration"):
-        if math.isfinite(getattr(vehicle, key)):
-            data[key] = json_number(getattr(vehicle, key))
-    if vehicle.energy is not None:
-        data["energy"] = _encode_energy(vehicle.energy, sites)
-    for key, default in (("fixed_cost", 0.0), ("unit_cost", 1.0), ("unit_duration_cost", 0.0), ("unit_overtime_cost", 0.0), ("speed", 1.0)):
-        if getattr(vehicle, key) != default:
-            data[key] = json_number(getattr(vehicle, key))
-    if vehicle.shift != (-math.inf, math.inf):
-        data["shift"] = [json_number(v) for v in vehicle.shift]
-    if vehicle.skills:
-        data["skills"] = sorted(vehicle.skills)
-    if vehicle.travel is not None:
-        data["travel"] = {**encode_travel(vehicle.travel, sites), "convention": vehicle.travel.convention}
-    if vehicle.reloads:
-        data["reloads"] = [ids[k] for k in vehicle.reloads]
-    if vehicle.max_reloads is not None:
-        data["max_reloads"] = vehicle.max_reloads
-    if vehicle.committed:
-        data["committed"] = True
-    if vehicle.risk is not None:
-        data["risk"] = json_number(vehicle.risk)
-    return data
+    data = {"name": data.pop("name"), "count": data.pop("count"), "capacity": capacity, **data}
+    if vehicle.travel is None:
+        return data
+    after = {key: data.pop(key) for key in VEHICLE_KEYS[-4:] if key in data}
+    return {**data, "travel": {**encode_travel(vehicle.travel, sites), "convention": vehicle.travel.convention}, **after}
 
 
-def _encode_energy(energy: Energy, sites: Sites) -> dict[str, Any]:
-    data: dict[str, Any] = {"capacity": json_number(energy.capacity), "rate": json_number(energy.rate), "charge": energy.charge}
-    if energy.stations:
-        data["stations"] = [sites.ids[k] for k in energy.stations]
-    if energy.initial is not None:
-        data["initial"] = json_number(energy.initial)
-    return data
-
-
-def decode_vehicle(data: Any, path: str, index: dict[str, int], sites: Sites) -> VehicleType:
+def decode_vehicle(data: Any, path: str, index: Mapping[str, int], sites: Sites) -> VehicleType:
     """Inverse of ``encode_vehicle``; ``index`` is that of the sites."""
     fields(data, path, VEHICLE_KEYS)
-    first = sites.ids[int(sites.depots[0])]
-
-    def site(value: Any, key: str) -> int:
-        name = string(value, f"{path}.{key}")
-        if name not in index:
-            raise InputError(f"{path}.{key} names no site", expected="an id of sites.id", found=name)
-        return index[name]
-
-    def places(given: Any, key: str) -> tuple[int, ...]:
-        return tuple(site(value, f"{key}[{k}]") for k, value in enumerate(array(given, f"{path}.{key}")))
-
-    def limit(key: str) -> float:
-        return real(data.get(key), f"{path}.{key}", null=math.inf)
-
-    def cost(key: str, default: float = 0.0) -> float:
-        return real(data.get(key, default), f"{path}.{key}")
-
-    energy = None
-    if data.get("energy") is not None:
-        store = fields(data["energy"], f"{path}.energy", ENERGY_KEYS, ("capacity",))
-        initial = store.get("initial")
-        energy = Energy(
-            real(store["capacity"], f"{path}.energy.capacity"), real(store.get("rate", 1.0), f"{path}.energy.rate"),
-            string(store.get("charge", "travel"), f"{path}.energy.charge"), places(store.get("stations", []), "energy.stations"),
-            None if initial is None else real(initial, f"{path}.energy.initial"),
-        )  # fmt: skip
-    count, most, loads = data.get("count"), data.get("max_reloads"), data.get("capacity")
+    values = {key: known.read(data[key], f"{path}.{key}") for key, known in vehicle_keys(sites, index).items() if key in data}
+    loads = data.get("capacity")
     if not isinstance(loads, list):
         loads = [loads]
     elif not loads:
         raise InputError(f"{path}.capacity is empty", expected="one number a load dimension")
-    capacities = [real(v, f"{path}.capacity", null=math.inf) for v in loads]
-    begin, end = array(data.get("shift", [None, None]), f"{path}.shift", 2)
-    committed = data.get("committed", False)
-    if not isinstance(committed, bool):
-        raise InputError(f"{path}.committed must be true or false")
-    own, start = data.get("travel"), data.get("start", first)
-    return VehicleType(
-        count=None if count is None else integer(count, f"{path}.count", 1),
-        capacity=capacities[0],
-        start=site(start, "start"),
-        end=site(data.get("end", start), "end"),
-        max_duration=limit("max_duration"),
-        max_distance=limit("max_distance"),
-        energy=energy,
-        fixed_cost=cost("fixed_cost"),
-        unit_cost=cost("unit_cost", 1.0),
-        name=string(data.get("name", "vehicle"), f"{path}.name"),
-        further_capacity=tuple(capacities[1:]),
-        unit_duration_cost=cost("unit_duration_cost"),
-        regular_duration=limit("regular_duration"),
-        unit_overtime_cost=cost("unit_overtime_cost"),
-        shift=(real(begin, f"{path}.shift[0]", null=-math.inf), real(end, f"{path}.shift[1]", null=math.inf)),
-        skills=frozenset(strings(data.get("skills", []), f"{path}.skills")),
-        speed=cost("speed", 1.0),
-        travel=None if own is None else decode_travel(own, sites, "", f"{path}.travel"),
-        reloads=places(data.get("reloads", []), "reloads"),
-        max_reloads=None if most is None else integer(most, f"{path}.max_reloads", 0),
-        committed=committed,
-        risk=optional_real(data, "risk", f"{path}."),
-    )
+    capacity, *further = (real(v, f"{path}.capacity", null=math.inf) for v in loads)
+    start = values.setdefault("start", int(sites.depots[0]))
+    values.setdefault("end", start)
+    travel = decode_travel(data["travel"], sites, "", f"{path}.travel") if data.get("travel") is not None else None
+    return VehicleType(**values, capacity=capacity, further_capacity=tuple(further), travel=travel)
 
 
 def optional_real(data: dict[str, Any], key: str, path: str = "") -> float | None:

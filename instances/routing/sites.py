@@ -43,8 +43,8 @@ class Shipment:
     load: tuple[float, ...] = (0.0,)
 
     def __post_init__(self) -> None:
-        given = self.load if isinstance(self.load, Iterable) else (self.load,)
-        object.__setattr__(self, "load", tuple(float(v) for v in given))
+        loads = self.load if isinstance(self.load, Iterable) else (self.load,)
+        object.__setattr__(self, "load", tuple(float(v) for v in loads))
 
 
 @dataclass(frozen=True)
@@ -181,8 +181,8 @@ class Sites:
         delivered, collected = _widened(delivered, dimensions), _widened(collected, dimensions)
         opens, closes = spread(ready), spread(due)
         several: list[tuple[Window, ...]] = [()] * n if windows else []
-        for k, given in (windows or {}).items():
-            listed = tuple(sorted((float(a), float(b)) for a, b in given))
+        for k, intervals in (windows or {}).items():
+            listed = tuple(sorted((float(a), float(b)) for a, b in intervals))
             if not listed:
                 raise InputError(f"site {ids[k]} has no time window at all")
             opens[k], closes[k] = listed[0][0], listed[-1][1]
@@ -309,14 +309,14 @@ class Sites:
                 found = f"due {self.due[shipment.delivery]:g}, picked up at {begins:g} at the earliest"
                 raise InputError(f"delivery of the {what} comes before its pickup", expected="a delivery after the pickup", found=found)
             follows.setdefault(shipment.pickup, set()).add(shipment.delivery)
-        left = dict(follows)
-        while left:
-            free = [k for k in left if not left[k] & left.keys()]
+        unordered = dict(follows)
+        while unordered:
+            free = [k for k in unordered if not unordered[k] & unordered.keys()]
             if not free:
-                names = ", ".join(self.ids[k] for k in sorted(left))
+                names = ", ".join(self.ids[k] for k in sorted(unordered))
                 raise InputError(f"each of these sites is to be visited before the others: {names}", expected="shipments without a cycle")
             for k in free:
-                del left[k]
+                del unordered[k]
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -381,9 +381,9 @@ def unused(attributes: Iterable[str]) -> tuple[str, ...]:
 
 def with_unused(notes: Iterable[str], attributes: Iterable[str]) -> tuple[str, ...]:
     """Notes with those on unused columns as the columns are, whatever was noted before."""
-    given = list(notes)
-    at = next((k for k, note in enumerate(given) if note.startswith(UNUSED)), len(given))
-    kept = [[note for note in part if not note.startswith(UNUSED)] for part in (given[:at], given[at:])]
+    listed = list(notes)
+    at = next((k for k, note in enumerate(listed) if note.startswith(UNUSED)), len(listed))
+    kept = [[note for note in part if not note.startswith(UNUSED)] for part in (listed[:at], listed[at:])]
     return (*kept[0], *unused(attributes), *kept[1])
 
 
@@ -401,12 +401,12 @@ def in_lines(beginning: str, names: Iterable[str]) -> tuple[str, ...]:
 
 def _dimensions(values: ArrayLike, n: int, what: str) -> Floats:
     """Loads as an array of shape (sites, dimensions)."""
-    made = np.asarray(values, dtype=np.float64)
-    if made.ndim < 2:
-        return np.array(np.broadcast_to(made, n))[:, None]
-    if made.ndim > 2 or made.shape[0] != n or made.shape[1] < 1:
-        raise InputError(f"{what} must have one row a site and one column a load dimension", expected=f"({n}, ...)", found=str(made.shape))
-    return made
+    loads = np.asarray(values, dtype=np.float64)
+    if loads.ndim < 2:
+        return np.array(np.broadcast_to(loads, n))[:, None]
+    if loads.ndim > 2 or loads.shape[0] != n or loads.shape[1] < 1:
+        raise InputError(f"{what} must have one row a site and one column a load dimension", expected=f"({n}, ...)", found=str(loads.shape))
+    return loads
 
 
 def _widened(values: Floats, dimensions: int) -> Floats:

@@ -92,7 +92,7 @@ EARTH = 6371.0088
 """Mean radius of the Earth in km (IUGG)."""
 
 UNITS_OF_DISTANCE = {"km": 1.0, "m": 1000.0, "mi": 1.0 / 1.609344}
-"""How many there are in a km."""
+"""Number of each unit in a km."""
 
 
 def _haversine(a: Floats, b: Floats, unit: str = "km") -> Floats:
@@ -211,11 +211,11 @@ class Travel:
             xy.setflags(write=False)
             put("coordinates", xy)
         for field_name, what in (("duration_matrix", "duration"), ("variances", "variance")):
-            given = getattr(self, field_name)
-            if given is not None:
-                put(field_name, _square(given, what))
+            values = getattr(self, field_name)
+            if values is not None:
+                put(field_name, _square(values, what))
                 if len(getattr(self, field_name)) != len(self):
-                    raise InputError(f"the {what} matrix has another size than the sites", found=str(len(given)))
+                    raise InputError(f"the {what} matrix has another size than the sites", found=str(len(values)))
         if self.closing is not None:
             put("closing", self._closing(self.closing))
         if not 0.0 < self.pace < np.inf:
@@ -261,12 +261,12 @@ class Travel:
 
     @property
     def own_durations(self) -> bool:
-        """Whether durations are anything else than the distances."""
+        """True if durations differ from the distances."""
         return self.duration_matrix is not None or self.pace != 1.0
 
     @property
     def uncertain(self) -> bool:
-        """Whether some duration is not certain."""
+        """True if some duration is uncertain."""
         return self.variances is not None and bool(self.variances.any())
 
     def _closing(self, values: ArrayLike) -> Floats:
@@ -327,11 +327,11 @@ class Travel:
             raise UsageError(
                 f"all distances between {n:,} sites need {readable(8.0 * n * n)}, more than there is; savings needs none of them"
             )
-        made, every = np.empty((n, n)), np.arange(n)
+        matrix, every = np.empty((n, n)), np.arange(n)
         step = max(1, STRIP // max(1, n))
         for first in range(0, n, step):
-            made[first : first + step] = self.distance(every[first : first + step, None], every[None, :])
-        return _frozen_matrix(made)
+            matrix[first : first + step] = self.distance(every[first : first + step, None], every[None, :])
+        return _frozen_matrix(matrix)
 
     @cached_property
     def durations(self) -> Floats:

@@ -65,7 +65,7 @@ class Energy:
 
     @property
     def at_departure(self) -> float:
-        """What the store holds at departure."""
+        """Energy in the store at departure."""
         return self.capacity if self.initial is None else self.initial
 
     def __repr__(self) -> str:
@@ -179,7 +179,7 @@ class VehicleType:
 
     @property
     def capacities(self) -> tuple[float, ...]:
-        """Of all load dimensions that are limited."""
+        """Capacity of each load dimension that is limited."""
         return (self.capacity, *self.further_capacity)
 
     @property

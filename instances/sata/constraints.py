@@ -1,4 +1,4 @@
-"""What may be chosen together: constraints on sets of elements, as data."""
+"""Constraints on sets of elements, as data."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class LimitRows:
             yield costs, limit
 
     def totals(self, masks: Masks) -> Floats:
-        """What the sets given by the rows of ``masks`` add up to, shape (sets, rows)."""
+        """Left-hand sides for the sets in the rows of ``masks``, shape (sets, rows)."""
         import scipy.sparse as sp
 
         matrix = sp.csr_matrix((self.coefficient, (self.row, self.element)), shape=(len(self.limit), masks.shape[1]))
@@ -74,7 +74,7 @@ class LimitRows:
 
 
 class Constraint(ABC):
-    """Which sets may be chosen; with a set every subset of it may be.
+    """A rule that says which sets may be chosen; every subset of an allowed set is allowed.
 
     ``name``, ``parts`` and ``allows`` are all that a subclass needs: greedy methods, random choices and brute force then ask it.
 
@@ -96,11 +96,11 @@ class Constraint(ABC):
 
     @abstractmethod
     def parts(self) -> tuple[Any, ...]:
-        """What the digest covers."""
+        """Data that the digest covers."""
 
     @abstractmethod
     def allows(self, masks: Masks) -> NDArray[np.bool_]:
-        """Which of the sets given by the rows of ``masks`` may be chosen, shape (sets,)."""
+        """Mask of the allowed sets among the rows of ``masks``, shape (sets,)."""
 
     def check(self, elements: int) -> None:  # noqa: B027
         """Raise InputError unless it fits a ground set of that many elements."""
@@ -118,13 +118,13 @@ class Constraint(ABC):
         return None
 
     def excess(self, chosen: Elements, elements: int) -> Excess:
-        """By how much ``chosen``, none twice, exceeds each limit, and the k-th fault in words: this is what judges an answer."""
+        """Excess of ``chosen``, none twice, over each limit, and the k-th fault in words; the judge of answers reads it."""
         mask = np.zeros((1, elements), dtype=bool)
         mask[0, chosen] = True
         return (~self.allows(mask)).astype(np.float64), lambda _: f"the chosen elements are not allowed together: {self.name}"
 
     def facts(self) -> dict[str, Any]:
-        """What it holds, as plain JSON values."""
+        """Facts about the constraint as plain JSON values."""
         return {"kind": self.name}
 
 

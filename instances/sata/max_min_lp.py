@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import number_arrays as arrays
+from ..declared import CountOf, Declared, Names
+from ..document import array, fields, integer, json_numbers, kind_of, reals, string, strings, wholes
 from ..errors import InputError
 from ..instance import digest
-from ..text import label
+from ..parts import Axis
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
+
+MATRIX_KEYS = ("rows", "row", "variable", "value")
+"""Columns of a matrix in JSON."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +77,8 @@ class SparseMatrix:
         return sp.csr_matrix((self.data, self.indices, self.indptr), shape=(self.rows, self.columns))
 
 
-@dataclass(frozen=True, eq=False)
-class MaxMinInstance:
+@dataclass(frozen=True, eq=False, repr=False)
+class MaxMinInstance(Declared):
     """Packing rows A and covering rows C over variables x >= 0.
 
     ``sense`` ``max``: maximise the least entry of C x subject to A x <= 1. ``sense`` ``min``: minimise the largest entry of A x
@@ -87,19 +93,21 @@ class MaxMinInstance:
         None stands for "1", "2", ...
     """
 
-    kind: ClassVar[str] = "max-min"
+    kind = "max-min"
+    problem_names = ("max-min-lp",)
+    lists_problems = True
+    content = "packing and covering rows"
+    default_name = "max-min-lp"
+    axes = (Axis("variable", table=False, least=0),)
+    own_keys = ("sense", "variables", "packing", "covering")
     packing: SparseMatrix
     covering: SparseMatrix
     sense: str = "max"
-    variable_names: tuple[str, ...] | None = None
-    name: str = "max-min-lp"
-    format: str = "arrays"
-    problem: str = "max-min-lp"
-    problems: tuple[str, ...] = ("max-min-lp",)
-    notes: tuple[str, ...] = field(default=())
+    variable_names: Names = None
+    num_variables = CountOf("variable")
 
-    def __post_init__(self) -> None:
-        n = self.packing.columns
+    def arrange(self) -> None:
+        n = self.counts["variable"] = self.packing.columns
         if self.covering.columns != n:
             raise InputError("packing and covering rows must be over the same variables", expected=str(n), found=str(self.covering.columns))
         arrays.refuse_unused("variables", n, len(self.packing.indices) + len(self.covering.indices), "entries")
@@ -107,8 +115,8 @@ class MaxMinInstance:
             raise InputError("the sense must be max (max-min) or min (min-max)", found=str(self.sense))
         if not self.packing.rows or not self.covering.rows:
             raise InputError("there must be at least one packing row and one covering row")
-        object.__setattr__(self, "name", label(self.name))
-        object.__setattr__(self, "variable_names", arrays.names("variable", self.variable_names, n))
+
+    def check_rest(self) -> None:
         if self.sense == "max":
             free = np.setdiff1d(self.covering.indices, self.packing.indices)
             if len(free):
@@ -116,15 +124,56 @@ class MaxMinInstance:
         elif (np.diff(self.covering.indptr) == 0).any():
             raise InputError(f"covering row {int(np.argmin(np.diff(self.covering.indptr))) + 1} holds no variable: nothing can cover it")
 
-    def __repr__(self) -> str:
+    def summary(self) -> Iterable[str]:
         rows = f"{self.packing.rows} packing and {self.covering.rows} covering rows"
-        return f"<MaxMinInstance {self.name}: {self.sense}, {self.num_variables} variables, {rows}>"
-
-    @property
-    def num_variables(self) -> int:
-        return self.packing.columns
+        return (self.sense, *super().summary(), rows)
 
     def digest(self) -> str:
         """Hash of everything that values depend on."""
         a, c = self.packing, self.covering
-        return digest("max-min", self.sense, a.columns, a.indptr, a.indices, a.data, c.indptr, c.indices, c.data)
+        return digest(self.kind, self.sense, a.columns, a.indptr, a.indices, a.data, c.indptr, c.indices, c.data)
+
+    def write_own(self) -> dict[str, Any]:
+        variables = self.num_variables if self.variable_names is None else list(self.variable_names)
+        data = {"sense": self.sense, "variables": variables}
+        return {**data, "packing": _written_matrix(self.packing), "covering": _written_matrix(self.covering)}
+
+    @classmethod
+    def read_own(cls, data: Mapping[str, Any], counts: Mapping[str, int]) -> dict[str, Any]:
+        variables, names = data["variables"], None
+        if isinstance(variables, list):
+            names, count = strings(variables, "variables"), len(variables)
+        elif isinstance(variables, int):
+            count = integer(variables, "variables", 1)
+        else:
+            raise InputError("variables must be a list of names or a whole number", found=kind_of(variables))
+        matrices = {key: _read_matrix(data[key], key, count) for key in ("packing", "covering")}
+        return {**matrices, "sense": string(data["sense"], "sense"), "variable_names": names}
+
+
+def _written_matrix(matrix: SparseMatrix) -> dict[str, Any]:
+    row = np.repeat(np.arange(matrix.rows), np.diff(matrix.indptr))
+    data: dict[str, Any] = {"rows": matrix.rows, "row": row.tolist(), "variable": matrix.indices.tolist()}
+    return data if (matrix.data == 1.0).all() else {**data, "value": json_numbers(matrix.data)}
+
+
+def _read_matrix(data: Any, path: str, columns: int) -> SparseMatrix:
+    """A matrix from columns of entries, in any order."""
+    fields(data, path, MATRIX_KEYS, ("rows", "row", "variable"))
+    rows = integer(data["rows"], f"{path}.rows", 1)
+    row = wholes(data["row"], f"{path}.row")
+    column = wholes(data["variable"], f"{path}.variable", len(row))
+    value = reals(data["value"], f"{path}.value", len(row)) if "value" in data else np.ones(len(array(data["row"], f"{path}.row")))
+    arrays.refuse_unused(f"rows of {path}", rows, len(row), "entries")
+    arrays.refuse_outside(f"{path}.row[{{}}]", row, rows, "row")
+    arrays.refuse_outside(f"{path}.variable[{{}}]", column, columns, "variable")
+    wrong = ~(value > 0)
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        raise InputError(f"{path}.value[{k}] must be positive", found=str(value[k]))
+    order = np.lexsort([column, row])
+    row, column, value = row[order], column[order], value[order]
+    twice = np.nonzero((np.diff(row) == 0) & (np.diff(column) == 0))[0]
+    if len(twice):
+        raise InputError(f"{path} has two entries in row {row[twice[0]] + 1} for variable {column[twice[0]]}")
+    return SparseMatrix(arrays.row_starts(row, rows), column, value, columns)  # type: ignore[arg-type]

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import number_arrays as arrays
+from ..declared import CountOf, Declared, NameOf, Names, extent
+from ..document import fields, json_numbers, reals, wholes
 from ..errors import InputError, UsageError
-from ..instance import digest
-from ..text import label
+from ..parts import Axis, Count, Wholes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,7 +24,10 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
 PROBLEMS = ("bottleneck", "bottleneck-lp", "winner-takes-all", "selection")
-"""What may be asked of a sensing graph; the first is meant when nothing else is said."""
+"""Problems that a sensing graph allows; the first is the default."""
+
+EDGE_KEYS = ("action", "target", "weight")
+"""Columns of edges in JSON."""
 
 
 class Incidence(NamedTuple):
@@ -34,8 +38,8 @@ class Incidence(NamedTuple):
     weights: Floats
 
 
-@dataclass(frozen=True, eq=False)
-class SensingGraph:
+@dataclass(frozen=True, eq=False, repr=False)
+class SensingGraph(Declared):
     """Robots, their actions, targets, and the weight with which an action sees a target.
 
     ``from_edges``, ``from_frames``, ``from_networkx`` and ``from_positions`` make one; the constructor takes arrays that are
@@ -66,23 +70,31 @@ class SensingGraph:
     docs/formulations/sensing.md#model.
     """
 
-    kind: ClassVar[str] = "sensing"
-    robot_of_action: Indices
+    kind = "sensing"
+    problem_names = PROBLEMS
+    lists_problems = True
+    content = "sensing graphs"
+    default_name = "sensing-graph"
+    axes = (
+        Axis("robot", least=0),
+        Axis("action", least=0, counted=False, positions="action_positions"),
+        Axis("target", least=0, positions="target_positions"),
+    )
+    own_keys = ("edges",)
+    hashed = ("num_robots", "num_targets", "robot_of_action", "indptr", "indices", "weights")
+    robot_of_action: Annotated[Indices, Wholes("action", "robot", "the robot of action {}", small=True, key="robot")]
     indptr: Indices
     indices: Indices
     weights: Floats
-    num_robots: int
-    num_targets: int
-    robot_names: tuple[str, ...] | None = None
-    action_names: tuple[str, ...] | None = None
-    target_names: tuple[str, ...] | None = None
+    num_robots: Annotated[int, Count("robot")]
+    num_targets: Annotated[int, Count("target")]
+    robot_names: Names = None
+    action_names: Names = None
+    target_names: Names = None
     action_positions: Floats | None = None
     target_positions: Floats | None = None
-    name: str = "sensing-graph"
-    format: str = "arrays"
-    problem: str = PROBLEMS[0]
-    problems: tuple[str, ...] = PROBLEMS
-    notes: tuple[str, ...] = field(default=())
+    num_actions = CountOf("action")
+    robot_name, target_name = NameOf("robot"), NameOf("target")
 
     @classmethod
     def from_edges(
@@ -179,45 +191,34 @@ class SensingGraph:
 
         return graph_to_networkx(self)
 
-    def __post_init__(self) -> None:
-        for key in ("robot_of_action", "indptr", "indices"):
-            object.__setattr__(self, key, arrays.frozen(arrays.indices(key, getattr(self, key))))
-        object.__setattr__(self, "weights", arrays.frozen(arrays.reals("weights", self.weights)))
-        object.__setattr__(self, "name", label(self.name))
-        for key in ("num_robots", "num_targets"):
-            object.__setattr__(self, key, arrays.size(key, getattr(self, key)))
-        n = len(self.robot_of_action)
+    def arrange(self) -> None:
         if not self.num_robots:
             raise InputError("there is no robot")
+        for key in ("indptr", "indices"):
+            self.put(**{key: arrays.frozen(arrays.indices(key, getattr(self, key)))})
+        self.put(weights=arrays.frozen(arrays.reals("weights", self.weights)))
+        n = self.num_actions
         arrays.refuse_unused("robots", self.num_robots, n, "actions")
         arrays.refuse_unused("targets", self.num_targets, len(self.indices), "edges")
         if len(self.indptr) != n + 1:
             raise InputError("there must be one start an action, and the number of edges", expected=str(n + 1), found=str(len(self.indptr)))
         arrays.check_csr(self.indptr, self.indices, self.num_targets, "action", "target", "edges")
-        arrays.refuse_outside("the robot of action {}", self.robot_of_action, self.num_robots, "robot")
         if self.weights.shape != self.indices.shape:
             raise InputError("there must be one weight an edge", expected=str(len(self.indices)), found=str(self.weights.shape))
         if not (np.isfinite(self.weights).all() and (self.weights > 0).all()):
             raise InputError("weights must be positive and finite; an action that does not see a target has no edge to it")
-        for what, count in (("robot", self.num_robots), ("action", n), ("target", self.num_targets)):
-            object.__setattr__(self, f"{what}_names", arrays.names(what, getattr(self, f"{what}_names"), count))
-        for what, count in (("action", n), ("target", self.num_targets)):
-            points = arrays.positions(what, getattr(self, f"{what}_positions"), count, getattr(self, f"{what}_names"))
-            object.__setattr__(self, f"{what}_positions", points)
-        object.__setattr__(self, "notes", (*self.notes, *(note for note in self.findings if note not in self.notes)))
+
+    def check_rest(self) -> None:
+        self.put(notes=(*self.notes, *(note for note in self.findings if note not in self.notes)))
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """What is worth a warning: idle robots and unseen targets, the first few by name."""
-        found = (_few("robot", "without an action that sees anything", self.idle_robots, self.robot_name),
+        """Warnings about idle robots and unseen targets, the first few by name."""
+        notes = (_few("robot", "without an action that sees anything", self.idle_robots, self.robot_name),
                  _few("target", "that no action sees", self.unseen_targets, self.target_name))  # fmt: skip
-        return tuple(note for note in found if note)
+        return tuple(note for note in notes if note)
 
     # -- sizes -------------------------------------------------------------------------------------------------------
-
-    @property
-    def num_actions(self) -> int:
-        return len(self.robot_of_action)
 
     @property
     def num_edges(self) -> int:
@@ -240,9 +241,8 @@ class SensingGraph:
     def by_target(self) -> Incidence:
         """Actions that see each target."""
         order = np.argsort(self.indices, kind="stable")
-        starts = np.zeros(self.num_targets + 1, dtype=np.int32)
-        np.cumsum(np.bincount(self.indices, minlength=self.num_targets), out=starts[1:])
-        return Incidence(starts, self.action_of_edge[order], self.weights[order])
+        starts = arrays.row_starts(self.indices, self.num_targets)
+        return Incidence(starts.astype(np.int32), self.action_of_edge[order], self.weights[order])
 
     @cached_property
     def action_of_edge(self) -> Indices:
@@ -252,8 +252,7 @@ class SensingGraph:
     @cached_property
     def by_robot(self) -> tuple[Indices, Indices]:
         """``(indptr, actions)``: the actions of robot i are ``actions[indptr[i]:indptr[i + 1]]``, in ascending order."""
-        starts = np.zeros(self.num_robots + 1, dtype=np.int32)
-        np.cumsum(np.bincount(self.robot_of_action, minlength=self.num_robots), out=starts[1:])
+        starts = arrays.row_starts(self.robot_of_action, self.num_robots).astype(np.int32)
         return starts, np.argsort(self.robot_of_action, kind="stable").astype(np.int32)
 
     @cached_property
@@ -269,12 +268,6 @@ class SensingGraph:
         return np.nonzero(np.bincount(self.indices, minlength=self.num_targets) == 0)[0].astype(np.int32)
 
     # -- names -------------------------------------------------------------------------------------------------------
-
-    def robot_name(self, robot: int) -> str:
-        return str(robot + 1) if self.robot_names is None else self.robot_names[robot]
-
-    def target_name(self, target: int) -> str:
-        return str(target + 1) if self.target_names is None else self.target_names[target]
 
     def action_name(self, action: int) -> str:
         """The action's own name, or that of its robot and its position among the robot's actions: "3.1"."""
@@ -295,12 +288,6 @@ class SensingGraph:
         """The same graph with more to tell."""
         return replace(self, notes=self.notes + notes)
 
-    def digest(self) -> str:
-        """Hash of everything that values depend on; names and positions are not part of it."""
-        return digest(
-            "sensing", self.num_robots, self.num_targets, self.robot_of_action, self.indptr, self.indices, self.weights
-        )  # fmt: skip
-
     def facts(self) -> dict[str, Any]:
         """Sizes, degrees and what is idle or unseen, as plain JSON values.
 
@@ -318,17 +305,36 @@ class SensingGraph:
             "phi": self.density,
             "delta_r": int(np.bincount(self.robot_of_action[degree > 0], minlength=1).max()),
             "delta_t": int(np.bincount(self.indices, minlength=1).max()),
-            "weights": [float(self.weights.min()), float(self.weights.max())] if self.num_edges else None,
+            "weights": extent(self.weights) or None,
             "positions": self.action_positions is not None and self.target_positions is not None,
             "idle_robots": [self.robot_name(int(r)) for r in self.idle_robots],
             "unseen_targets": [self.target_name(int(t)) for t in self.unseen_targets],
         }
 
-    def __repr__(self) -> str:
-        return (
-            f"<SensingGraph {self.name}: {self.num_robots} robots, {self.num_actions} actions, {self.num_targets} targets, "
-            f"{self.num_edges} edges ({self.density:.3g} %)>"
-        )
+    def summary(self) -> Iterable[str]:
+        return (*super().summary(), f"{self.num_edges} edges ({self.density:.3g} %)")
+
+    # -- JSON ----------------------------------------------------------------------------------------------------------
+
+    def own_notes(self) -> list[str]:
+        return [note for note in self.notes if note not in self.findings]
+
+    def write_own(self) -> dict[str, Any]:
+        edges: dict[str, Any] = {"action": self.action_of_edge.tolist(), "target": self.indices.tolist()}
+        return {"edges": edges if (self.weights == 1.0).all() else {**edges, "weight": json_numbers(self.weights)}}
+
+    @classmethod
+    def read_own(cls, data: Mapping[str, Any], counts: Mapping[str, int]) -> dict[str, Any]:
+        edges = fields(data["edges"], "edges", EDGE_KEYS, EDGE_KEYS[:2])
+        action = wholes(edges["action"], "edges.action")
+        target = wholes(edges["target"], "edges.target", len(action))
+        weight = reals(edges["weight"], "edges.weight", len(action)) if "weight" in edges else np.ones(len(action))
+        return {"action": action, "target": target, "weight": weight}
+
+    @classmethod
+    def from_values(cls, **values: Any) -> SensingGraph:
+        members = {f"{what}s": (values.pop(f"num_{what}s"), values.pop(f"{what}_names", None)) for what in ("robot", "target")}
+        return graph_of_edges(**values, **{key: count if names is None else names for key, (count, names) in members.items()})
 
 
 def graph_of_edges(
@@ -353,10 +359,10 @@ def graph_of_edges(
     a, t = arrays.whole_numbers("action", action, hint), arrays.whole_numbers("target", target, hint)
     if t.shape != a.shape:
         raise InputError("action and target must have one entry an edge", expected=str(len(a)), found=str(len(t)))
-    given = arrays.reals("weight", weight)
-    if given.ndim and given.shape != a.shape:
-        raise InputError("weight must be a number, or have one entry an edge", expected=str(len(a)), found=str(given.shape))
-    c = np.array(np.broadcast_to(given, a.shape))
+    values = arrays.reals("weight", weight)
+    if values.ndim and values.shape != a.shape:
+        raise InputError("weight must be a number, or have one entry an edge", expected=str(len(a)), found=str(values.shape))
+    c = np.array(np.broadcast_to(values, a.shape))
     num_robots, robot_names = _count("robots", robots, owner, "actions")
     num_targets, target_names = _count("targets", targets, t, "edges")
     arrays.refuse_outside("the robot of action {}", owner, num_robots, "robot")
@@ -381,11 +387,10 @@ def graph_of_edges(
         a, t = np.divmod(key, max(num_targets, 1))
     if not c.all():
         a, t, c = a[c > 0], t[c > 0], c[c > 0]
-    indptr = np.zeros(len(owner) + 1, dtype=np.int64)
-    np.cumsum(np.bincount(a, minlength=len(owner)), out=indptr[1:])
+    starts = arrays.row_starts(a, len(owner)).astype(np.int32)
     return SensingGraph(
-        owner.astype(np.int32), indptr.astype(np.int32), t.astype(np.int32), c, num_robots, num_targets, robot_names=robot_names,
-        target_names=target_names, **further,
+        owner.astype(np.int32), starts, t.astype(np.int32), c, num_robots, num_targets, robot_names=robot_names, target_names=target_names,
+        **further,
     )  # fmt: skip
 
 
@@ -395,15 +400,15 @@ def _warned(graph: SensingGraph) -> SensingGraph:
     return graph
 
 
-def _count(what: str, given: Any, used: NDArray[np.int64], users: str) -> tuple[int, tuple[str, ...] | None]:
-    """How many there are, and their names; a number is refused before anything of its size is allocated."""
-    if given is None or (isinstance(given, int | np.integer) and not isinstance(given, bool)):
-        count = int(used.max(initial=-1)) + 1 if given is None else arrays.size(f"the number of {what}", given)
+def _count(what: str, members: Any, used: NDArray[np.int64], users: str) -> tuple[int, tuple[str, ...] | None]:
+    """Number of members and their names; a number is refused before anything of its size is allocated."""
+    if members is None or (isinstance(members, int | np.integer) and not isinstance(members, bool)):
+        count = int(used.max(initial=-1)) + 1 if members is None else arrays.size(f"the number of {what}", members)
         arrays.refuse_unused(what, count, len(used), users)
         return count, None
-    if isinstance(given, str | bytes) or not isinstance(given, Iterable):
-        raise InputError(f"{what} must be a number or a list of names", found=repr(given)[:80])
-    labels = tuple(str(g) for g in given)
+    if isinstance(members, str | bytes) or not isinstance(members, Iterable):
+        raise InputError(f"{what} must be a number or a list of names", found=repr(members)[:80])
+    labels = tuple(str(g) for g in members)
     return len(labels), labels
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, UsageError
+from ..number_arrays import row_starts
 from .sensing_graph import SensingGraph, graph_of_edges
 
 Floats = NDArray[np.float64]
@@ -48,7 +49,7 @@ class Named:
 
 
 def reading_order(labels: Sequence[str], order: str) -> list[int]:
-    """Which of the names, given as they first appear, comes first, second, ...; see ``ORDERS``."""
+    """Order of names that are listed as they first appear; see ``ORDERS``."""
     if order == "names" and all(map(_WHOLE.match, labels)):
         return sorted(range(len(labels)), key=lambda k: (int(labels[k]), labels[k]))
     return list(range(len(labels)))
@@ -58,29 +59,10 @@ def graph_of_rows(
     robot: Named, action: Named, target: Named, weight: Floats | None, *, lines: Sequence[int] = (), place: Callable[[int], str] = str,
     order: str = "names", duplicates: str = "error", **further: Any,
 ) -> SensingGraph:  # fmt: skip
-    """The graph that a table means.
+    """The graph that a table of names stands for.
 
-    Parameters
-    ----------
-    robot, action, target : Named
-        One entry a row.
-    weight : array of shape (rows,), optional
-        NaN where a row has none; without it every edge weighs 1.
-    lines : sequence of int, optional
-        The line of each row, for messages.
-    place : callable, optional
-        Without lines: what a row is called in messages, by its number from 0.
-    order : str
-        See ``ORDERS``.
-    duplicates : str
-        Edges that stand twice: ``error`` or ``sum``.
-    **further
-        For ``SensingGraph``.
-
-    Raises
-    ------
-    InputError
-        Naming the first row that means nothing, or that joins an action and a target again.
+    ``weight`` has the shape (rows,), NaN where a row has none; without it every edge weighs 1. Messages name a row by its line, or by
+    ``place`` from its number. Edges that stand twice are an ``error`` or a ``sum``; for ``order`` see ``ORDERS``.
     """
     if order not in ORDERS:
         raise UsageError(f"order must be one of {', '.join(ORDERS)}, not {order!r}")
@@ -161,7 +143,7 @@ def unless_counted(labels: list[str]) -> int | list[str]:
 def unless_usual(labels: list[str], owner: Codes, robots: list[str]) -> list[str] | None:
     """The names of actions, or None where they are those that actions have without names."""
     order = np.argsort(owner, kind="stable")
-    starts = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=len(robots)))])
+    starts = row_starts(owner, len(robots))
     position = np.empty(len(owner), dtype=np.int64)
     position[order] = np.arange(len(owner)) - starts[owner[order]]
     usual = (f"{robots[r]}.{k + 1}" for r, k in zip(owner.tolist(), position.tolist(), strict=True))
@@ -205,8 +187,8 @@ def exact_rows(graph: SensingGraph) -> Rows:
         appearing = used[np.argsort(first, kind="stable")]
         ranked = reading_order([label(k) for k in appearing.tolist()], "names")
         if not np.array_equal(appearing[ranked], np.arange(len(used))):
-            made = _joined(_declaring(np.arange(graph.num_robots), np.arange(graph.num_targets)), rows)
-            return Rows(made.robot, made.action, made.target, made.weight, "rows")
+            listed = _joined(_declaring(np.arange(graph.num_robots), np.arange(graph.num_targets)), rows)
+            return Rows(listed.robot, listed.action, listed.target, listed.weight, "rows")
     return rows
 
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import number_arrays as arrays
 from ..errors import InputError, UsageError
+from ..frames import columns_of, name_of, numbers_of
 from .sensing_graph import SensingGraph, graph_of_edges
 from .sensing_rows import COLUMNS, Named, graph_of_rows, rows_of_graph, unless_counted, unless_usual
 
@@ -51,13 +52,15 @@ def graph_from_frames(
         Naming the column or row (counted from 0) that is wrong.
     """
     parts: list[tuple[str, dict[str, Any], int]] = []
-    for what, frame, known, needed in (("actions", actions, KINDS[:2], 1), ("edges", edges, COLUMNS, 3)):
+    for what, frame, known, needed in (("actions", actions, KINDS[:2], KINDS[:1]), ("edges", edges, COLUMNS, KINDS)):
         if frame is not None:
-            parts.append((what, _columns(what, frame, known, needed), len(frame)))
+            parts.append((what, columns_of(what, frame, known, needed), len(frame)))
     columns = [_named([part.get(title, np.full(rows, None)) for _, part, rows in parts]) for title in KINDS]
     weight = None
     if "weight" in edges:
-        weight = np.concatenate([_weights(part["weight"]) if "weight" in part else np.full(rows, np.nan) for _, part, rows in parts])
+        weight = np.concatenate(
+            [numbers_of(what, "weight", part["weight"]) if "weight" in part else np.full(rows, np.nan) for what, part, rows in parts]
+        )
 
     def place(k: int) -> str:
         above = parts[0][2] if len(parts) > 1 else 0
@@ -68,44 +71,13 @@ def graph_from_frames(
     )  # fmt: skip
 
 
-def _columns(what: str, frame: Any, known: tuple[str, ...], needed: int) -> dict[str, Any]:
-    """Columns of a frame by title, as arrays of objects."""
-    if not hasattr(frame, "columns") or not hasattr(frame, "iloc"):
-        raise InputError(f"{what} must be a pandas frame", found=type(frame).__name__)
-    titles = [str(column) for column in frame.columns]
-    for title in titles:
-        if title not in known:
-            raise InputError(f"column {title!r} of {what} is unknown", expected=", ".join(known))
-        if titles.count(title) > 1:
-            raise InputError(f"column {title!r} of {what} stands twice")
-    for title in known[:needed]:
-        if title not in titles:
-            raise InputError(f"{what} lacks the column {title!r}", expected=", ".join(known), found=", ".join(titles) or "no columns")
-    return {title: frame.iloc[:, k].to_numpy(dtype=object) for k, title in enumerate(titles)}
-
-
 def _named(pieces: list[Any]) -> Named:
     """Names out of whatever values a column holds; 3 and 3.0 are both the name "3"."""
     import pandas as pd
 
     codes, values = pd.factorize(np.concatenate(pieces))
-    again = Named.of(_label(value) for value in values.tolist())
+    again = Named.of(name_of(value) for value in values.tolist())
     return Named(np.append(again.codes, -1)[codes], again.labels)
-
-
-def _label(value: object) -> str:
-    if isinstance(value, float) and value.is_integer():
-        return str(int(value))
-    return str(value).strip()
-
-
-def _weights(values: Any) -> Floats:
-    import pandas as pd
-
-    try:
-        return np.array(pd.to_numeric(pd.Series(values)), dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError("column weight of edges must hold numbers", found=str(error)) from None
 
 
 def graph_to_frame(graph: SensingGraph) -> pd.DataFrame:
@@ -196,15 +168,15 @@ def _weight(value: Any, edge: str) -> float:
 
 def _pos(graph: Any, kind: str, nodes: list[Any]) -> Any:
     """Positions of all nodes of a kind, or None where none has one."""
-    given = [graph.nodes[node].get("pos") for node in nodes]
-    if all(pos is None for pos in given):
+    places = [graph.nodes[node].get("pos") for node in nodes]
+    if all(pos is None for pos in places):
         return None
-    for node, pos in zip(nodes, given, strict=True):
+    for node, pos in zip(nodes, places, strict=True):
         if pos is None:
             raise InputError(f"{kind} {node!r} has no position pos", expected=f"one for every {kind}, or for none")
         if np.shape(pos) != (2,):
             raise InputError(f"the position pos of {kind} {node!r} must be two numbers", found=repr(pos)[:40])
-    return given
+    return places
 
 
 def graph_to_networkx(graph: SensingGraph) -> Any:
@@ -212,7 +184,7 @@ def graph_to_networkx(graph: SensingGraph) -> Any:
     are positions, ``pos``; ``from_networkx`` makes the same graph of it."""
     import networkx as nx
 
-    made = nx.Graph(name=graph.name)
+    result = nx.Graph(name=graph.name)
     every: tuple[tuple[str, int, Callable[[int], str], Floats | None], ...] = (
         ("robot", graph.num_robots, graph.robot_name, None),
         ("action", graph.num_actions, graph.action_labels.__getitem__, graph.action_positions),
@@ -222,12 +194,12 @@ def graph_to_networkx(graph: SensingGraph) -> Any:
     for kind, count, label, points in every:
         nodes[kind] = [(kind, label(k)) for k in range(count)]
         for k, node in enumerate(nodes[kind]):
-            made.add_node(node, kind=kind, name=node[1], **({} if points is None else {"pos": tuple(points[k].tolist())}))
+            result.add_node(node, kind=kind, name=node[1], **({} if points is None else {"pos": tuple(points[k].tolist())}))
     robots, actions, targets = (nodes[kind] for kind in KINDS)
-    made.add_edges_from((robots[r], actions[a]) for a, r in enumerate(graph.robot_of_action.tolist()))
+    result.add_edges_from((robots[r], actions[a]) for a, r in enumerate(graph.robot_of_action.tolist()))
     columns = graph.action_of_edge.tolist(), graph.indices.tolist(), graph.weights.tolist()
-    made.add_weighted_edges_from((actions[a], targets[t], w) for a, t, w in zip(*columns, strict=True))
-    return made
+    result.add_weighted_edges_from((actions[a], targets[t], w) for a, t, w in zip(*columns, strict=True))
+    return result
 
 
 # -- positions -------------------------------------------------------------------------------------------------------------
@@ -295,9 +267,9 @@ def graph_from_positions(
 
 
 def _points(what: str, points: ArrayLike, count: int | None) -> Floats:
-    made = arrays.reals(f"{what} positions", points)
-    if made.size == 0:
-        made = made.reshape(0, 2)
-    checked = arrays.positions(what, made, len(made) if count is None else count)
+    array = arrays.reals(f"{what} positions", points)
+    if array.size == 0:
+        array = array.reshape(0, 2)
+    checked = arrays.positions(what, array, len(array) if count is None else count)
     assert checked is not None
     return checked

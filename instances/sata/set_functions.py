@@ -20,7 +20,7 @@ Indices = NDArray[np.int32]
 Masks = NDArray[np.bool_]
 
 AT_ITEM, AT_ENTRY, IN_MATRIX = 0, 1, 2
-"""Where a weight stands: at the item (all elements that have it give it alike), at the entry of a CSR form, in a full matrix."""
+"""Place of the weights: one an item (the same for all elements that have it), one an entry of a CSR form, or a full matrix."""
 
 STRIP = 1 << 21
 """Numbers that are kept at once while many sets are valued."""
@@ -72,7 +72,7 @@ class ItemWeights:
             if self.matrix.size and not (self.matrix.min() >= 0 and math.isfinite(float(self.matrix.max()))):
                 raise InputError("weights must be finite and not negative")
             arrays.refuse_overflow("the weights", self.matrix)
-            found = len(self.matrix)
+            count = len(self.matrix)
         else:
             thing, every, size = "entry", "the weights", len(self.indices)
             if self.layout == AT_ITEM:
@@ -82,13 +82,13 @@ class ItemWeights:
                 raise InputError(f"there must be one weight {an(thing)}", expected=str(size), found=str(self.weights.shape))
             arrays.refuse_negative(f"the weight of {thing} {{}}", self.weights)
             arrays.refuse_overflow(every, self.weights)
-            found = len(self.indptr) - 1
-        if found != elements:
-            raise InputError("there must be weights for each element", expected=str(elements), found=str(found))
+            count = len(self.indptr) - 1
+        if count != elements:
+            raise InputError("there must be weights for each element", expected=str(elements), found=str(count))
 
     @property
     def arrays(self) -> tuple[int, Indices, Indices, Floats, Floats, NDArray[np.float32]]:
-        """What compiled loops take: the matrix stands at its own place, of doubles or of single numbers, and the other one is empty."""
+        """Arguments of compiled loops: one place for a matrix of doubles and one for single precision, of which at least one is empty."""
         places = [_frozen(self.matrix if self.matrix.dtype == kind else np.zeros((0, 0)), kind) for kind in (np.float64, np.float32)]
         return self.layout, self.indptr, self.indices, self.weights, places[0], places[1]
 
@@ -129,7 +129,7 @@ class ItemWeights:
 
 def _frozen(values: NDArray[Any], dtype: Any) -> NDArray[Any]:
     """Read-only, whoever made it: to a compiler these are two types, and a loop would be compiled for each."""
-    return arrays.frozen(np.ascontiguousarray(values, dtype))  # type: ignore[no-any-return]
+    return arrays.frozen(np.ascontiguousarray(values, dtype))
 
 
 class SetFunction(ABC):
@@ -173,7 +173,7 @@ class SetFunction(ABC):
 
     @abstractmethod
     def parts(self) -> tuple[Any, ...]:
-        """What the digest covers."""
+        """Data that the digest covers."""
 
     def as_item_weights(self) -> ItemWeights | None:
         """The function as a sum over items of the largest weight that an element gives each, where it is one."""
@@ -189,11 +189,11 @@ class SetFunction(ABC):
         return float(self.values(mask)[0])
 
     def gains(self, elements: Sequence[int]) -> Floats:
-        """What each element adds to the value of those before it, shape (elements,)."""
+        """Gain of each element over the value of those before it, shape (elements,)."""
         return np.diff([self.value(np.array(elements[:k], dtype=np.int64)) for k in range(len(elements) + 1)])
 
     def facts(self) -> dict[str, Any]:
-        """What it holds, as plain JSON values."""
+        """Facts about the function as plain JSON values."""
         return {"kind": self.name, "elements": self.num_elements}
 
 
@@ -215,18 +215,18 @@ class ItemFunction(SetFunction):
 
     def values(self, masks: Masks) -> Floats:
         weights = self.as_item_weights()
-        found, step = np.zeros(len(masks)), max(1, STRIP // max(1, weights.num_items))
+        totals, step = np.zeros(len(masks)), max(1, STRIP // max(1, weights.num_items))
         for first in range(0, len(masks), step):
             some = masks[first : first + step]
             best = np.zeros((len(some), weights.num_items))
             for element in np.nonzero(some.any(axis=0))[0].tolist():
-                items, given = weights.given_by(element)
+                items, offered = weights.given_by(element)
                 rows = np.nonzero(some[:, element])[0]
                 raised = best[rows]
-                raised[:, items] = np.maximum(raised[:, items], given)
+                raised[:, items] = np.maximum(raised[:, items], offered)
                 best[rows] = raised
-            found[first : first + step] = best.sum(axis=1)
-        return found
+            totals[first : first + step] = best.sum(axis=1)
+        return totals
 
     def value(self, chosen: NDArray[np.integer[Any]]) -> float:
         return math.fsum(self.as_item_weights().best(chosen))
@@ -235,8 +235,8 @@ class ItemFunction(SetFunction):
         weights, added = self.as_item_weights(), np.zeros(len(elements))
         best = np.zeros(weights.num_items)
         for k, element in enumerate(elements):
-            items, given = weights.given_by(element)
-            more = np.maximum(given, best[items])
+            items, offered = weights.given_by(element)
+            more = np.maximum(offered, best[items])
             added[k] = math.fsum(more - best[items])
             best[items] = more
         return added
@@ -409,20 +409,20 @@ class UserFunction(SetFunction):
         """
         returned = self.evaluate(masks)
         try:
-            found = np.asarray(returned, dtype=np.float64)
+            totals = np.asarray(returned, dtype=np.float64)
         except (TypeError, ValueError):
             kind = type(returned).__name__
             raise InputError(f"the set function {self.label} must return numbers", expected=f"({len(masks)},)", found=kind) from None
-        if found.shape != (len(masks),):
+        if totals.shape != (len(masks),):
             raise InputError(
-                f"the set function {self.label} must return one number a set", expected=f"({len(masks)},)", found=str(found.shape)
+                f"the set function {self.label} must return one number a set", expected=f"({len(masks)},)", found=str(totals.shape)
             )
-        if not np.isfinite(found).all():
-            raise InputError(f"the set function {self.label} must return finite numbers", found=str(found[~np.isfinite(found)][0]))
-        return found
+        if not np.isfinite(totals).all():
+            raise InputError(f"the set function {self.label} must return finite numbers", found=str(totals[~np.isfinite(totals)][0]))
+        return totals
 
     def parts(self) -> tuple[Any, ...]:
-        """What the digest covers: the function itself cannot be hashed."""
+        """Data that the digest covers: the function itself cannot be hashed."""
         return (self.name, self.label, self.num_elements, self.monotone, self.submodular)
 
 

@@ -15,8 +15,7 @@ from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from ...instances.instance import Instance
 from ...instances.routing.instance import RoutingInstance
-from ...instances.sata.json_kind.selection import writable
-from ...instances.sata.selection import SelectionInstance
+from ...instances.sata.selection import SelectionInstance, writable
 from .study import Fault, Report
 
 
@@ -37,7 +36,7 @@ def instance_of(problem: Problem, note: str = "") -> Instance | None:
         )  # fmt: skip
     if isinstance(problem, SubmodularSelection) and writable(problem.function, problem.constraint):
         return SelectionInstance(
-            problem.function, problem.constraint, problem.element_names, problem.name, problem.problem, notes=(*problem.notes, *notes)
+            problem.function, problem.constraint, problem.element_names, name=problem.name, notes=(*problem.notes, *notes)
         )
     return None
 

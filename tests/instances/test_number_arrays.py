@@ -124,3 +124,8 @@ def test_entries_of_rows_come_row_after_row(seed: int) -> None:
     expected = [list(range(indptr[row], indptr[row + 1])) for row in rows.tolist()]
     assert found.tolist() == [k for entries in expected for k in entries]
     assert counts.tolist() == [len(entries) for entries in expected]
+
+
+def test_starts_of_rows_count_their_entries() -> None:
+    assert arrays.row_starts(np.array([0, 2, 2]), 4).tolist() == [0, 1, 1, 3, 3]
+    assert arrays.row_starts(np.zeros(0, dtype=np.int64), 2).tolist() == [0, 0, 0]

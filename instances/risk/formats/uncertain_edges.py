@@ -11,8 +11,7 @@ from ...errors import InputError, UsageError
 from ...formats import FORMATS, Format
 from ...formats.table import Table, settings_of, table_of, titles_of, written
 from ...text import label, number, plain, shown
-from ..uncertain_graph import PROBLEMS, UncertainGraph
-from ..uncertain_sources import COLUMNS, graph_of_names, is_undirected
+from ..uncertain_graph import COLUMNS, PROBLEMS, UncertainGraph
 
 KEYS = ("name", "start", "goal", "undirected")
 FLAGS = {"true": True, "false": False}
@@ -49,7 +48,7 @@ def read(text: str, path: Path) -> UncertainGraph:
                 raise InputError(f"{title} is negative", line=table.at[k], expected="0 or more", found=cells[k])
             costs[title] = values
     name = label(settings["name"][1] if "name" in settings else path.stem)
-    return graph_of_names(
+    return UncertainGraph.from_names(
         tails, heads, costs, settings["start"][1], settings["goal"][1], undirected=FLAGS[undirected.lower()], name=name,
         format="uncertain-edges",
     )  # fmt: skip
@@ -79,7 +78,7 @@ def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
     if not isinstance(instance, UncertainGraph):
         raise UsageError(f"{getattr(instance, 'name', 'this')} has no uncertain costs and cannot be written as uncertain-edges; use json")
-    both = is_undirected(instance)
+    both = instance.undirected
     if instance.positions is not None or (instance.variable is not None and not both):
         what = "positions" if instance.positions is not None else "costs that edges share"
         raise UsageError(f"{instance.name} cannot be written as uncertain-edges, which has no place for {what}; use json")

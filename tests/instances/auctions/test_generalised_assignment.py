@@ -38,7 +38,7 @@ def test_a_frame_gives_pairs_by_name_and_a_series_the_capacities() -> None:
         (([[math.nan]], [[1.0]], [1.0]), "the cost of agent 1 and job 1 must be a number"),
         (([[-math.inf]], [[1.0]], [1.0]), "the cost of agent 1 and job 1"),
         (([[1.0, 2.0]], [[1.0, -1.0]], [1.0]), "the consumption of agent 1 and job 2 must be from 0"),
-        (([[1.0, 2.0]], [[1.0]], [1.0]), "consumption needs one number a pair"),
+        (([[1.0, 2.0]], [[1.0]], [1.0]), "consumption has another shape; expected 1 x 2"),
         (([[1.0]], [[1.0]], [-1.0]), "the capacity of agent 1 must be from 0"),
         (([[1.0]], [[1.0]], [1.0, 2.0]), "one capacity an agent"),
         ((np.zeros((0, 3)), np.zeros((0, 3)), []), "there are no agents"),

@@ -36,15 +36,15 @@ def test_routes_that_leave_out_cells_are_refused(orders):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"robot_cells": [], "robot_free": []}, "there must be a robot"),
-        ({"bin_cells": [], "after": [], "standing": np.zeros(0, bool), "work": []}, "there must be a bin"),
+        ({"robot_cells": [], "robot_free": []}, "there are no robots"),
+        ({"bin_cells": [], "after": [], "standing": np.zeros(0, bool), "work": []}, "there are no bins"),
         ({"robot_cells": [0, 6]}, "the cell of robot 2 does not exist"),
         ({"bin_cells": [1, 1, 5]}, "bin 3 does not stand in a harvest cell"),
         ({"after": [-1, 1, -1]}, "bin 2 is filled after one that has no lower number"),
         ({"after": [-1, 0, 0]}, "two bins are filled next after bin 1"),
         ({"standing": [1, 0, 1]}, "standing must have one truth value a bin"),
         ({"work": [2, -1, 0]}, "work must be from 0"),
-        ({"work": [2, 2]}, "work and bin_cells must be of one length"),
+        ({"work": [2, 2]}, "there must be one work a bin; expected 3"),
         ({"robot_free": [0, 10**7]}, "robot_free must be from 0"),
     ],
 )

@@ -58,7 +58,7 @@ def test_empty_cells_of_any_sort_declare() -> None:
         (EDGES.drop(columns="action"), "edges lacks the column 'action'; expected robot, action, target, weight; found robot"),
         (EDGES.assign(colour=1), "column 'colour' of edges is unknown"),
         (pd.concat([EDGES, EDGES[["robot"]]], axis=1), "column 'robot' of edges stands twice"),
-        (EDGES.assign(weight=["1", "two", "3"]), "column weight of edges must hold numbers"),
+        (EDGES.assign(weight=["1", "two", "3"]), "column 'weight' of edges must hold numbers"),
         (EDGES.assign(weight=[1, -1, 1]), "row 2 of edges: the weight must be a finite number, not negative; found -1.0"),
         (EDGES.assign(weight=[1, np.nan, 1]), "row 2 of edges: the weight must be a finite number"),
         (EDGES.assign(robot=["a", None, "b"]), "row 2 of edges: the action has no robot"),

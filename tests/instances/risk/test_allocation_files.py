@@ -13,7 +13,7 @@ from waybound.instances.errors import InputError
 from waybound.instances.generating import generate
 from waybound.instances.reading import read_instance
 from waybound.instances.risk.allocation import RiskAllocationInstance
-from waybound.instances.risk.json_kind.risk_allocation import decode, encode
+from waybound.instances.risk.allocation_files import decode, encode
 from waybound.instances.writing import write_instance
 
 

@@ -9,8 +9,8 @@ import risky_cases as cases
 from waybound.instances.document import dump_json, parse_json
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.kinds import KINDS
+from waybound.instances.risk.element_files import ELEMENTS
 from waybound.instances.risk.elements import AccessRisk, LengthRisk, LocaleRisk, MoveRisk, TurnRisk
-from waybound.instances.risk.json_kind.risky_graph import ELEMENTS
 from waybound.instances.risk.tether import Tether
 from waybound.instances.risk.traverse_elements import CollectedRisk, FunctionRisk, TetherRisk, TravelledRisk
 

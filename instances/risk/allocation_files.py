@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ... import number_arrays as arrays
-from ...document import array, fields, integer, json_number, json_numbers, kind_of, real, reals, square, string, strings, wholes
-from ...errors import InputError
-from ...kinds import KINDS, Kind
-from ..allocation import MOST_RISK, Affine, Budget, ChanceConstraints, Cone, CostTerm, Risk, RiskAllocationInstance
-from ..gaussian import Dynamics, Quantities
+from .. import number_arrays as arrays
+from ..document import array, fields, integer, json_number, json_numbers, kind_of, matrix, real, reals, square, string, strings, wholes
+from ..errors import InputError
+from .allocation import MOST_RISK, Affine, Budget, ChanceConstraints, Cone, CostTerm, Risk, RiskAllocationInstance
+from .gaussian import Dynamics, Quantities
 
 Floats = NDArray[np.float64]
 
@@ -85,7 +84,7 @@ def _side(data: Any, path: str, size: int, default: float) -> Floats:
 def _matrix(data: Any, path: str, columns: int, rows: int | None = None) -> Floats:
     """A list of rows, or the rows and columns of the entries that are not 0."""
     if isinstance(data, list):
-        return np.array([reals(row, f"{path}[{k}]", columns) for k, row in enumerate(array(data, path, rows))]).reshape(len(data), columns)
+        return matrix(data, path, rows, columns)
     fields(data, path, ("rows", "row", "column", "value"), ("rows", "row", "column", "value"))
     count = integer(data["rows"], f"{path}.rows", 0)
     if rows is not None and count != rows:
@@ -96,9 +95,9 @@ def _matrix(data: Any, path: str, columns: int, rows: int | None = None) -> Floa
     column, value = wholes(data["column"], f"{path}.column", len(row)), reals(data["value"], f"{path}.value", len(row))
     arrays.refuse_outside(f"{path}.row[{{}}]", row, count, "row")
     arrays.refuse_outside(f"{path}.column[{{}}]", column, columns, "column")
-    made = np.zeros((count, columns))
-    np.add.at(made, (row, column), value)
-    return made
+    dense = np.zeros((count, columns))
+    np.add.at(dense, (row, column), value)
+    return dense
 
 
 def _affine(data: Any, path: str, n: int, q: int) -> Affine:
@@ -108,12 +107,12 @@ def _affine(data: Any, path: str, n: int, q: int) -> Affine:
         key: _matrix(parts[key], f"{path}.{key}", size)
         for key, size in (("decisions", n), ("quantities", q)) if parts[key] is not None
     }  # fmt: skip
-    given = [len(m) for m in matrices.values()] + (
+    row_counts = [len(m) for m in matrices.values()] + (
         [len(array(parts["constant"], f"{path}.constant"))] if parts["constant"] is not None else []
     )
-    count = given[0] if given else 0
-    if set(given) - {count}:
-        raise InputError(f"{path} has another number of rows over decisions than over quantities", found=", ".join(map(str, given)))
+    count = row_counts[0] if row_counts else 0
+    if set(row_counts) - {count}:
+        raise InputError(f"{path} has another number of rows over decisions than over quantities", found=", ".join(map(str, row_counts)))
     constant = np.zeros(count) if parts["constant"] is None else reals(parts["constant"], f"{path}.constant", count)
     return Affine(matrices.get("decisions", np.zeros((count, n))), matrices.get("quantities", np.zeros((count, q))), constant)
 
@@ -142,14 +141,14 @@ def _chance(data: Any, n: int, q: int) -> ChanceConstraints:
     fields(data, "chance", (*ROW_KEYS, "limits", "names", "constraint"), ("limits",))
     rows = _affine(data, "chance", n, q)
     limits = reals(data["limits"], "chance.limits", rows.rows)
-    given = strings(data["names"], "chance.names") if "names" in data else None
+    names = strings(data["names"], "chance.names") if "names" in data else None
     if "constraint" in data:
         constraint = wholes(data["constraint"], "chance.constraint", rows.rows)
         count = int(constraint.max(initial=-1)) + 1
         arrays.refuse_unused("chance constraints", count, rows.rows, "rows")
     else:
         constraint, count = np.arange(rows.rows), rows.rows
-    return ChanceConstraints(rows, limits, tuple(str(k + 1) for k in range(count)) if given is None else given, constraint)
+    return ChanceConstraints(rows, limits, tuple(str(k + 1) for k in range(count)) if names is None else names, constraint)
 
 
 def _risk(data: Any, names: tuple[str, ...]) -> Risk:
@@ -159,15 +158,15 @@ def _risk(data: Any, names: tuple[str, ...]) -> Risk:
     each = np.full(len(names), real(each, "risk.each")) if not isinstance(each, list) else reals(each, "risk.each", len(names))
     index = {name: k for k, name in enumerate(names)}
     budgets = []
-    for k, given in enumerate(array(data.get("budgets", []), "risk.budgets")):
+    for k, entry in enumerate(array(data.get("budgets", []), "risk.budgets")):
         path = f"risk.budgets[{k}]"
-        fields(given, path, ("name", "constraints", "risk"), ("constraints", "risk"))
-        members = strings(given["constraints"], f"{path}.constraints")
+        fields(entry, path, ("name", "constraints", "risk"), ("constraints", "risk"))
+        members = strings(entry["constraints"], f"{path}.constraints")
         unknown = next((m for m in members if m not in index), None)
         if unknown is not None:
             raise InputError(f"{path}.constraints names an unknown chance constraint", found=repr(unknown)[:40])
-        name = string(given.get("name", str(k + 1)), f"{path}.name")
-        budgets.append(Budget(name, np.array([index[m] for m in members], dtype=np.int64), real(given["risk"], f"{path}.risk")))
+        name = string(entry.get("name", str(k + 1)), f"{path}.name")
+        budgets.append(Budget(name, np.array([index[m] for m in members], dtype=np.int64), real(entry["risk"], f"{path}.risk")))
     if total is None and not budgets and "each" not in data:
         raise InputError("risk says no limit", expected="total, each or budgets")
     return Risk(string(data.get("kind", "allocated"), "risk.kind"), total, each, tuple(budgets))
@@ -213,17 +212,17 @@ def _dynamics(data: Any) -> Dynamics:
 
 def encode(instance: RiskAllocationInstance) -> dict[str, Any]:
     """The keys of the data; those that hold nothing but defaults are left out."""
-    i, given = instance, instance.quantities
+    i, quantities = instance, instance.quantities
     data: dict[str, Any] = {"name": i.name, "problem": i.problem, "sense": i.sense}
-    if given.dynamics is not None:
-        data["dynamics"] = _encoded_dynamics(given.dynamics)
+    if quantities.dynamics is not None:
+        data["dynamics"] = _encoded_dynamics(quantities.dynamics)
     else:
         data["decisions"] = list(i.decision_names)
     data["lower"], data["upper"] = _encoded_side(i.lower), _encoded_side(i.upper)
-    if given.dynamics is None:
+    if quantities.dynamics is None:
         data["quantities"] = {
-            "names": list(given.names), "map": _encoded_matrix(given.map), "offset": json_numbers(given.offset),
-            "covariance": _encoded_covariance(given.covariance),
+            "names": list(quantities.names), "map": _encoded_matrix(quantities.map), "offset": json_numbers(quantities.offset),
+            "covariance": _encoded_covariance(quantities.covariance),
         }  # fmt: skip
     data["cost"] = _encoded_row(i.cost)
     if i.terms:
@@ -254,7 +253,7 @@ def _encoded_side(values: Floats) -> Any:
 
 
 def _encoded_matrix(matrix: Floats) -> Any:
-    """As rows while there are few entries, else as those that are not 0."""
+    """Rows of a small matrix, or the places and values of the nonzero entries."""
     if matrix.size <= 64:
         return json_numbers(matrix)
     row, column = np.nonzero(matrix)
@@ -286,6 +285,3 @@ def _encoded_dynamics(d: Dynamics) -> dict[str, Any]:
         "start": json_numbers(d.start), "steps": d.steps, "states": list(d.state_names), "inputs": list(d.input_names),
     }  # fmt: skip
     return {**data, "start_covariance": _encoded_covariance(d.start_covariance)} if d.start_covariance.any() else data
-
-
-KINDS.add("risk-allocation", Kind("risk-allocation", encode, decode))

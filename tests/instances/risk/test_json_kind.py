@@ -31,10 +31,10 @@ def test_what_is_written_is_read_to_the_bit(tmp_path, directed):
     [
         (lambda d: d["edges"].update(variance=[-1.0] * 10), "the variance of edge S -> A must be from 0"),
         (lambda d: d["edges"].update(mean=[1.0]), "edges.mean has a wrong length; expected 10; found 1"),
-        (lambda d: d.update(goal=99), "the goal does not exist"),
+        (lambda d: d.update(goal=99), "the goal must be a vertex; expected 0 to 6"),
         (lambda d: d.update(problem="tsp"), "problem is none of graphs with uncertain costs"),
-        (lambda d: d["vertices"].update(x=[0.0] * 7), "vertices has one coordinate alone"),
-        (lambda d: d["vertices"].update(count=6), "does not exist"),
+        (lambda d: d["vertices"].update(x=[0.0] * 7), "vertices has x alone"),
+        (lambda d: d["vertices"].update(count=6, name=d["vertices"]["name"][:6]), "does not exist"),
         (lambda d: d["edges"].update(colour=[]), "edges has an unknown key 'colour'"),
         (lambda d: d.update(start=2), "start and goal are the same"),
         (lambda d: d.update(start=2, goal=0), "no path leads from G to S"),

@@ -1,3 +1,0 @@
-"""Instances under risk in waybound's JSON: one module a kind."""
-
-from .... import _guard as _guard
