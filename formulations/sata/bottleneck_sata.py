@@ -19,9 +19,8 @@ from ...instances.sata.sensing_graph import SensingGraph
 from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS, refuse_settings
 from ..tolerance import VECTOR
-from .assignments import action_index, actions_from_json, actions_to_json, graph_for
 from .decided import FEATURE, DecidedElements
-from .selections import Selection, judge_elements, selection_of
+from .selections import Selection, action_index, actions_from_json, actions_to_json, graph_for, judge_elements, selection_of
 
 if TYPE_CHECKING:
     import pandas as pd

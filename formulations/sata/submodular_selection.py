@@ -18,10 +18,9 @@ from ...instances.sata.set_functions import Coverage, FacilityLocation, SetFunct
 from ..evaluation import Check, Evaluation, Violation, judge
 from ..problem import PROBLEMS, refuse_settings
 from ..tolerance import EQUAL
-from .assignments import graph_for
 from .decided import FEATURE, DecidedElements
 from .feasibility import spendable
-from .selections import Selection, judge_elements, selection_of
+from .selections import Selection, graph_for, judge_elements, selection_of
 
 if TYPE_CHECKING:
     import pandas as pd

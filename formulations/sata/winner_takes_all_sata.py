@@ -17,8 +17,7 @@ from ...instances.sata.sensing_graph import SensingGraph
 from ...instances.sata.set_functions import FacilityLocation
 from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS, refuse_settings
-from .assignments import actions_from_json, actions_to_json, graph_for
-from .selections import Selection
+from .selections import Selection, actions_from_json, actions_to_json, graph_for
 from .submodular_selection import SubmodularSelection
 
 if TYPE_CHECKING:
