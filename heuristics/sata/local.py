@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...formulations.evidence import Evidence, Guarantee
 from ...formulations.sata.balls import even_shares
 from ...formulations.sata.bottleneck_sata import BottleneckSATA
-from ...formulations.sata.max_min_lp import MaxMinLP
+from ...formulations.sata.max_min_lp import MaxMinLP, RobotsOf
 from ...formulations.sata.selections import Selection
 from ...formulations.stop import Stop, Stopped
 from ...instances.errors import UsageError
@@ -126,18 +126,18 @@ def local(
 
 @dataclass(frozen=True)
 class _Task:
-    """The problem as one of robots.
+    """The problem as one of robots."""
 
-    ``answer`` makes the problem's own answer of shares and whole actions; ``translate`` its own evidence of evidence for the graph.
-    """
-
+    robots: RobotsOf
     problem: BottleneckSATA
     graph: SensingGraph
     cleaned: CleanGraph
     whole: bool
     unseen: NDArray[np.int32]
-    answer: Callable[[Floats, NDArray[np.int32]], Any]
-    translate: Callable[[Evidence], Evidence]
+
+    def answer(self, shares: Floats, actions: NDArray[np.int32]) -> Any:
+        """The problem's own answer, from shares or from whole actions."""
+        return Selection(tuple(actions.tolist())) if self.whole else self.robots.answer(shares)
 
 
 @dataclass(frozen=True)
@@ -173,23 +173,10 @@ def _heights(h: Any, heights: Any) -> list[int]:
 
 
 def _task(problem: BottleneckSATA | MaxMinLP) -> _Task:
-    if isinstance(problem, BottleneckSATA):
-        graph, scale, asked = problem.graph, None, problem
-    else:
-        from ...formulations.sata.single_packing import as_row_prices, as_sensing
-
-        graph, scale = as_sensing(problem)
-        asked = BottleneckSATA(graph, fractional=True)
-
-    def answer(shares: Floats, actions: NDArray[np.int32]) -> Any:
-        if not asked.fractional:
-            return Selection(tuple(actions.tolist()))
-        return shares if scale is None else shares / scale
-
-    def translate(evidence: Evidence) -> Evidence:
-        return evidence if scale is None else as_row_prices(graph, evidence)
-
-    return _Task(asked, graph, clean(graph), not asked.fractional, graph.unseen_targets, answer, translate)
+    robots = RobotsOf(problem)
+    graph = robots.graph
+    asked = problem if isinstance(problem, BottleneckSATA) else BottleneckSATA(graph, fractional=True)
+    return _Task(robots, asked, graph, clean(graph), not asked.fractional, graph.unseen_targets)
 
 
 def _run(task: _Task, h: int, messages: bool, options: dict[str, Any], ties: str, rng: np.random.Generator, stop: Stop) -> _Run:
@@ -266,8 +253,8 @@ def _bound(task: _Task, coverage: Floats, context: Context, stop: Stop) -> tuple
         return ()
     from ...solvers.bounds.sata.ball import ball_evidence
 
-    found = ball_evidence(task.problem, coverage, stop, context.linear)
-    return () if found is None else (task.translate(found),)
+    evidence = ball_evidence(task.graph, coverage, stop, context.linear)
+    return () if evidence is None else (task.robots.evidence(evidence),)
 
 
 def _statistics(task: _Task, best: _Run, runs: list[_Run]) -> dict[str, Any]:

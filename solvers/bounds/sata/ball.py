@@ -19,6 +19,7 @@ import numpy as np
 from ....formulations.evidence import Evidence
 from ....formulations.sata.balls import Floats, Indices, ball_graph, even_shares, grown, near_one, num_edges
 from ....formulations.sata.balls import coverage as covered_by
+from ....formulations.sata.max_min_lp import RobotsOf
 from ....formulations.stop import NEVER, Stop
 from ....instances.errors import InputError
 from ....instances.sata.sensing_graph import SensingGraph
@@ -27,7 +28,6 @@ from .. import BOUNDS, BoundMethod
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
-    from ....formulations.sata.bottleneck_sata import BottleneckSATA
 
 SEEDS = 3
 """Worst-covered targets that the first ball is grown around."""
@@ -70,18 +70,18 @@ def ball_weights(graph: SensingGraph, targets: Indices, stop: Stop, linear: Line
     part = ball_graph(graph, targets)
     part, unit = near_one(part)
     problem = BottleneckSATA(part, fractional=True)
-    made = problem.compile("max-min")
+    compiled = problem.compile("max-min")
     try:
-        duals = linear.duals(made.program, stop, SIMPLEX if part.num_edges <= SIMPLEX_EDGES else None)
+        duals = linear.duals(compiled.program, stop, SIMPLEX if part.num_edges <= SIMPLEX_EDGES else None)
     except InputError:  # weights of sizes that the solver does not take
         return None
-    if duals is None or made.dual_evidence is None:
+    if duals is None or compiled.dual_evidence is None:
         return None
-    found = made.dual_evidence(duals)
-    if not math.isfinite(found.value):
+    evidence = compiled.dual_evidence(duals)
+    if not math.isfinite(evidence.value):
         return None
-    priced = targets[np.asarray(found.data["targets"], dtype=np.int64)].astype(np.int64)
-    return found.value / unit, priced, np.asarray(found.data["weights"], dtype=np.float64)
+    priced = targets[np.asarray(evidence.data["targets"], dtype=np.int64)].astype(np.int64)
+    return evidence.value / unit, priced, np.asarray(evidence.data["weights"], dtype=np.float64)
 
 
 def weights_evidence(targets: Indices, weights: Floats, bound: float, source: str) -> Evidence:
@@ -89,8 +89,14 @@ def weights_evidence(targets: Indices, weights: Floats, bound: float, source: st
     return Evidence("target-weights", source, bound, {"targets": targets.tolist(), "weights": weights.tolist()})
 
 
+def unseen_evidence(graph: SensingGraph) -> Evidence:
+    """Evidence that nothing more than 0 can be had, from a target that no action sees."""
+    name = graph.target_name(int(graph.unseen_targets[0]))
+    return weights_evidence(graph.unseen_targets[:1], np.ones(1), 0.0, f"target {name}, which no action sees")
+
+
 def ball_evidence(
-    problem: BottleneckSATA,
+    graph: SensingGraph,
     coverage: Floats | None,
     stop: Stop = NEVER,
     linear: LinearPrograms | None = None,
@@ -106,7 +112,6 @@ def ball_evidence(
     Parameters
     ----------
     problem : BottleneckSATA
-        For whole actions, this is a bound of its relaxation.
     coverage : array of shape (targets,), optional
         Coverage by the best answer known; by default that of robots that divide themselves evenly among their actions.
     stop : Stop
@@ -125,10 +130,9 @@ def ball_evidence(
     -----
     Source: linear programming duality; docs/formulations/bottleneck.md#balls.
     """
-    graph, linear = problem.graph, linear or LinearPrograms()
+    linear = linear or LinearPrograms()
     if len(graph.unseen_targets):
-        name = graph.target_name(int(graph.unseen_targets[0]))
-        return weights_evidence(graph.unseen_targets[:1], np.ones(1), 0.0, f"target {name}, which no action sees")
+        return unseen_evidence(graph)
     if coverage is None:
         coverage = covered_by(graph, even_shares(graph))
     best: tuple[float, Indices, Floats] | None = None
@@ -180,16 +184,10 @@ def ball_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | No
     Evidence or None
         Of kind ``target-weights``, for a ``MaxMinLP`` of kind ``packing-covering-duals``.
     """
-    from ....formulations.sata.bottleneck_sata import BottleneckSATA
-
     half = stop.within(TIME_SHARE * stop.seconds_left)
-    if isinstance(problem, BottleneckSATA):
-        return ball_evidence(problem, None, half, linear)
-    from ....formulations.sata.single_packing import as_row_prices, as_sensing
-
-    graph, _ = as_sensing(problem)  # type: ignore[arg-type]
-    found = ball_evidence(BottleneckSATA(graph, fractional=True), None, half, linear)
-    return None if found is None else as_row_prices(graph, found)
+    robots = RobotsOf(problem)  # type: ignore[arg-type]
+    evidence = ball_evidence(robots.graph, None, half, linear)
+    return None if evidence is None else robots.evidence(evidence)
 
 
 def _missing(problem: Problem) -> frozenset[str]:

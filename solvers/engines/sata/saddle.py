@@ -12,12 +12,12 @@ import numpy as np
 from ....formulations.evidence import Evidence
 from ....formulations.problem import Problem
 from ....formulations.sata.balls import Floats, coverage, even_shares, near_one
-from ....formulations.sata.bottleneck_sata import BottleneckSATA
+from ....formulations.sata.max_min_lp import RobotsOf
 from ....formulations.stop import Stop, Stopped
 from ....instances.errors import UnsupportedError, UsageError
 from ....instances.sata.sensing_graph import SensingGraph
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
-from ...bounds.sata.ball import weights_evidence
+from ...bounds.sata.ball import unseen_evidence, weights_evidence
 from ...linear_programs import LinearPrograms
 from .saddle_steps.game import Game, Limits, Record
 from .saddle_steps.programs import Programs
@@ -85,20 +85,15 @@ class _Task:
     """
 
     def __init__(self, problem: Problem) -> None:
-        self.scale: Floats | None = None
-        if isinstance(problem, BottleneckSATA):
-            self.graph: SensingGraph = problem.graph
-        else:
-            from ....formulations.sata.single_packing import as_sensing
-
-            self.graph, self.scale = as_sensing(problem)  # type: ignore[arg-type]
+        self.robots = RobotsOf(problem)  # type: ignore[arg-type]
+        self.graph, self.scale = self.robots.graph, self.robots.scale
         self.scaled, self.unit = near_one(self.graph)
 
     def answer(self, shares: Floats) -> Floats:
         """The problem's answer, from shares."""
         load = np.bincount(self.graph.robot_of_action, shares, minlength=self.graph.num_robots)
         shares = shares / np.maximum(load, 1.0)[self.graph.robot_of_action]
-        return shares if self.scale is None else shares / self.scale
+        return self.robots.answer(shares)
 
     def shares(self, answer: Any) -> Floats | None:
         """Shares from an answer to start with, all robots used up; None where it is none."""
@@ -127,23 +122,15 @@ class _Task:
             return ()
         count = len(record.targets)
         source = f"prices of {count} target{'' if count == 1 else 's'}"
-        return (self._translated(weights_evidence(record.targets, record.weights, self.bound(record), source)),)
-
-    def _translated(self, evidence: Evidence) -> Evidence:
-        if self.scale is None:
-            return evidence
-        from ....formulations.sata.single_packing import as_row_prices
-
-        return as_row_prices(self.graph, evidence)
+        return (self.robots.evidence(weights_evidence(record.targets, record.weights, self.bound(record), source)),)
 
     def unseen(self, options: Options) -> RawResult:
         """The result where nobody sees some target: the value is 0 whatever is done."""
         given = None if options.start is None else self.shares(options.start)
-        name = self.graph.target_name(int(self.graph.unseen_targets[0]))
-        proof = weights_evidence(self.graph.unseen_targets[:1], np.ones(1), 0.0, f"target {name}, which no action sees")
+        proof = self.robots.evidence(unseen_evidence(self.graph))
         answer = self.answer(even_shares(self.graph) if given is None else given)
         message = f"no action sees {len(self.graph.unseen_targets)} of the targets, so the value is 0 whatever is done"
-        return RawResult("optimal", "none", answer, 0.0, 0.0, message=message, evidence=(self._translated(proof),))
+        return RawResult("optimal", "none", answer, 0.0, 0.0, message=message, evidence=(proof,))
 
 
 def _search(task: _Task, h: int, options: Options, control: Control) -> RawResult:
