@@ -7,25 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from program_text import expected, written
+from sata_cases import TWO_ROBOTS
 from selection_problems import cover_30
 
 from waybound import Cardinality, DenseFacilityLocation, SubmodularSelection
 from waybound.solvers.backend import BACKENDS, Control, Options
 
-ROBOTS = """
-    # problem: winner-takes-all
-    robot,action,target,weight
-    r,left,t,5
-    r,right,t,2
-    r,right,u,3
-    s,stay,t,2
-    s,stay,u,1
-"""
-
 
 def test_facility_location_from_text_to_text(tmp_path: Path) -> None:
     """Target t is served at level 2, by either of two actions, or at 5; u at 1 or at 3."""
-    assert written(ROBOTS, "facility-location", tmp_path) == expected(
+    assert written(TWO_ROBOTS, "facility-location", tmp_path) == expected(
         """
         facility-location, exact
         max 2 u[t,1] + 3 u[t,2] + u[u,1] + 2 u[u,2]

@@ -40,11 +40,11 @@ def test_whole_actions_agree_with_enumeration_on_random_graphs():
     rng = np.random.default_rng(0)
     for _ in range(200):
         problem = BottleneckSATA(random_graph(rng))
-        made = problem.compile()
+        compiled = problem.compile()
         best = max(problem.evaluate(s).values[0] for s in selections(problem.graph))
-        result = solved(made.program)
+        result = solved(compiled.program)
         assert result.objective == pytest.approx(best, abs=1e-6)
-        assert problem.evaluate(made.decode(result.answer)).values[0] == pytest.approx(best, abs=1e-6)
+        assert problem.evaluate(compiled.decode(result.answer)).values[0] == pytest.approx(best, abs=1e-6)
 
 
 @pytest.mark.share(3)
@@ -54,12 +54,12 @@ def test_shares_agree_with_scipy_and_their_duals_prove_it(algorithm):
     for _ in range(60):
         graph = random_graph(rng, robots=4, actions=9, targets=5)
         problem = BottleneckSATA(graph, fractional=True)
-        made, known = problem.compile(), lp_value(graph)
-        result = BACKENDS["highs"]().run(made.program, Options(extra=algorithm), Control())
-        judged = problem.evaluate(made.decode(result.answer))
+        compiled, known = problem.compile(), lp_value(graph)
+        result = BACKENDS["highs"]().run(compiled.program, Options(extra=algorithm), Control())
+        judged = problem.evaluate(compiled.decode(result.answer))
         assert judged.feasible
         assert judged.values[0] == pytest.approx(known, abs=1e-6)
-        evidence = made.dual_evidence(result.row_duals)
+        evidence = compiled.dual_evidence(result.row_duals)
         assert known - 1e-9 <= verified_bound(problem, evidence) <= known + 1e-6
         assert evidence.kind == "target-weights"
         assert all(w > 0 for w in evidence.data["weights"])
@@ -76,9 +76,9 @@ def test_evidence_of_shares_bounds_whole_actions_too():
 
 
 def test_negated_duals_are_the_same_evidence():
-    made = BottleneckSATA(CASES["S7"].graph, fractional=True).compile()
-    duals = solved(made.program).row_duals
-    one, other = made.dual_evidence(duals), made.dual_evidence(-duals)
+    compiled = BottleneckSATA(CASES["S7"].graph, fractional=True).compile()
+    duals = solved(compiled.program).row_duals
+    one, other = compiled.dual_evidence(duals), compiled.dual_evidence(-duals)
     assert one.data["targets"] == other.data["targets"]
     assert one.data["weights"] == pytest.approx(other.data["weights"])
 
@@ -88,15 +88,15 @@ def test_nonsense_duals_prove_nothing_false():
     for _ in range(50):
         graph = random_graph(rng)
         problem = BottleneckSATA(graph, fractional=True)
-        made = problem.compile()
-        value = made.dual_evidence(rng.normal(size=made.program.num_rows)).value
+        compiled = problem.compile()
+        value = compiled.dual_evidence(rng.normal(size=compiled.program.num_rows)).value
         assert value >= lp_value(graph) - 1e-9
 
 
 def test_a_relaxed_point_is_no_selection():
-    made = BottleneckSATA(CASES["S6"].graph).compile(relax=True)
+    compiled = BottleneckSATA(CASES["S6"].graph).compile(relax=True)
     with pytest.raises(InputError, match="fractional"):
-        made.decode(solved(made.program).answer)
+        compiled.decode(solved(compiled.program).answer)
 
 
 @pytest.mark.parametrize("fractional", [False, True])
@@ -105,16 +105,16 @@ def test_answers_become_points_of_their_value_and_come_back(fractional):
     for _ in range(20):
         graph = random_graph(rng)
         problem = BottleneckSATA(graph, fractional=fractional)
-        made = problem.compile()
-        program = made.program
+        compiled = problem.compile()
+        program = compiled.program
         for answer in list(selections(graph))[:20]:
             shares = np.zeros(graph.num_actions)
             shares[list(answer.elements)] = 1.0
             given = shares if fractional else answer
-            point = made.encode(given)
+            point = compiled.encode(given)
             assert program.residual(point) <= 1e-9
             assert program.value(point) == pytest.approx(problem.evaluate(given).values[0])
-            back = made.decode(point)
+            back = compiled.decode(point)
             assert (back == shares).all() if fractional else set(back.elements) == set(answer.elements)
 
 
@@ -140,13 +140,13 @@ def test_idle_robots_and_unseen_targets_make_the_value_zero():
     graph = graph_of_edges([0, 2], [0, 0], [0, 2], robots=4, targets=4)
     for fractional in (False, True):
         problem = BottleneckSATA(graph, fractional=fractional)
-        made = problem.compile()
-        program = made.program
+        compiled = problem.compile()
+        program = compiled.program
         assert (program.num_rows, program.num_variables) == (8, 3)
         result = solved(program)
         assert result.objective == 0.0
         if fractional:
-            assert made.dual_evidence(result.row_duals).value == pytest.approx(0.0, abs=1e-9)
+            assert compiled.dual_evidence(result.row_duals).value == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_graph_without_actions_can_be_written_down():
@@ -190,8 +190,8 @@ def test_packing_and_covering_rows_agree_with_scipy_and_are_proved(sense, algori
         c = rng.uniform(0.2, 2, (targets, n)) * (rng.random((targets, n)) < 0.5)
         a[0, a.sum(axis=0) == 0], c[c.sum(axis=1) == 0, 0] = 1.0, 1.0
         problem = MaxMinLP(a, c, sense=sense)
-        made = problem.compile()
-        program = made.program
+        compiled = problem.compile()
+        program = compiled.program
         if sense == "max":
             left, right = np.block([[a, np.zeros((rows, 1))], [-c, np.ones((targets, 1))]]), np.repeat([1.0, 0.0], [rows, targets])
         else:
@@ -199,10 +199,10 @@ def test_packing_and_covering_rows_agree_with_scipy_and_are_proved(sense, algori
         sign = -1.0 if sense == "max" else 1.0
         known = sign * float(linprog(np.append(np.zeros(n), sign), left, right, bounds=[(0, None)] * (n + 1)).fun)
         result = BACKENDS["highs"]().run(program, Options(extra=algorithm), Control())
-        judged = problem.evaluate(made.decode(result.answer))
+        judged = problem.evaluate(compiled.decode(result.answer))
         assert judged.feasible
         assert judged.values[0] == pytest.approx(known, abs=1e-6)
-        bound = verified_bound(problem, made.dual_evidence(result.row_duals))
+        bound = verified_bound(problem, compiled.dual_evidence(result.row_duals))
         assert bound == pytest.approx(known, abs=1e-5)
         assert bound >= known - 1e-9 if sense == "max" else bound <= known + 1e-9
 
@@ -211,12 +211,12 @@ def test_answers_of_packing_and_covering_become_points_of_their_value():
     a, c = np.array([[1.0, 2.0], [0.5, 0.0]]), np.array([[1.0, 0.0], [1.0, 3.0]])
     for sense, x in (("max", np.array([0.4, 0.3])), ("min", np.array([1.5, 0.2]))):
         problem = MaxMinLP(a, c, sense=sense)
-        made = problem.compile()
-        program = made.program
-        point = made.encode(x)
+        compiled = problem.compile()
+        program = compiled.program
+        point = compiled.encode(x)
         assert program.residual(point) <= 1e-12
         assert program.value(point) == pytest.approx(problem.evaluate(x).values[0])
-        assert made.decode(point) == pytest.approx(x)
+        assert compiled.decode(point) == pytest.approx(x)
 
 
 def test_there_is_one_form_and_no_other_family_takes_it():
