@@ -20,9 +20,8 @@ from ...formulations.tolerance import room
 from ...instances.errors import UsageError
 from ...solvers.bounds.sata.growing_sets import WeightedSet
 from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
-from .greedy_steps.ending import concluded
-from .greedy_steps.guarantees import assumptions
 from .greedy_steps.limits import ANY_CONSTRAINT, ANY_FUNCTION, Limits, not_whole
+from .greedy_steps.outcomes import assumptions, concluded, sentences
 
 MOST_ANSWERS = 10_000_000
 """Answers that are enumerated at most."""
@@ -199,7 +198,7 @@ def _valued(problem: SubmodularSelection, limits: Limits | None, stop: Stop) -> 
     assumed = ("monotone as declared by the user: only full sets are tried",) if f.monotone and limits is not None else ()
     guarantee = _optimal(total, assumed) if whole else None
     outcome = concluded(problem, stop, picks, holds, None, {"answers": total, "enumerated": looked}, message, whole=whole, in_order=False)
-    said = "" if whole else "; ".join(m for m in (outcome.message, _cut(looked, "sets")) if m)
+    said = "" if whole else sentences(outcome.message, _cut(looked, "sets"))
     return Outcome(outcome.answer, guarantee, outcome.evidence, outcome.statistics, said, outcome.limit)
 
 

@@ -13,9 +13,8 @@ from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...instances.sata.set_functions import AT_ENTRY, AT_ITEM, IN_MATRIX, ItemWeights
 from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
-from .greedy_steps.ending import concluded
-from .greedy_steps.guarantees import assumptions, rounded_down
 from .greedy_steps.limits import FUNCTIONS, GROUPED, Limits
+from .greedy_steps.outcomes import assumptions, concluded, rounded_down
 
 SOURCE = (
     "Calinescu, Chekuri, Pál and Vondrák (2011), Maximizing a monotone submodular function subject to a matroid constraint; steps as in "

@@ -19,9 +19,8 @@ from ...instances.errors import UsageError
 from ...instances.sata.set_functions import ItemWeights, SetFunction
 from ...solvers.bounds.sata.growing_sets import GrowingSet, ValuedSet, WeightedSet
 from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
-from .greedy_steps.ending import concluded
-from .greedy_steps.guarantees import assumptions, rounded_down
 from .greedy_steps.limits import ANY_FUNCTION
+from .greedy_steps.outcomes import assumptions, concluded, rounded_down, sentences
 
 WORK, USER_WORK = 300_000_000, 300_000
 """Entries of the data, or sets of a user's function, up to which ``enumerate`` is deepened by itself: about a second."""
@@ -104,9 +103,9 @@ def knapsack_greedy(problem: SubmodularSelection, context: Context, *, enumerate
         break
     holds, message = assumptions(problem)
     if not begun_whole:
-        message = "; ".join(m for m in (message, f"ended before the first filling: {CUT_SHORT}") if m)
+        message = sentences(message, f"ended before the first filling: {CUT_SHORT}")
     elif finished < depth:
-        message = "; ".join(m for m in (message, f"the time was up among the starting sets of {finished + 1} elements") if m)
+        message = sentences(message, f"the time was up among the starting sets of {finished + 1} elements")
     guarantee: Guarantee | None = None
     if holds and begun_whole and (not len(usable) or costs[usable].min() > LEAST_COST):
         share, words, source = PROVED[finished]

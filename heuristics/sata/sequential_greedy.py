@@ -14,9 +14,8 @@ from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...solvers.bounds.sata.growing_sets import empty_set
 from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
-from .greedy_steps.ending import concluded
-from .greedy_steps.guarantees import FNW, assumptions
 from .greedy_steps.limits import ANY_FUNCTION, Limits
+from .greedy_steps.outcomes import FNW, assumptions, concluded, sentences
 
 SOURCE = f"{FNW}; for winner takes all Sung (2019), Multi-Robot Coordination for Hazardous Environmental Monitoring, theorem 2"
 
@@ -63,7 +62,7 @@ def sequential_greedy(problem: SubmodularSelection, context: Context, *, order: 
     holds, message = assumptions(problem)
     guarantee: Guarantee | None = None
     if not whole:
-        message = "; ".join(m for m in (message, f"ended with {len(picks)} elements: {CUT_SHORT}") if m)
+        message = sentences(message, f"ended with {len(picks)} elements: {CUT_SHORT}")
     elif holds:
         guarantee = Guarantee(2.0, "f(S) >= f(OPT) / 2, for every order", (*holds, "partition matroid"), SOURCE)
     statistics = {"evaluations": evaluations, "communication_rounds": len(turns)}

@@ -11,9 +11,8 @@ from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
 from ...solvers.bounds.sata.growing_sets import empty_set
 from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
-from .greedy_steps.ending import concluded
-from .greedy_steps.guarantees import assumptions, rounded_down
 from .greedy_steps.limits import ANY_FUNCTION, Limits
+from .greedy_steps.outcomes import assumptions, concluded, rounded_down, sentences
 
 SOURCE = "Mirzasoleiman, Badanidiyuru, Karbasi, Vondrák and Krause (2015), Lazier than lazy greedy"
 
@@ -70,7 +69,7 @@ def stochastic_greedy(problem: SubmodularSelection, context: Context, *, eps: fl
     holds, message = assumptions(problem)
     guarantee: Guarantee | None = None
     if rounds < k:
-        message = "; ".join(m for m in (message, f"ended with {len(picks)} elements: {CUT_SHORT}") if m)
+        message = sentences(message, f"ended with {len(picks)} elements: {CUT_SHORT}")
     elif holds:
         statement = f"E[f(S)] >= (1 - 1/e - {eps:g}) f(OPT), that is {rounded_down(most - eps)} f(OPT), in expectation over the samples"
         guarantee = Guarantee(1.0 / (most - eps), statement, (*holds, f"at most k = {k} elements, {size} drawn a round"), SOURCE)

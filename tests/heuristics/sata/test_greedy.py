@@ -13,7 +13,6 @@ from selection_problems import (
     KINDS,
     context,
     cover_30,
-    cover_30_sets,
     cover_tight,
     greedy_by_hand,
     half_tight,
@@ -22,6 +21,7 @@ from selection_problems import (
     random_problem,
     run,
     value,
+    weight_of_cover_30,
 )
 
 from waybound.formulations.certificate import verified_bound
@@ -33,11 +33,6 @@ from waybound.instances.errors import InputError, UsageError
 from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
-
-
-def weight_of_cover_30(sets: list[int]) -> int:
-    covered = set().union(*(cover_30_sets()[s] for s in sets)) if sets else set()
-    return sum(1 + (e * e) % 5 for e in covered)
 
 
 def test_cover_30_with_every_evaluation() -> None:

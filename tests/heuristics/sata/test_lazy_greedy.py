@@ -6,17 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from selection_problems import KINDS, cover_30, cover_30_sets, greedy_by_hand, random_problem, run, value
+from selection_problems import KINDS, cover_30, greedy_by_hand, random_problem, run, value, weight_of_cover_30
 
 from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.instances.errors import UsageError
 from waybound.instances.sata.constraints import Cardinality, PartitionMatroid
 from waybound.instances.sata.set_functions import UserFunction
-
-
-def weight_of_cover_30(sets: list[int]) -> int:
-    covered = set().union(*(cover_30_sets()[s] for s in sets)) if sets else set()
-    return sum(1 + (e * e) % 5 for e in covered)
 
 
 def test_cover_30_takes_less_than_half_of_the_evaluations() -> None:
