@@ -19,10 +19,9 @@ from ....instances.sata.sensing_graph import SensingGraph
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...bounds.sata.ball import unseen_evidence, weights_evidence
 from ...linear_programs import LinearPrograms
-from .saddle_steps.game import Game, Limits, Record
+from .saddle_steps.game import Game, Limits, Record, RegretMatching
 from .saddle_steps.programs import Programs
 from .saddle_steps.refinement import refine
-from .saddle_steps.regret import RegretMatching
 
 LEAST_GAP = 5e-7
 """Where a smaller gap is asked for, this is what ends a search: half of what is told apart from an optimum."""

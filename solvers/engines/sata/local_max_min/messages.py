@@ -22,9 +22,8 @@ from .....formulations.stop import NEVER, Stop
 from .....instances.sata.sensing_graph import SensingGraph
 from .arrays import check_options
 from .cleaning import Floats
-from .robot import Inbox, Orders, Outbox, Robot
+from .robot import CommonLevels, Inbox, Orders, Outbox, Robot, SteppedLevels
 from .search import MARGIN
-from .wanted_levels import CommonLevels, SteppedLevels
 
 BYTES_A_NUMBER = 8
 

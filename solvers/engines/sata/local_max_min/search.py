@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from .....formulations.stop import NEVER, Stop
 from .....instances.errors import UsageError
 from .cleaning import CleanGraph, Floats, Indices
-from .level_grid import LevelGrid
 
 MARGIN = 1e-9
 """Levels found are lowered by this part: z_R(t (1 - d)) >= (1 - d) z_R(t) + d cap, so rounding makes no red copy negative."""
@@ -136,6 +135,31 @@ def _reachable(clean: CleanGraph, stop: Stop) -> tuple[Sight, Lists, Indices]:
     )  # fmt: skip
     owner = np.repeat(np.arange(clean.num_robots, dtype=np.int32), np.diff(graph.first))
     return sight, lists, owner
+
+
+class LevelGrid:
+    """Levels 2^(j / m) for whole j, with the least m that makes neighbours at most a factor 1 + eps apart.
+
+    Weights times a power of two meet the same levels times that power; and nobody needs to know the weights of others for it.
+
+    Parameters
+    ----------
+    eps : float
+        From above 0 to 1.
+    """
+
+    def __init__(self, eps: float) -> None:
+        self.parts = math.ceil(math.log(2.0) / math.log1p(eps))
+
+    def number(self, level: float) -> float:
+        """The j of a level, not rounded."""
+        part, whole = math.frexp(level)
+        return whole * self.parts + math.log2(part) * self.parts
+
+    def level(self, j: int) -> float:
+        """Level number j."""
+        whole, part = divmod(j, self.parts)
+        return math.ldexp(2.0 ** (part / self.parts), whole)
 
 
 class SecantSearch:
