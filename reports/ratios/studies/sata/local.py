@@ -61,7 +61,7 @@ guarantee_study(
         Configuration("default", "local", _ratio(3, 0.1)),
     ],
     (
-        *families.random_families(), families.random_programs(), families.references(), families.tight(), families.private(),
-        families.cycles(), families.regular_trees(),
+        *families.RANDOM_FAMILIES, families.RANDOM_PROGRAMS, families.REFERENCE_GRAPHS, families.TIGHT, families.PRIVATE,
+        families.CYCLES, families.REGULAR_TREES,
     ),
 )  # fmt: skip
