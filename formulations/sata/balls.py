@@ -1,7 +1,7 @@
 """Balls in sensing graphs: parts around some targets, cut out at a cost that depends on the part alone.
 
-Two targets are one hop apart if a robot sees both. The ball of a set of targets is the graph of these targets, the actions that see
-some of them, and the robots of those.
+Two targets are one hop apart if a robot sees both. The ball of a set of targets is the graph of these targets, the actions that see some of
+them, and the robots of those.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ NEAR_ONE = 8.0
 
 
 def num_entries(indptr: Indices, rows: Indices) -> int:
-    """How many entries some rows of a CSR matrix have together."""
+    """Number of entries in some rows of a CSR matrix."""
     return int((indptr[rows + 1].astype(np.int64) - indptr[rows]).sum())
 
 
@@ -53,14 +53,7 @@ def num_edges(graph: SensingGraph, targets: Indices) -> int:
 
 
 def ball_graph(graph: SensingGraph, targets: Indices) -> SensingGraph:
-    """The ball of ``targets`` as a graph of its own, the targets numbered as they stand.
-
-    Parameters
-    ----------
-    graph : SensingGraph
-    targets : integer array
-        Ascending, none twice.
-    """
+    """The ball of ``targets`` (ascending, none twice) as a graph of its own, the targets numbered as they stand."""
     sight = graph.by_target
     found, counts = entries_of(sight.indptr, targets)
     actions, of_edge = np.unique(sight.indices[found], return_inverse=True)
@@ -75,13 +68,8 @@ def ball_graph(graph: SensingGraph, targets: Indices) -> SensingGraph:
 
 
 def grown(graph: SensingGraph, targets: Indices, most_edges: int) -> Positions | None:
-    """``targets`` and as many hops more as it takes to double the edges of their ball.
-
-    Returns
-    -------
-    array or None
-        Ascending; None if there is nothing to add, or if the ball would have more than ``most_edges``.
-    """
+    """``targets`` and as many hops more as it takes to double the edges of their ball, ascending; None where nothing can be added, or
+    where the ball would have more than ``most_edges``."""
     wanted, ball = 2 * num_edges(graph, targets), targets.astype(np.int64)
     while num_edges(graph, ball) < wanted:
         actions = actions_of(graph, robots_seeing(graph, ball))
@@ -95,16 +83,8 @@ def grown(graph: SensingGraph, targets: Indices, most_edges: int) -> Positions |
 
 
 def weights_bound(graph: SensingGraph, targets: Indices, weights: Floats) -> float:
-    """What weights of some targets prove: the largest weighted sum of coverage that the robots reach, over the sum of the weights.
-
-    Parameters
-    ----------
-    graph : SensingGraph
-    targets : integer array
-        Ascending, none twice.
-    weights : array
-        One each, not negative, not all 0.
-    """
+    """Bound that weights of some targets prove: the largest weighted sum of coverage that the robots reach, over the sum of the weights.
+    The targets ascend, none twice; one weight each, not negative, not all 0."""
     part = graph if len(targets) == graph.num_targets else ball_graph(graph, targets)
     with np.errstate(over="ignore"):
         worth = np.bincount(part.action_of_edge, part.weights * weights[part.indices], minlength=part.num_actions)
@@ -129,7 +109,7 @@ def near_one(graph: SensingGraph) -> tuple[SensingGraph, float]:
 
 
 def even_shares(graph: SensingGraph) -> Floats:
-    """Robots that divide themselves evenly among their actions, as shares of shape (actions,)."""
+    """Shares of shape (actions,) of robots that divide themselves evenly among their actions."""
     actions = np.bincount(graph.robot_of_action, minlength=graph.num_robots)
     return np.asarray(1.0 / actions[graph.robot_of_action])
 

@@ -67,12 +67,12 @@ class BottleneckSATA(DecidedElements):
 
     @property
     def num_elements(self) -> int:
-        """Elements that are chosen: actions."""
+        """Number of actions, which are the elements that are chosen."""
         return self.graph.num_actions
 
     @functools.cached_property
     def constraint(self) -> PartitionMatroid:
-        """At most one action a robot."""
+        """The constraint that a robot takes at most one action."""
         g = self.graph
         return PartitionMatroid(g.robot_of_action, np.ones(g.num_robots, dtype=np.int32), "robot", g.robot_name)
 
@@ -88,7 +88,7 @@ class BottleneckSATA(DecidedElements):
         return self.graph.action_name(element)
 
     def check_statement(self, statement: Any) -> None:
-        """``{"chosen": action}``, counted from 0; of whole actions only."""
+        """Accept ``{"chosen": action}``, counted from 0, for whole actions only."""
         if self.fractional:
             raise InputError("nothing can be stated of shares of actions", found=printable(str(statement), 80))
         super().check_statement(statement)
@@ -97,7 +97,7 @@ class BottleneckSATA(DecidedElements):
         return len(self.graph.indices)
 
     def facts(self) -> dict[str, Any]:
-        """Those of the sensing graph."""
+        """Facts of the sensing graph."""
         return {"graph": self.graph.facts()}
 
     def coverage(self, shares: Floats) -> Floats:

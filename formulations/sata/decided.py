@@ -29,12 +29,9 @@ FEATURE = "decided-elements"
 
 
 class DecidedElements(Problem):
-    """A problem whose answers choose elements.
+    """A problem whose answers choose elements, of which every answer chooses the ``taken`` ones and none the ``dropped`` ones.
 
-    Attributes
-    ----------
-    taken, dropped : int arrays
-        Elements that every answer chooses, and that none does; ascending. One that is both leaves no answer.
+    Both are ascending; an element that is both leaves no answer.
     """
 
     taken: Elements = NONE
@@ -49,11 +46,11 @@ class DecidedElements(Problem):
 
     @property
     def decided(self) -> bool:
-        """Whether anything is."""
+        """True if any element is taken or dropped."""
         return len(self.taken) + len(self.dropped) > 0
 
     def check_statement(self, statement: Any) -> None:
-        """``{"chosen": element}``, counted from 0."""
+        """Accept ``{"chosen": element}``, counted from 0."""
         element = statement["chosen"] if isinstance(statement, Mapping) and statement.keys() == {"chosen"} else None
         if type(element) is not int or not 0 <= element < self.num_elements:
             expected = f'{{"chosen": an element from 0 to {self.num_elements - 1}}}'

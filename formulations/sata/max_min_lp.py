@@ -84,7 +84,7 @@ class MaxMinLP(Problem):
 
     @cached_property
     def one_packing_row(self) -> bool:
-        """Whether every variable that covers stands in exactly one packing row, as the actions of robots do."""
+        """True if every variable that covers stands in exactly one packing row, as the actions of robots do."""
         rows = np.bincount(self.packing.indices, minlength=self.num_variables)
         return bool((rows[np.unique(self.covering.indices)] == 1).all())
 
@@ -214,10 +214,7 @@ def _build(instance: Any, problem: str, settings: dict[str, Any]) -> MaxMinLP:
 class RobotsOf:
     """A max-min problem as one of robots and targets, and the way back for its answers and evidence.
 
-    Attributes
-    ----------
-    scale : array of shape (variables,), or None
-        See ``as_sensing``; None where the problem is one of robots as it stands.
+    ``scale`` is that of ``as_sensing``, or None where the problem is one of robots as it stands.
     """
 
     def __init__(self, problem: BottleneckSATA | MaxMinLP) -> None:
@@ -238,30 +235,13 @@ class RobotsOf:
 
 
 def as_sensing(problem: MaxMinLP) -> tuple[SensingGraph, Floats]:
-    """Packing rows as robots, variables as actions, covering rows as targets.
+    """Packing rows as robots, variables as actions, covering rows as targets; of a maximum.
 
-    With ``x'_v = a_v x_v``, where a_v is the coefficient of v in its packing row, rows read ``sum x' <= 1`` and the weight of v for
-    a target is ``c_v / a_v``: values are the same.
+    With ``x'_v = a_v x_v``, where a_v is the coefficient of v in its packing row, rows read ``sum x' <= 1`` and the weight of v for a
+    target is ``c_v / a_v``: values are the same. Returns the graph, with one action a variable in their order, and the scale of shape
+    (variables,) with ``x = x' / scale``, infinite for variables that cover nothing, which makes them 0. Raises UnsupportedError where a
+    variable that covers stands in several packing rows, the sense is ``min``, or a quotient overflows or vanishes.
 
-    Parameters
-    ----------
-    problem : MaxMinLP
-        Of sense ``max``.
-
-    Returns
-    -------
-    graph : SensingGraph
-        One action a variable, in the order of variables. Those that cover nothing see no target, whichever packing rows they have.
-    scale : array of shape (variables,)
-        ``x = x' / scale``; infinite for variables that cover nothing, which makes them 0.
-
-    Raises
-    ------
-    UnsupportedError
-        If a variable that covers stands in several packing rows, the sense is ``min``, or a quotient overflows or vanishes.
-
-    Notes
-    -----
     Source: Sung (2019), section 3.4.1 and (3.5); docs/formulations/bottleneck.md#one-packing-row-a-variable.
     """
     missing = problem.features() & {"min-max", "several-packing-rows"}

@@ -92,7 +92,7 @@ class SubmodularSelection(DecidedElements):
         return self.digest_decided(digest("selection", *self.function.parts(), *self.constraint.parts()))
 
     def features(self) -> frozenset[str]:
-        """What function and constraint ask of a method, such as ``function:coverage`` and ``constraint:knapsack``."""
+        """Names of the function and the constraint, such as ``function:coverage`` and ``constraint:knapsack``."""
         return frozenset({self.function.feature, self.constraint.feature, *([FEATURE] if self.decided else ())})
 
     @property
@@ -104,7 +104,7 @@ class SubmodularSelection(DecidedElements):
         return 0 if weights is None else len(weights.indices) or int(np.count_nonzero(weights.matrix))
 
     def facts(self) -> dict[str, Any]:
-        """Function and constraint."""
+        """Facts of function and constraint."""
         return {"function": self.function.facts(), "constraint": self.constraint.facts()}
 
     def value(self, elements: ArrayLike) -> float:
@@ -112,11 +112,11 @@ class SubmodularSelection(DecidedElements):
         return self.function.value(np.unique(np.asarray(elements, dtype=np.int64)))
 
     def gains(self, elements: Sequence[int]) -> Floats:
-        """What each element adds to the value of those before it, shape (elements,)."""
+        """Gain of each element over those before it, shape (elements,)."""
         return self.function.gains(elements)
 
     def answer_at_hand(self) -> Selection:
-        """No element."""
+        """The empty set."""
         return Selection.of([])
 
     def evaluate(self, answer: Any) -> Evaluation:
@@ -170,8 +170,11 @@ class SubmodularSelection(DecidedElements):
 
 
 def from_sensing(graph: SensingGraph, settings: dict[str, Any]) -> SubmodularSelection:
-    """Actions as elements. Settings: ``function`` (``facility-location`` or ``coverage`` of targets), ``constraint`` (``partition``:
-    one action a robot, or ``cardinality`` with ``k``)."""
+    """The selection of actions of a sensing graph.
+
+    Settings: ``function`` (``facility-location`` or ``coverage`` of targets), ``constraint`` (``partition``: one action a robot, or
+    ``cardinality`` with ``k``).
+    """
     refuse_settings("selection", settings, ("function", "constraint", "k"))
     function, constraint, k = settings.get("function", "facility-location"), settings.get("constraint"), settings.get("k")
     if function not in ("facility-location", "coverage"):

@@ -54,7 +54,7 @@ class WinnerTakesAllSATA(SubmodularSelection):
         return len(self.graph.indices)
 
     def facts(self) -> dict[str, Any]:
-        """Those of the sensing graph."""
+        """Facts of the sensing graph."""
         return {"graph": self.graph.facts()}
 
     def to_instance(self) -> SensingGraph:

@@ -41,22 +41,9 @@ Floats = NDArray[np.float64]
 def brute_force(problem: SubmodularSelection | BottleneckSATA, context: Context) -> Outcome:
     """Enumerate all answers, but for branches that a bound shows to be no better, and keep the first of the best.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection or BottleneckSATA
-        With at most 10,000,000 answers, or 1,000,000 sets of a user's function: full sets where the function is monotone, all else.
-    context : Context
-
-    Returns
-    -------
-    Outcome
-        Optimal. The statistics hold the number of answers there are, and of those looked at. Evidence that others can check (marginal
-        gains) is given where there is any; it need not meet the value.
-
-    Raises
-    ------
-    UsageError
-        If there are too many answers.
+    At most 10,000,000 answers, or 1,000,000 sets of a user's function (full sets where it is monotone); more raise UsageError. The
+    statistics hold the number of answers that there are, and of those looked at. Evidence that others can check (marginal gains) need not
+    meet the value.
     """
     stop = context.begin()
     if isinstance(problem, BottleneckSATA):
@@ -88,7 +75,7 @@ def brute_force(problem: SubmodularSelection | BottleneckSATA, context: Context)
 
 
 def _filled(picks: list[int], limits: Limits) -> list[int]:
-    """With what adds nothing, so that every group is full (every robot acts)."""
+    """The picks with elements that add nothing, so that every group is full (every robot acts)."""
     left, inside = limits.without(picks), set(picks)
     starts, members = limits.members()
     for g in np.nonzero(left)[0].tolist():
@@ -98,7 +85,7 @@ def _filled(picks: list[int], limits: Limits) -> list[int]:
 
 
 def _rest(single: Floats, limits: Limits) -> Floats:
-    """What the slots from each on can add at most: the largest values of single elements, as many a group as there are slots."""
+    """Upper bound on what the slots from each on can add: the largest values of single elements, as many a group as there are slots."""
     starts, members = limits.members()
     rest, at = np.zeros(limits.most + 1), limits.most
     for g in range(len(limits.room) - 1, -1, -1):
@@ -163,7 +150,8 @@ def _bottleneck(problem: BottleneckSATA, stop: Stop) -> Outcome:
 
 
 def _valued(problem: SubmodularSelection, limits: Limits | None, stop: Stop) -> Outcome:
-    """By the values of sets: all that the constraint allows, or where it limits groups and the function is monotone the full ones."""
+    """Brute force by the values of sets: all that the constraint allows, or where it limits groups and the function is monotone the full
+    ones."""
     f, n = problem.function, problem.num_elements
     if limits is None:
         total = 2**n

@@ -31,34 +31,17 @@ MOST_ENTRIES = 50_000_000
 
 
 def continuous_greedy(problem: SubmodularSelection, context: Context, *, steps: int = 100) -> Outcome:
-    """Raise the probabilities of the elements along the best bases, in ``steps`` equal steps, and round them by pipage.
+    """Raise the probabilities of the elements along the best bases, in ``steps`` equal steps (1 to 1,000,000), and round them by pipage.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection
-        Coverage or facility location, whose expected value under independent draws, F, has a closed form.
-    context : Context
-    steps : int, 1 to 1,000,000
-        T; more steps cost proportionally more.
+    For coverage and facility location, whose expected value under independent draws, F, has a closed form. Guaranteed ``f(S) >= (1 - (1 +
+    1/T)^-T) f(OPT)`` for T steps: 1/2 for T = 1, 0.6302 for T = 100, in the limit 1 - 1/e = 0.6321; without a guarantee where the time was
+    up before the last step. It is deterministic: nothing is sampled.
 
-    Returns
-    -------
-    Outcome
-        With the guarantee ``f(S) >= (1 - (1 + 1/T)^-T) f(OPT)``: 1/2 for T = 1, 0.6302 for T = 100, in the limit 1 - 1/e = 0.6321.
-        It is deterministic: nothing is sampled. Without one where the time was up before the last step.
-
-    Raises
-    ------
-    UsageError
-        For steps out of range, or a matrix too large.
-
-    Notes
-    -----
-    One step picks a base e_1, ..., e_r, each element the one of largest slope at the point reached so far, and moves there by 1/T along
-    it. F is linear along one element, so the step gains (1/T) sum_i dF/dx(e_i) exactly. An optimal base o_1, ..., o_r can be ordered so
-    that o_i was open when e_i was picked, and slopes never rise, so that this is at least (1/T) sum_i dF/dx(o_i) at the new point x',
-    which is at least (1/T) (f(OPT) - F(x')). Hence f(OPT) - F falls by the factor 1 / (1 + 1/T) a step. Pipage moves probability between
-    two elements of a group, a direction in which F is convex, to the side that does not lower it.
+    One step picks a base e_1, ..., e_r, each element the one of largest slope at the point reached so far, and moves there by 1/T along it.
+    F is linear along one element, so the step gains (1/T) sum_i dF/dx(e_i) exactly. An optimal base o_1, ..., o_r can be ordered so that
+    o_i was open when e_i was picked, and slopes never rise, so that this is at least (1/T) sum_i dF/dx(o_i) at the new point x', which is
+    at least (1/T) (f(OPT) - F(x')). Hence f(OPT) - F falls by the factor 1 / (1 + 1/T) a step. Pipage moves probability between two
+    elements of a group, a direction in which F is convex, to the side that does not lower it.
     """
     if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or not 1 <= steps <= MOST_STEPS:
         raise UsageError(f"steps must be a whole number from 1 to {MOST_STEPS:,}, not {steps!r}")
@@ -123,7 +106,7 @@ def _by_item(
 def _of_counts(
     problem: SubmodularSelection, stop: Stop, limits: Limits, count: NDArray[np.int64], evaluations: int, done: int, steps: int
 ) -> Outcome:
-    """The elements of largest probability, where the time was up before the last step or trade."""
+    """The outcome where the time was up before the last step or trade: the elements of largest probability."""
     picks = limits.first(np.lexsort((np.arange(len(count)), -count))).tolist()
     statistics = {"steps": done, "evaluations": evaluations}
     message = f"{CUT_SHORT} after {done} of {steps} steps; the largest probabilities were taken"

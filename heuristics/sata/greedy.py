@@ -15,34 +15,15 @@ from .greedy_steps.picking import check_threshold, pick
 
 
 def greedy(problem: SubmodularSelection | BottleneckSATA, context: Context, *, eps: float = 0.0, evaluation: str = "auto") -> Outcome:
-    """Take what gains most, until the constraint allows no more.
+    """Take the element that gains most, until the constraint allows no more; for a bottleneck, robot by robot the action with the best
+    worst target so far.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection or BottleneckSATA
-    context : Context
-    eps : float, >= 0
-        Selection: stop where the largest gain is smaller.
-    evaluation : str
-        Selection: ``plain``, ``lazy``, ``incremental``, or ``auto``, whichever is fastest; the answer is the same. The statistics
-        say which ran.
+    Selections: stops where the largest gain is below ``eps`` (>= 0); ``evaluation`` is ``plain``, ``lazy``, ``incremental``, or ``auto``,
+    whichever is fastest, and the answer is the same. Ties go to the smallest index. Guaranteed for monotone submodular functions: 1 - (1 -
+    1/k)^k under a cardinality limit k, 1/2 under a partition matroid; none where ``eps`` ended it early, and none for a bottleneck.
 
-    Returns
-    -------
-    Outcome
-        With a guarantee for monotone submodular functions: 1 - (1 - 1/k)^k under a cardinality limit k, 1/2 under a partition
-        matroid; none where ``eps`` ended it early, and none for a bottleneck.
-
-    Raises
-    ------
-    UsageError
-        For options out of range.
-
-    Notes
-    -----
-    Ties go to the smallest index. Selection: Nemhauser, Wolsey and Fisher (1978); threshold ``eps``: Mitchell (2020),
-    algorithm 1, corrected in docs/selection.md#errata. Bottleneck: robots in their order, each the action with the best worst target
-    so far; it can be arbitrarily bad (Sung 2019, appendix A.3, corrected in docs/formulations/bottleneck.md#errata).
+    Source: Nemhauser, Wolsey and Fisher (1978); threshold ``eps``: Mitchell (2020), algorithm 1, corrected in docs/selection.md#errata.
+    Bottleneck: it can be arbitrarily bad (Sung 2019, appendix A.3, corrected in docs/formulations/bottleneck.md#errata).
     """
     check_threshold(eps)
     if isinstance(problem, BottleneckSATA):
@@ -53,35 +34,15 @@ def greedy(problem: SubmodularSelection | BottleneckSATA, context: Context, *, e
 
 
 def lazy_greedy(problem: SubmodularSelection, context: Context, *, eps: float = 0.0, base: Sequence[int] | str = ()) -> Outcome:
-    """Keep the gains of earlier rounds as upper bounds, and evaluate again only the elements that could still be the best.
+    """Greedy that keeps the gains of earlier rounds as upper bounds, and evaluates again only the elements that could still be the best.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection
-    context : Context
-    eps : float, >= 0
-        Stop where the largest gain is smaller.
-    base : sequence of int, or str
-        Elements that are chosen already (an earlier plan), by number from 0, or as text by their names, separated by commas: they stay
-        in the answer, take room, and gains are over them.
+    ``base``: elements that are chosen already, by number from 0 or as names separated by commas; they stay in the answer, take room, and
+    gains are over them. The guarantee is that of greedy; none with a ``base``, with an end by ``eps``, or for a function that is not
+    declared monotone and submodular, for which the answer may differ from greedy's as well. An old gain equal to the best new one is
+    evaluated only where its element comes first.
 
-    Returns
-    -------
-    Outcome
-        The guarantee of greedy; none with a ``base``, with an end by ``eps``, or for a function that is not declared monotone and
-        submodular, for which the answer may differ from greedy's as well. The statistics hold the evaluations, and those that a plain
-        greedy needs.
-
-    Raises
-    ------
-    UsageError
-        For options out of range.
-
-    Notes
-    -----
-    Minoux (1978), Accelerated greedy algorithms for maximizing submodular set functions; algorithm 5 of Mitchell (2020), corrected
-    (docs/selection.md#errata): bounds are kept per element, the best of a round is reset, gains are over all that is chosen. Ties go to the
-    smallest index, so that an old gain equal to the best new one is evaluated only where its element comes first.
+    Source: Minoux (1978), Accelerated greedy algorithms for maximizing submodular set functions; algorithm 5 of Mitchell (2020), corrected
+    (docs/selection.md#errata): bounds are kept per element, the best of a round is reset, gains are over all that is chosen.
     """
     check_threshold(eps)
     return _selection(problem, context, "lazy", eps, chosen_elements("base", base, problem))

@@ -43,32 +43,15 @@ PROVED[1] = PROVED[0]
 
 
 def knapsack_greedy(problem: SubmodularSelection, context: Context, *, enumerate: int | None = None) -> Outcome:  # noqa: A002
-    """Fill the knapsack by gain per cost, from every starting set of up to ``enumerate`` elements; the best filling wins.
+    """Fill the knapsack by gain per cost, from every starting set of up to ``enumerate`` elements (0 to 3); the best filling wins.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection with a knapsack constraint
-    context : Context
-        Its time limit is kept between starts: the guarantee is then that of the sizes that were finished.
-    enumerate : int, 0 to 3, optional
-        Largest size of the starting sets. By default as large as takes about a second (3 up to some hundred elements).
+    By default the starting sets are as large as takes about a second (3 up to some hundred elements). Guaranteed 1 - 1/e with 3 (Sviridenko
+    2004) and with 2 (Kulik, Schwartz and Shachnai 2021), (1 - 1/e) / 2 with 1 and with 0, where the best single element is the second
+    candidate; after the time limit, that of the sizes that were finished. Sharper analyses of 0 (0.405, Tang et al. 2021) are not drawn on;
+    nor is the 0.6174 of Feldman, Nutov and Shoham (2023) for one element, which is proved for a variant.
 
-    Returns
-    -------
-    Outcome
-        Guaranteed 1 - 1/e with 3 (Sviridenko 2004) and with 2 (Kulik, Schwartz and Shachnai 2021), (1 - 1/e) / 2 with 1 and with 0,
-        where the best single element is the second candidate. Sharper analyses of 0 (0.405, Tang et al. 2021) are not drawn on; nor is
-        the 0.6174 of Feldman, Nutov and Shoham (2023) for one element, which is proved for a variant.
-
-    Raises
-    ------
-    UsageError
-        If ``enumerate`` is out of range.
-
-    Notes
-    -----
-    Elements without cost are taken at once; those that do not fit are passed over. Ties go to the smallest index. There are
-    O(n^enumerate) starts, each of O(n) evaluations at most, lazily far fewer.
+    Elements without cost are taken at once; those that do not fit are passed over. Ties go to the smallest index. There are O(n^enumerate)
+    starts, each of O(n) evaluations at most, lazily far fewer.
     """
     if enumerate is not None and (isinstance(enumerate, bool) or not isinstance(enumerate, int | np.integer) or not 0 <= enumerate <= 3):
         raise UsageError(f"enumerate must be 0, 1, 2 or 3, not {enumerate!r}")
@@ -149,7 +132,7 @@ class _WeightedFilling:
         return _single(self.begun, usable, self.stop, most, picks)
 
     def after(self, begun: NDArray[np.int64], lo: int, hi: int, most: float) -> tuple[float, list[int]]:
-        """See ``fill_after``."""
+        """The best filling that starts with ``begun`` and an element from ``lo`` to ``hi``; see ``fill_after``."""
         from .greedy_steps.filling_kernels import fill_after
 
         value, picks = fill_after(self.stop.flag, begun, lo, hi, most, self.begun.best, self.costs, self.budget, *self.begun.arrays)
@@ -157,7 +140,7 @@ class _WeightedFilling:
 
 
 class _ValuedFilling:
-    """The same for a function known by its values, all gains of a round in one call."""
+    """Fillings for a function known by its values, all gains of a round in one call."""
 
     def __init__(self, function: SetFunction, free: list[int], costs: Floats, budget: float, stop: Stop) -> None:
         self.function, self.free = function, free

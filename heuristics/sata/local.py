@@ -46,49 +46,21 @@ def local(
     ball: bool = True,
     messages: bool = False,
 ) -> Outcome:
-    """The local algorithm for max-min linear programs.
+    """The local algorithm for max-min linear programs, of robots or with one packing row a variable.
 
-    Parameters
-    ----------
-    problem : BottleneckSATA or MaxMinLP
-        Whole actions are the largest shares, without a guarantee. A ``MaxMinLP`` must have one packing row a variable.
-    context : Context
-        Its LP solver is used for the bound alone, its generator for random ties.
-    h : int
-        Layers, from 1 to 1000: shares depend on what lies within 3h - 2 hops. The guarantee improves with h, measured values need not.
-    heights : int, list of int, or text such as "1,3,5", optional
-        Run several h and keep the best answer; a number H stands for 1 to H. Replaces ``h``.
-    eps : float
-        Relative precision of the search ``secant``, from 1e-6 to 1.
-    search : str
-        ``secant``, or ``step`` as in the thesis' table.
-    step : float, in units of weights
-        Of the search ``step``.
-    smoothing : str
-        ``layers`` or ``ball`` (less memory).
-    normalise : bool
-        Let every robot use itself up.
-    ties : str
-        Which of a robot's largest shares becomes whole: ``last``, ``first`` or ``random``.
-    ball : bool
-        Bound the optimum by a linear program over the surroundings of the worst-covered targets.
-    messages : bool
-        Let robots send messages, and count rounds and bytes: slow, for graphs of up to some thousand robots.
+    Options: ``h``, layers from 1 to 1000, or ``heights``, several of them as a list, a text such as "1,3,5" or a number H for 1 to H, of
+    which the best answer is kept; ``eps``, from 1e-6 to 1, the relative precision of the search ``secant``, and ``step``, in units of
+    weights, that of the search ``step``; ``smoothing``, ``layers`` or ``ball`` (less memory); ``normalise``, to let every robot use itself
+    up; ``ties``, which of a robot's largest shares becomes whole: ``last``, ``first`` or ``random``; ``ball``, to bound the optimum by a
+    linear program over the surroundings of the worst-covered targets; ``messages``, to let robots send messages, and count rounds and
+    bytes: slow, for up to some thousand robots.
 
-    Returns
-    -------
-    Outcome
+    Shares depend on what lies within 3h - 2 hops, and are guaranteed ``OPT / value <= Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T)``, which
+    improves with h, as measured values need not; the additive search has the eps that its step amounts to. Whole actions are the largest
+    shares, without a guarantee.
 
-    Raises
-    ------
-    UsageError
-        If an option is out of range.
-
-    Notes
-    -----
     Source: Floréen et al. (2011); Sung (2019), 3.4.1, Algorithm 2 and Theorem 1; proved in
-    docs/formulations/bottleneck.md#the-local-algorithm. The guarantee is one of shares, for
-    ``OPT / value <= Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T)``; the additive search has the eps that its step amounts to.
+    docs/formulations/bottleneck.md#the-local-algorithm.
     """
     layers = _heights(h, heights)
     for height in layers:

@@ -21,30 +21,12 @@ from .rounding import by_share, check_ties
 
 
 def lp_rounding(problem: SubmodularSelection | BottleneckSATA, context: Context, *, ties: str = "last") -> Outcome:
-    """Solve the linear relaxation of the problem's first linear form, and take the elements of largest share.
+    """Solve the linear relaxation of the problem's first linear form, and take the elements of largest share, of equal ones by ``ties``.
 
-    Parameters
-    ----------
-    problem : BottleneckSATA or SubmodularSelection
-    context : Context
-        Hands in the LP solver.
-    ties : str
-        Which of equal shares is taken: ``last``, ``first`` or ``random``.
+    Robots: each takes its action of largest share. Cardinality limit and partition matroid: the largest shares that there is room for.
+    Others: in order of share, what is still allowed. The LP's bound is the evidence. No guarantee: none is true for a bottleneck, whose
+    rounded value can be 0 beside an LP value of 1.2.
 
-    Returns
-    -------
-    Outcome
-        Robots: each takes its action of largest share. Cardinality limit and partition matroid: the largest shares that there is room
-        for. Others: in order of share, what is still allowed. The LP's bound is the evidence. No guarantee: none is true for a bottleneck,
-        whose rounded value can be 0 beside an LP value of 1.2.
-
-    Raises
-    ------
-    UsageError
-        If ``ties`` is no rule.
-
-    Notes
-    -----
     Source: Sung (2019), 3.4.1; where it fails: docs/formulations/bottleneck.md#whole-actions-from-shares.
     """
     check_ties(ties)

@@ -27,18 +27,8 @@ def check_ties(ties: Any) -> None:
 def by_share(shares: Floats, ties: str = "last", rng: np.random.Generator | None = None) -> NDArray[np.int64]:
     """The elements by falling share; a run of neighbours among the shares that are alike is one tie.
 
-    Parameters
-    ----------
-    shares : array of shape (elements,)
-    ties : str
-        Among equal shares: the ``last`` comes first (as in the recorded runs of the thesis' author), the ``first``, or any (``random``).
-    rng : numpy.random.Generator, optional
-        For ``random``.
-
-    Raises
-    ------
-    UsageError
-        If ``ties`` is no rule, or random without a generator.
+    Of equal shares the ``last`` comes first (as in the recorded runs of the thesis' author), the ``first``, or any (``random``, by
+    ``rng``).
     """
     turns, order = _turns(len(shares), ties, rng), np.argsort(shares, kind="stable")
     level = np.empty(len(shares), dtype=np.int64)
@@ -47,11 +37,9 @@ def by_share(shares: Floats, ties: str = "last", rng: np.random.Generator | None
 
 
 def largest_shares(graph: SensingGraph, shares: Floats, ties: str = "last", rng: np.random.Generator | None = None) -> NDArray[np.int32]:
-    """The action with the largest share of each robot that has a share at all, in the order of robots; ``ties`` as in ``by_share``,
-    among those alike to the robot's largest.
+    """The action with the largest share of each robot that has a share at all, in the order of robots; ``ties`` as in ``by_share``, among
+    those alike to the robot's largest.
 
-    Notes
-    -----
     Source: Sung (2019), section 3.4.1. The rounded value may be 0 where the shares cover everything:
     docs/formulations/bottleneck.md#whole-actions-from-shares.
     """
@@ -64,7 +52,7 @@ def largest_shares(graph: SensingGraph, shares: Floats, ties: str = "last", rng:
 
 
 def _turns(count: int, ties: str, rng: np.random.Generator | None) -> NDArray[np.int64]:
-    """Numbers by which equal ones are ordered."""
+    """Numbers by which equal shares are ordered."""
     check_ties(ties)
     if ties != "random":
         return np.arange(count) if ties == "first" else -np.arange(count)

@@ -23,30 +23,15 @@ SOURCE = f"{FNW}; for winner takes all Sung (2019), Multi-Robot Coordination for
 def sequential_greedy(problem: SubmodularSelection, context: Context, *, order: Sequence[int | str] | str | None = None) -> Outcome:
     """Each robot in its turn takes the action of largest gain over the actions taken so far, the first of equal ones.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection with a partition matroid
-        Winner takes all: the groups are the robots; a group with room for several elements picks them one after the other.
-    context : Context
-    order : sequence of int or str, optional
-        All groups, each once: by number from 0, or by name (text separated by commas counts as names). By default as numbered.
+    For partition matroids: the groups are the robots, and one with room for several elements picks them one after the other. ``order``
+    holds all groups, each once, by number from 0 or by name (text separated by commas counts as names); by default as numbered. Guaranteed
+    half of the optimum, whatever the order. The statistics count one communication round a robot: each tells the next what every target has
+    got so far.
 
-    Returns
-    -------
-    Outcome
-        Guaranteed half of the optimum, whatever the order. The statistics count one communication round a robot: each tells the next
-        what every target has got so far.
-
-    Raises
-    ------
-    UsageError
-        If ``order`` is no permutation of the groups.
-
-    Notes
-    -----
-    Algorithm 3 and theorem 2 of Sung (2019), corrected (docs/formulations/winner-takes-all.md#errata): the credit goes to the robot that
-    brings most, and to nobody where that is nothing. In general the locally greedy heuristic of Fisher, Nemhauser and Wolsey (1978). With
-    picks g_i in turn and the optimum's o_i: F(O) <= F(G) + sum_i [F(G_i-1 + o_i) - F(G_i-1)] <= F(G) + sum_i [F(G_i) - F(G_i-1)] = 2 F(G).
+    Source: algorithm 3 and theorem 2 of Sung (2019), corrected (docs/formulations/winner-takes-all.md#errata): the credit goes to the robot
+    that brings most, and to nobody where that is nothing. In general the locally greedy heuristic of Fisher, Nemhauser and Wolsey (1978).
+    With picks g_i in turn and the optimum's o_i: F(O) <= F(G) + sum_i [F(G_i-1 + o_i) - F(G_i-1)] <= F(G) + sum_i [F(G_i) - F(G_i-1)] = 2
+    F(G).
     """
     stop, limits = context.begin(), Limits.of(problem)
     turns = _turns(problem, order, len(limits.room))

@@ -18,30 +18,10 @@ SOURCE = "Mirzasoleiman, Badanidiyuru, Karbasi, Vondrák and Krause (2015), Lazi
 
 
 def stochastic_greedy(problem: SubmodularSelection, context: Context, *, eps: float = 0.1) -> Outcome:
-    """In each of k rounds, take the best of ``(n / k) ln(1 / eps)`` elements drawn from those that are left.
+    """In each of k rounds, take the best of ``(n / k) ln(1 / eps)`` elements drawn from those that are left, with 0 < eps < 1 - 1/e.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection
-        With a cardinality limit k.
-    context : Context
-        Its generator draws the samples.
-    eps : float, 0 < eps < 1 - 1/e
-        What may be lost in expectation.
-
-    Returns
-    -------
-    Outcome
-        Guaranteed 1 - 1/e - eps in expectation over the samples: a single answer may be worse.
-
-    Raises
-    ------
-    UsageError
-        If eps is out of range.
-
-    Notes
-    -----
-    Mirzasoleiman et al. (2015): n ln(1 / eps) evaluations whatever k is. Ties go to the smallest index.
+    Guaranteed 1 - 1/e - eps in expectation over the samples, so that a single answer may be worse, with n ln(1 / eps) evaluations whatever
+    the cardinality limit k is (Mirzasoleiman et al. 2015). Ties go to the smallest index.
     """
     most = 1.0 - math.exp(-1.0)
     if isinstance(eps, bool) or not isinstance(eps, int | float) or not 0.0 < eps < most:

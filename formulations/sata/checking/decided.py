@@ -1,4 +1,4 @@
-"""What decided elements leave to choose, worked out for the checkers from the constraint's rows.
+"""The choice that decided elements leave, worked out for the checkers from the constraint's rows.
 
 With the elements of T taken and those of D dropped, a bound that adds up one number w_e >= 0 for each chosen element is
 
@@ -31,12 +31,12 @@ def split(problem: Any, worth: Floats) -> tuple[Floats, Floats]:
 
 
 def spent(problem: Any, costs: Floats) -> float:
-    """At most what the taken elements cost."""
+    """Cost of the taken elements, rounded downwards."""
     return math.fsum(costs[problem.taken]) * (1.0 - 2 * _EPS)
 
 
 def contradicted(problem: Any) -> bool:
-    """Whether no set is left: an element both taken and dropped, or more taken than the constraint allows."""
+    """True if no set is left: an element is both taken and dropped, or more are taken than the constraint allows."""
     if not problem.decided:
         return False
     if len(np.intersect1d(problem.taken, problem.dropped)):

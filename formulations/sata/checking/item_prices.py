@@ -38,27 +38,12 @@ _STRIP = 2**22
 def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
     """Upper bound on a coverage or facility-location problem that any prices of its items prove.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection
-    data : dict
-        ``prices``: one number an item. Negative ones count as 0. Under several budgets ``multipliers``, if there are any: one number a
-        row, for a budget that they make of all.
+    ``data`` holds ``prices``, one number an item, of which negative ones count as 0, and under several budgets possibly ``multipliers``,
+    one number a row, for a budget that they make of all. The bound is infinite where the sums overflow, and minus infinity where decided
+    elements leave no answer. All sums are of nonnegative terms, and are rounded upwards.
 
-    Returns
-    -------
-    float
-        Infinite where the sums overflow; minus infinity where decided elements leave no answer.
-
-    Raises
-    ------
-    InputError
-        If the list is missing, of the wrong length, or holds anything but finite numbers, or the function has no items.
-
-    Notes
-    -----
     Source: linear programming duality for the facility-location problem (Cornuéjols, Fisher, Nemhauser 1977);
-    docs/formulations/winner-takes-all.md#item-prices. All sums are of nonnegative terms, and are rounded upwards.
+    docs/formulations/winner-takes-all.md#item-prices.
     """
     weights = problem.function.as_item_weights() if problem.family == "selection" else None  # data: each layout is added up here
     if weights is None:
@@ -80,7 +65,7 @@ def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
 
 
 def _worths(weights: Any, p: Floats, n: int) -> tuple[Floats, int]:
-    """What each element gives beyond the prices, and the number of terms in the longest of these sums."""
+    """Worth of each element beyond the prices, and the number of terms in the longest of these sums."""
     if weights.layout == IN_MATRIX:
         parts = [np.maximum(strip - p, 0.0).sum(axis=1) for strip in _strips(weights.matrix)]
         return np.concatenate([np.zeros(0), *parts]), weights.num_items
@@ -92,15 +77,15 @@ def _worths(weights: Any, p: Floats, n: int) -> tuple[Floats, int]:
 
 
 def _strips(matrix: Any) -> Iterator[Floats]:
-    """Some rows after the other, in full precision."""
+    """Blocks of rows in full precision, one after the other."""
     step = max(1, _STRIP // max(1, matrix.shape[1]))
     for first in range(0, matrix.shape[0], step):
         yield matrix[first : first + step].astype(np.float64)
 
 
 def _best(problem: Any, worth: Floats, data: Mapping[str, Any]) -> Floats:
-    """Terms whose sum no set of undecided elements exceeds that is allowed beside the taken ones, each counting for itself; all where
-    nothing is known of the constraint."""
+    """Terms whose sum no set of undecided elements exceeds that is allowed beside the taken ones; all terms where nothing is known of
+    the constraint."""
     constraint = problem.constraint
     partition, rows = constraint.as_partition(len(worth)), constraint.rows(len(worth))
     if partition is not None:
@@ -125,7 +110,7 @@ def _best(problem: Any, worth: Floats, data: Mapping[str, Any]) -> Floats:
 
 
 def _fractional_knapsack(costs: Floats, budget: float, worth: Floats, used: float) -> Floats:
-    """For any rate q >= 0 of worth for cost, q budget and what the elements are worth beyond q times their cost.
+    """The terms, for a rate q >= 0 of worth for cost, of q budget and the worth of the elements beyond q times their cost.
 
     The best q is the ratio at which the budget runs out; no other needs to be right for the bound to hold.
     """
@@ -146,6 +131,7 @@ def _fractional_knapsack(costs: Floats, budget: float, worth: Floats, used: floa
 
 
 def value_grain(function: Any) -> Grain | None:
-    """Of what every value of a function with weights at items or entries is a multiple; None for full matrices and other functions."""
+    """The number of which every value of a function with weights at items or entries is a multiple; None for full matrices and other
+    functions."""
     weights = function.as_item_weights()
     return None if weights is None or weights.layout == IN_MATRIX else grain(weights.weights)

@@ -37,28 +37,12 @@ _ENTRIES = 1 << 21
 def check_marginal_gains(problem: Any, data: Mapping[str, Any]) -> float:
     """Upper bound on the value of every feasible selection that a set of elements proves.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection
-    data : dict
-        ``prefix``: the elements of S, numbered from 0, none twice; it may be empty, and need not be feasible.
+    ``data`` holds ``prefix``: the elements of S, numbered from 0, none twice; it may be empty, and need not be feasible. The bound is minus
+    infinity where decided elements leave no answer, and infinity for a function known by its values that is not declared monotone and
+    submodular, or whose values contradict it. An answer may exceed a budget by the tolerance of the check, so the bound counts with that
+    much more.
 
-    Returns
-    -------
-    float
-        Minus infinity where decided elements leave no answer; infinity for a function known by its values that is not declared monotone
-        and submodular, or is seen not to be.
-
-    Raises
-    ------
-    InputError
-        If the list is missing, or names what does not exist.
-
-    Notes
-    -----
-    Source: Nemhauser, Wolsey and Fisher (1978); docs/selection.md#bounds. Sums are rounded upwards. An answer may exceed a budget by the
-    tolerance of the check, so the bound counts with that much more. A user's function is taken at its word, unless the values that are
-    needed here contradict what is declared of it.
+    Source: Nemhauser, Wolsey and Fisher (1978); docs/selection.md#bounds. Sums are rounded upwards.
     """
     if problem.family != "selection":
         raise InputError("marginal gains are evidence for selection problems", found=problem.problem)
@@ -110,7 +94,8 @@ def _value_and_gains(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, 
 
 
 def _of_values(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, Floats]:
-    """Value and gains; infinite where they contradict the declaration: a loss, or a gain over S, or of all, above that over nothing."""
+    """Value and gains by whole values; infinite where these contradict the declaration: a loss, or a gain over S, or of all, above that
+    over nothing."""
     inside = np.zeros(n, dtype=bool)
     alone = _after_each(f, inside)
     inside[chosen] = True
@@ -123,7 +108,7 @@ def _of_values(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, Floats
 
 
 def _after_each(f: Any, inside: NDArray[np.bool_]) -> Floats:
-    """f of the set with each of the elements added to it."""
+    """Values of the set with each of the elements added to it."""
     n = len(inside)
     found = np.empty(n)
     step = max(1, _ENTRIES // max(1, n))
@@ -135,7 +120,7 @@ def _after_each(f: Any, inside: NDArray[np.bool_]) -> Floats:
 
 
 def _best_sum(problem: Any, gains: Floats) -> float:
-    """At least the largest sum of ``gains`` over the undecided elements of an answer that passes the check."""
+    """Upper bound on the sum of ``gains`` over the undecided elements of an answer that passes the check."""
     constraint = problem.constraint
     partition, rows = constraint.as_partition(len(gains)), constraint.rows(len(gains))
     if partition is not None:

@@ -33,26 +33,10 @@ _SMALLEST = 1e-290
 def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
     """Upper bound on the bottleneck value, whole actions or shares, that any weights of targets prove.
 
-    Parameters
-    ----------
-    problem : BottleneckSATA
-    data : dict
-        ``targets``: numbers of targets from 0, none twice; ``weights``: one each. Negative ones count as 0.
+    ``data`` holds ``targets``, numbers from 0, none twice, and ``weights``, one each, of which negative ones count as 0. The bound is
+    infinite where no weight is positive, and minus infinity where decided actions leave no answer. The sums are rounded upwards.
 
-    Returns
-    -------
-    float
-        Infinity where no weight is positive; minus infinity where decided actions leave no answer.
-
-    Raises
-    ------
-    InputError
-        If the lists are missing, differ in length, or name what does not exist.
-
-    Notes
-    -----
-    Source: linear programming duality for (3.5) of Sung (2019); docs/formulations/bottleneck.md#target-weights. The sums are rounded
-    upwards.
+    Source: linear programming duality for (3.5) of Sung (2019); docs/formulations/bottleneck.md#target-weights.
     """
     graph = getattr(problem, "graph", None)
     if problem.family != "max-min" or graph is None:
@@ -92,7 +76,7 @@ def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
 
 
 def _contradicted(problem: Any) -> bool:
-    """Whether an action is both taken and dropped, or a robot takes two."""
+    """True if an action is both taken and dropped, or a robot takes two."""
     robots = problem.graph.robot_of_action[problem.taken]
     return len(np.intersect1d(problem.taken, problem.dropped)) > 0 or len(np.unique(robots)) < len(robots)
 

@@ -25,14 +25,7 @@ ANY_CONSTRAINT = FORMULATED | ASKED
 
 @dataclass(frozen=True, eq=False)
 class Limits:
-    """At most ``room[g]`` elements of group g; a cardinality limit is one group.
-
-    Parameters
-    ----------
-    groups : array of shape (elements,)
-    room : array of shape (groups,)
-        No larger than the group: what can be chosen from it.
-    """
+    """At most ``room[g]`` elements of group g, out of no more than it has; a cardinality limit is one group."""
 
     groups: NDArray[np.int32]
     room: NDArray[np.int64]
@@ -47,7 +40,7 @@ class Limits:
 
     @classmethod
     def if_any(cls, problem: SubmodularSelection | BottleneckSATA) -> Limits | None:
-        """The same, or None."""
+        """The limits, or None where the constraint is no partition."""
         partition = problem.constraint.as_partition(problem.num_elements)
         if partition is None:
             return None
@@ -73,13 +66,7 @@ class Limits:
         return order[np.sort(by_group[place < self.room[member]])]
 
     def without(self, chosen: Sequence[int]) -> NDArray[np.int64]:
-        """Room that is left beside ``chosen``.
-
-        Raises
-        ------
-        UsageError
-            If there is not enough room for them.
-        """
+        """Room that is left beside ``chosen``; raises UsageError where they do not fit."""
         left = self.room - np.bincount(self.groups[list(chosen)], minlength=len(self.room))
         if (left < 0).any():
             raise UsageError("the elements of base break the constraint already")
@@ -109,18 +96,12 @@ def first_allowed(problem: SubmodularSelection | BottleneckSATA, order: NDArray[
 
 
 def not_whole(problem: Problem) -> frozenset[str]:
-    """Why a heuristic for whole actions cannot take a max-min problem: it is another than the bottleneck."""
+    """The reason why a heuristic for whole actions cannot take a max-min problem, if it is another than the bottleneck."""
     return frozenset({f"{problem.problem} problems"}) if problem.family == "max-min" and problem.problem != "bottleneck" else frozenset()
 
 
 def chosen_elements(what: str, given: object, problem: SubmodularSelection) -> list[int]:
-    """Different element numbers from 0, from a list of them, or from a text of names that are separated by commas.
-
-    Raises
-    ------
-    UsageError
-        If it is no such list.
-    """
+    """Different element numbers from 0, from a list of them or a text of names separated by commas; raises UsageError for anything else."""
     size = problem.num_elements
     if isinstance(given, str):
         number = {problem.element_name(e): e for e in range(size)}

@@ -27,7 +27,8 @@ FNW = "Fisher, Nemhauser and Wolsey (1978), An analysis of approximations for ma
 
 
 def assumptions(problem: SubmodularSelection) -> tuple[tuple[str, ...], str]:
-    """What makes ``f`` monotone and submodular with f({}) = 0; where nothing does, no assumptions and the reason in words."""
+    """The assumptions by which ``f`` is monotone and submodular with f({}) = 0; where there are none, an empty tuple and the reason in
+    words."""
     f = problem.function
     if f.as_item_weights() is not None:
         return (f"{f.name} with weights >= 0: monotone, submodular, 0 for the empty set",), ""
@@ -40,7 +41,7 @@ def assumptions(problem: SubmodularSelection) -> tuple[tuple[str, ...], str]:
 
 
 def greedy_guarantee(problem: SubmodularSelection, holds: tuple[str, ...]) -> Guarantee | None:
-    """Of the best element again and again: 1 - (1 - 1/k)^k under a cardinality limit k, 1/2 under any other matroid."""
+    """Guarantee of the greedy rule: 1 - (1 - 1/k)^k under a cardinality limit k, 1/2 under any other matroid."""
     c = problem.constraint
     if not holds or not c.matroid:
         return None
@@ -53,7 +54,7 @@ def greedy_guarantee(problem: SubmodularSelection, holds: tuple[str, ...]) -> Gu
 
 
 def rounded_down(share: float) -> str:
-    """Four decimals that do not promise more than is proved."""
+    """A share with four decimals that do not promise more than is proved."""
     return f"{math.floor(share * 1e4 + 1e-9) / 1e4:.4f}"
 
 
@@ -74,20 +75,11 @@ def concluded(
     whole: bool = True,
     in_order: bool = True,
 ) -> Outcome:
-    """The outcome of a method that took ``picks``.
+    """The outcome of a method that took ``picks``, one after the other if ``in_order``, within ``stop``.
 
-    Parameters
-    ----------
-    stop : Stop
-        What the method kept.
-    holds : tuple of str
-        What makes f monotone and submodular; without it there is neither evidence nor guarantee.
-    statistics : dict
-        ``bound_evaluations`` is added: gains evaluated for the evidence alone.
-    whole : bool
-        Whether it did all it had to do, rather than be cut short.
-    in_order : bool
-        Whether it took ``picks`` one after the other.
+    ``holds`` are the assumptions by which f is monotone and submodular: without them there is neither evidence nor guarantee. To the
+    statistics ``bound_evaluations`` is added, the gains evaluated for the evidence alone. ``whole`` is false where the method was cut
+    short.
     """
     looked, evidence = 0, tuple[Evidence, ...]()
     if holds:

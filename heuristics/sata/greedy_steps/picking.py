@@ -26,19 +26,10 @@ THIN = 0.5
 
 @dataclass(frozen=True)
 class Picked:
-    """What a greedy took, and how it went.
+    """The picks of a greedy in the order of choice, and how it went.
 
-    Parameters
-    ----------
-    elements : list of int
-        In the order of choice.
-    gains : list of float
-    evaluations, plain_evaluations : int
-        Gains evaluated, and those that a plain greedy evaluates on the way to these picks.
-    evaluation : str
-        ``plain, lazy`` or ``incremental``.
-    ended : str
-        ``full`` (no room is left), ``eps`` (what is left gains less) or ``stopped``.
+    ``plain_evaluations`` are those that a plain greedy takes on the way to these picks; ``evaluation`` is ``plain``, ``lazy`` or
+    ``incremental``; ``ended`` is ``full`` (no room is left), ``eps`` (what is left gains less) or ``stopped``.
     """
 
     elements: list[int]
@@ -50,25 +41,17 @@ class Picked:
 
 
 def check_threshold(eps: Any) -> None:
-    """Raise UsageError unless ``eps`` is a gain that a greedy may stop at."""
+    """Raise UsageError unless ``eps`` is a finite number of at least 0."""
     if isinstance(eps, bool) or not isinstance(eps, int | float) or not (eps >= 0 and math.isfinite(eps)):
         raise UsageError(f"eps must be a finite number of at least 0, not {eps!r}")
 
 
 def pick(problem: SubmodularSelection, stop: Stop, *, evaluation: str = "auto", eps: float = 0.0, base: Sequence[int] = ()) -> Picked:
-    """The best element that there is room for, again and again; ties go to the smallest index.
+    """The best element that there is room for, again and again, until the largest gain is below ``eps``; ties go to the smallest index.
 
-    Gains of functions that are known by their values only are differences, and tie where these differ by rounding.
-
-    Parameters
-    ----------
-    evaluation : str
-        ``plain`` (every gain in every round), ``lazy`` (only those that may be the largest, by their gains of earlier rounds),
-        ``incremental`` (all gains are kept up to date; coverage and sparse facility location), or ``auto``, the fastest of those.
-    eps : float
-        Ends where the largest gain is smaller.
-    base : sequence of int
-        Elements that are chosen already, and take room.
+    ``evaluation``: every gain in every round (``plain``), only those that may be the largest, by their gains of earlier rounds (``lazy``),
+    all gains kept up to date (``incremental``: coverage and sparse facility location), or ``auto``, the fastest of those. Gains of
+    functions that are known by their values only are differences, and tie where these differ by rounding.
     """
     weights, limits = problem.function.as_item_weights(), Limits.if_any(problem)
     compiled = weights is not None and limits is not None
@@ -114,7 +97,7 @@ def _compiled(weights: ItemWeights, how: str, state: tuple[Any, ...], base: Sequ
 
 
 def _asked(problem: SubmodularSelection, how: str, eps: float, base: Sequence[int], stop: Stop) -> Picked:
-    """For any function and constraint: in each round the constraint is asked what is open, and the function for gains."""
+    """Picks for any function and constraint: in each round the constraint is asked what is open, and the function for gains."""
     chosen, openings = empty_set(problem.function), Openings(problem.constraint, problem.num_elements)
     if len(openings.take_in_order(base)) < len(base):
         raise UsageError("the elements of base break the constraint already")
