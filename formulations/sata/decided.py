@@ -25,7 +25,7 @@ Elements = NDArray[np.int64]
 NONE: Elements = np.zeros(0, dtype=np.int64)
 
 FEATURE = "decided-elements"
-"""What only the checkers and the judge know of: methods are for whole problems."""
+"""The feature of problems with decided elements, which the checkers and the judge alone take: methods are for whole problems."""
 
 
 class DecidedElements(Problem):

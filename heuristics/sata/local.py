@@ -46,18 +46,12 @@ def local(
     ball: bool = True,
     messages: bool = False,
 ) -> Outcome:
-    """The local algorithm for max-min linear programs, of robots or with one packing row a variable.
-
-    Options: ``h``, layers from 1 to 1000, or ``heights``, several of them as a list, a text such as "1,3,5" or a number H for 1 to H, of
-    which the best answer is kept; ``eps``, from 1e-6 to 1, the relative precision of the search ``secant``, and ``step``, in units of
-    weights, that of the search ``step``; ``smoothing``, ``layers`` or ``ball`` (less memory); ``normalise``, to let every robot use itself
-    up; ``ties``, which of a robot's largest shares becomes whole: ``last``, ``first`` or ``random``; ``ball``, to bound the optimum by a
-    linear program over the surroundings of the worst-covered targets; ``messages``, to let robots send messages, and count rounds and
-    bytes: slow, for up to some thousand robots.
+    """The local algorithm for max-min linear programs, of robots or with one packing row a variable; its options:
+    docs/local_algorithm.md#options.
 
     Shares depend on what lies within 3h - 2 hops, and are guaranteed ``OPT / value <= Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T)``, which
     improves with h, as measured values need not; the additive search has the eps that its step amounts to. Whole actions are the largest
-    shares, without a guarantee.
+    shares, without a guarantee. The context's LP solver is used for the bound alone, its generator for random ties.
 
     Source: Floréen et al. (2011); Sung (2019), 3.4.1, Algorithm 2 and Theorem 1; proved in
     docs/formulations/bottleneck.md#the-local-algorithm.

@@ -38,14 +38,11 @@ PRESETS: dict[str, dict[str, Any]] = {
 class Tracking(Mission):
     """Keep moving targets in the sight of a team of robots.
 
-    In each step a robot predicts the targets that it sees (they go on as they last moved), and lays out its motion primitives: places
-    where it may be next, staying among them. A primitive sees a predicted target within the sensing range. Which primitives
-    the robots take is the problem, one for each team: robots that can hear each other and share a target. A robot without an
-    action of its own, because it sees nothing, no target is credited to it or its team's problem has no answer, does what the setting
-    ``idle`` says.
+    In each step a robot predicts the targets that it sees (they go on as they last moved), and lays out its motion primitives: places where
+    it may be next, staying among them. A primitive sees a predicted target within the sensing range. Which primitives the robots take is
+    the problem, one for each team: robots that can hear each other and share a target. A robot without an action of its own, because it
+    sees nothing, no target is credited to it or its team's problem has no answer, does what the setting ``idle`` says.
 
-    Notes
-    -----
     Source: Sung (2019), chapter 3. Readings of what it leaves open: docs/missions.md#tracking.
     """
 
@@ -137,12 +134,12 @@ class Tracking(Mission):
         return math.fsum(values) if self.values["problem"] == "winner-takes-all" else min(values)
 
     def measures(self, decisions: Sequence[Decision], world: World) -> dict[str, float]:
-        """What was predicted of the step beside what came true.
+        """Predicted measures of the step beside those that came true.
 
-        ``candidates``: different targets in the teams' problems; ``estimated_targets``: those that the chosen primitives were
-        predicted to see; ``actual_targets``: candidates that robots see after the step; ``estimated_value``: the value of the
-        chosen primitives as predicted; ``actual_value``: the same of the robots' and targets' true places, each robot credited with
-        the targets that it had predicted alone. Values are NaN where no team has an answer.
+        ``candidates``: different targets in the teams' problems; ``estimated_targets``: those that the chosen primitives were predicted to
+        see; ``actual_targets``: candidates that robots see after the step; ``estimated_value``: the value of the chosen primitives as
+        predicted; ``actual_value``: the same of the robots' and targets' true places, each robot credited with the targets that it had
+        predicted alone. Values are NaN where no team has an answer.
         """
         assert isinstance(world, TrackingWorld)
         solved = [d for d in decisions if d.problem is not None]
@@ -167,7 +164,7 @@ class Tracking(Mission):
     # ------------------------------------------------------------------------------------------------------------------
 
     def _primitives(self, o: TrackingObservation) -> Floats:
-        """Where each robot may be next, shape (robots, primitives, 2), where it is included; no farther than the wall."""
+        """Places where each robot may be next, its own included, no farther than the wall; shape (robots, primitives, 2)."""
         count, step = int(self.values["primitives"]) - 1, o.rules.robot_step
         shape = (len(o.ids), count)
         if self.values["motion"] == "around":

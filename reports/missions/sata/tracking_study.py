@@ -64,7 +64,7 @@ BOTTLENECK: dict[str, Method] = {
 
 @dataclass(frozen=True)
 class Size:
-    """How much is played; the defaults are the source's, a Gazebo step being one cycle of planning (8 s, and 2 s for the local one)."""
+    """Amount of play; the defaults are the source's, a Gazebo step being one cycle of planning (8 s, and 2 s for the local one)."""
 
     targets: tuple[int, ...] = (10, 20, 30)
     instances: int = 200
@@ -172,7 +172,7 @@ def bottleneck_table(logs: pd.DataFrame) -> pd.DataFrame:
 
 
 def trends(parker: pd.DataFrame, weights: pd.DataFrame) -> list[tuple[str, str]]:
-    """The source's trends, and what was found of each."""
+    """The source's trends, and the findings on each."""
     found = []
     rows: dict[tuple[int, str], dict[str, Any]] = {(row["targets"], row["method"]): row for row in records(parker)}
     counts = sorted({count for count, _ in rows})

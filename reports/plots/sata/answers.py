@@ -35,20 +35,8 @@ def plot_max_min(
 ) -> Any:
     """A bottleneck answer as a map, a bipartite graph or a chart of the targets' coverage; a max-min program as a chart of its rows.
 
-    Parameters
-    ----------
-    problem : BottleneckSATA or MaxMinLP
-    answer : Selection, or array of shares or values
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
+    Draws on ``ax`` (new axes by default), which it returns; ``solution`` gives objective, bound and gap for the title, unless that is
+    given.
     """
     ax = new_axes() if ax is None else ax
     if isinstance(problem, MaxMinLP):
@@ -79,7 +67,7 @@ def _shades(covered: NDArray[np.float64], worst: float) -> list[str]:
 
 
 def _bound(solution: Solution | None) -> tuple[float, str] | None:
-    """What no answer can lift the worst beyond, and on whose word."""
+    """The solution's bound and its kind, where it has one."""
     return (solution.bound, str(solution.bound_kind)) if solution is not None and isinstance(solution.bound, float) else None
 
 
@@ -88,16 +76,7 @@ def plot_selection(
 ) -> Any:
     """Winner takes all as a map, a bipartite graph or a chart of the robots' credits; other selections as value after each choice.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection
-    answer : Selection
-    ax, solution, title
-        See ``plot_max_min``.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
+    The parameters are those of ``plot_max_min``.
     """
     ax = new_axes() if ax is None else ax
     if not isinstance(problem, WinnerTakesAllSATA):
@@ -117,7 +96,7 @@ def plot_selection(
 
 
 def _credits(ax: Any, problem: WinnerTakesAllSATA, winner: Any, credit: Any, solution: Solution | None) -> None:
-    """What each robot is credited with, from the largest, and how it adds up towards the bound."""
+    """Chart of the credit of each robot, from the largest, and how it adds up towards the bound."""
     graph = problem.graph
     brings = np.bincount(winner[winner >= 0], weights=credit[winner >= 0], minlength=graph.num_robots)
     order = np.argsort(-brings, kind="stable")
@@ -165,23 +144,10 @@ def _climb(ax: Any, problem: SubmodularSelection, answer: Any, solution: Solutio
 
 
 def draw_graph(ax: Any, graph: SensingGraph, shares: Floats, covered: Floats, winner: Any) -> str:
-    """Draw a graph that has positions or is small enough.
+    """Draw a graph that has positions or is small enough; returns what is shown, "" if nothing was drawn.
 
-    Parameters
-    ----------
-    ax : matplotlib axes
-    graph : SensingGraph
-    shares : array of shape (actions,)
-        How far each action is taken.
-    covered : array of shape (targets,)
-        What each target gets.
-    winner : array of shape (targets,), or None
-        The robot that is credited with each target, -1 for nobody; None where all that see it count.
-
-    Returns
-    -------
-    str
-        What is shown, "" if nothing was drawn.
+    ``shares`` of the actions and ``covered``, what each target gets; ``winner``, of shape (targets,), is the robot that is credited with
+    each target, -1 for nobody, or None where all that see it count.
     """
     if graph.action_positions is not None and graph.target_positions is not None:
         _draw(ax, graph, graph.action_positions, graph.target_positions, shares, covered, winner)

@@ -11,7 +11,7 @@ from ..table import Row
 
 
 def graph_rows(g: dict[str, Any]) -> list[Row]:
-    """Sizes, degrees and what is idle or unseen."""
+    """Rows on sizes, degrees and what is idle or unseen."""
     least, most = g["actions_of_a_robot"]
     each = f"{least} actions each" if least == most else f"{least} to {most} actions each"
     blind = g["actions"] - g["seeing_actions"]

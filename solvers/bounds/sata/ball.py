@@ -42,7 +42,7 @@ STILL = 1e-7
 """Relative improvement below which a bound stands still."""
 
 TIME_SHARE = 0.5
-"""Of a budget for all bounds; the rest is for the linear program over the whole graph."""
+"""Share of a budget for all bounds; the rest is for the linear program over the whole graph."""
 
 SIMPLEX = {"highs": {"solver": "simplex"}}
 SIMPLEX_EDGES = 8_000
@@ -50,20 +50,9 @@ SIMPLEX_EDGES = 8_000
 
 
 def ball_weights(graph: SensingGraph, targets: Indices, stop: Stop, linear: LinearPrograms) -> tuple[float, Indices, Floats] | None:
-    """Solve the linear program over the ball of ``targets``.
+    """Solve the linear program over the ball of ``targets`` (ascending, none twice).
 
-    Parameters
-    ----------
-    graph : SensingGraph
-    targets : integer array
-        Ascending, none twice.
-    stop : Stop
-    linear : LinearPrograms
-
-    Returns
-    -------
-    (bound, targets, weights) or None
-        The bound, and the targets of positive dual weight; None if the program was not solved.
+    Returns the bound, the targets of positive dual weight and their weights; None if the program was not solved.
     """
     from ....formulations.sata.bottleneck_sata import BottleneckSATA
 
@@ -104,30 +93,13 @@ def ball_evidence(
     seeds: int = SEEDS,
     most_edges: int = MOST_EDGES,
 ) -> Evidence | None:
-    """Evidence from linear programs over balls around the worst-covered targets.
+    """Evidence ``target-weights`` from linear programs over balls around the worst-covered targets; None where none was solved in time.
 
-    A ball grows, to at least twice its edges at a time, until its bound stands still; then others are grown around four times as many
-    seeds, as long as some target is covered worse than the bound found so far.
+    A ball grows, to at least twice its edges at a time and ``most_edges`` at most, until its bound stands still; the first is grown around
+    ``seeds`` targets, others around four times as many, as long as some target is covered worse than the bound found so far. ``coverage``,
+    of shape (targets,), is that of the best answer known; by default that of robots that divide themselves evenly among their actions. For
+    whole actions this is a bound of their relaxation.
 
-    Parameters
-    ----------
-    problem : BottleneckSATA
-    coverage : array of shape (targets,), optional
-        Coverage by the best answer known; by default that of robots that divide themselves evenly among their actions.
-    stop : Stop
-    linear : LinearPrograms, optional
-    seeds : int
-        Targets that the first ball is grown around.
-    most_edges : int
-        Largest ball.
-
-    Returns
-    -------
-    Evidence or None
-        Of kind ``target-weights``; None where no program was solved in time.
-
-    Notes
-    -----
     Source: linear programming duality; docs/formulations/bottleneck.md#balls.
     """
     linear = linear or LinearPrograms()
@@ -173,16 +145,8 @@ def _grown_weights(
 def ball_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from balls around the targets that robots who divide themselves evenly cover worst, in half of the time.
 
-    Parameters
-    ----------
-    problem : BottleneckSATA, or MaxMinLP with one packing row a variable
-    stop : Stop
-    linear : LinearPrograms, optional
-
-    Returns
-    -------
-    Evidence or None
-        Of kind ``target-weights``, for a ``MaxMinLP`` of kind ``packing-covering-duals``.
+    For bottleneck problems of kind ``target-weights``, for max-min programs with one packing row a variable of kind
+    ``packing-covering-duals``.
     """
     half = stop.within(TIME_SHARE * stop.seconds_left)
     robots = RobotsOf(problem)  # type: ignore[arg-type]

@@ -18,7 +18,7 @@ Elements = NDArray[np.int64]
 
 
 def rounding(value: float, gain: float) -> float:
-    """By how much a gain may be off that is the difference of ``value`` and another: sums depend on how many sets are valued at once."""
+    """Rounding error of a gain that is the difference of ``value`` and another: sums depend on how many sets are valued at once."""
     return LIMIT * (abs(value) + abs(gain))
 
 
@@ -30,22 +30,14 @@ def first_of_largest(elements: Elements, gains: Floats, value: float) -> tuple[i
 
 
 class GrowingSet(ABC):
-    """The set chosen so far.
-
-    Attributes
-    ----------
-    value : float
-        f of the set.
-    evaluations : int
-        Gains evaluated so far.
-    """
+    """The set chosen so far: its value, and how many gains were evaluated."""
 
     value: float
     evaluations = 0
 
     @abstractmethod
     def gains(self, elements: Elements, stop: Stop = NEVER) -> Floats:
-        """What each of ``elements`` would add; 0 for those that were not asked for before it had to end."""
+        """Gain of each of ``elements``; 0 for those that were not asked for before it had to end."""
 
     @abstractmethod
     def take(self, element: int, gain: float) -> None:
@@ -56,7 +48,7 @@ class GrowingSet(ABC):
         """Add elements whose gains are not known."""
 
     def best_of(self, elements: Elements, stop: Stop = NEVER) -> tuple[int, float]:
-        """As ``first_of_largest``; -1 once it has to end."""
+        """The element of ``first_of_largest`` and its gain; -1 once it has to end."""
         found = self.gains(elements, stop)
         if stop.reached():
             return -1, 0.0
@@ -64,7 +56,7 @@ class GrowingSet(ABC):
 
 
 class WeightedSet(GrowingSet):
-    """For functions given by the weights of items, compiled."""
+    """A set for functions given by the weights of items, compiled."""
 
     def __init__(self, weights: ItemWeights) -> None:
         from .gain_kernels import gains_of, take
@@ -90,7 +82,7 @@ class WeightedSet(GrowingSet):
 
 
 class ValuedSet(GrowingSet):
-    """For functions known by their values: many sets a call."""
+    """A set for functions known by their values: many sets a call."""
 
     def __init__(self, function: SetFunction) -> None:
         self.function = function

@@ -24,13 +24,13 @@ from .saddle_steps.programs import Programs
 from .saddle_steps.refinement import refine
 
 LEAST_GAP = 5e-7
-"""Where a smaller gap is asked for, this is what ends a search: half of what is told apart from an optimum."""
+"""Gap that ends a search for which a smaller one is asked: half of the gap that is told apart from an optimum."""
 
 FIRST_PASSES, FIRST_WORK = 16.0, 1e6
 """Passes over the graph, and edges, that the work on single clusters may read before the whole game is played."""
 
 REFINE_SHARE = 0.25
-"""What refining the mean answer may read, as a share of what regret matching has read so far."""
+"""Edges that refining the mean answer may read, as a share of those that regret matching has read so far."""
 
 FEW, LEAST_FEW = 0.02, 100
 """The mean answer is refined when at most this share, or this number, of the targets falls short of the value wanted."""
@@ -76,12 +76,7 @@ class Saddle(Engine):
 
 
 class _Task:
-    """The problem as one of robots, with weights near 1.
-
-    Parameters
-    ----------
-    problem : BottleneckSATA or MaxMinLP
-    """
+    """The problem as one of robots, with weights near 1."""
 
     def __init__(self, problem: Problem) -> None:
         self.robots = RobotsOf(problem)  # type: ignore[arg-type]
@@ -116,7 +111,7 @@ class _Task:
         return record.bound / self.unit
 
     def evidence(self, record: Record) -> tuple[Evidence, ...]:
-        """What proves the record's bound, in the problem's own terms."""
+        """Evidence of the record's bound, in the problem's own terms."""
         if not np.isfinite(record.bound):
             return ()
         count = len(record.targets)

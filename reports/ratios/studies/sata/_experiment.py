@@ -35,16 +35,7 @@ Measure = Callable[[SensingGraph, int], Measured]
 
 @dataclass(frozen=True)
 class Sweep:
-    """One parameter that is varied while the others stay.
-
-    Parameters
-    ----------
-    key : str
-        ``robots``, ``targets`` or ``phi``.
-    values : sequence of numbers
-    fixed : mapping
-        The others.
-    """
+    """One parameter, ``robots``, ``targets`` or ``phi``, that takes ``values`` while the others stay ``fixed``."""
 
     key: str
     values: tuple[float, ...]
@@ -57,7 +48,7 @@ class Sweep:
 
     @property
     def title(self) -> str:
-        """What stays."""
+        """The parameters that stay, in words."""
         return ", ".join(f"phi = {value:g} %" if key == "phi" else f"{value:g} {key}" for key, value in self.fixed.items())
 
     def point(self, k: int) -> dict[str, float]:
@@ -67,24 +58,11 @@ class Sweep:
 
 @dataclass(frozen=True)
 class ExperimentPlan:
-    """What an experiment works through.
+    """The methods of an experiment, and the sweeps in which they are measured.
 
-    Parameters
-    ----------
-    sweeps : sequence of Sweep
-    methods : sequence of str
-        The keys of what ``measure`` returns, in the order of the table.
-    measure : callable
-        ``measure(graph, seed)`` returns a value for each method, and what must not be as (kind, message).
-    orders : sequence of pairs of methods
-        The value of the first is never above that of the second.
-    quantity : str
-        What the values are.
-    shares : sequence of pairs of methods
-        Mean and least of first over second are shown.
-    groups : sequence of (title, methods)
-        Panels of their own in the figure; by default all methods in one.
-    notes : sequence of str
+    ``measure(graph, seed)`` returns a value, the ``quantity``, for each of the ``methods``, and faults as (kind, message). Of two methods
+    in ``orders`` the value of the first is never above that of the second; of two in ``shares`` mean and least of first over second are
+    shown. ``groups`` are panels of their own in the figure, as (title, methods); by default all methods stand in one.
     """
 
     sweeps: tuple[Sweep, ...]
@@ -138,13 +116,8 @@ def trials_of(study: str, sweep: int, point: int, first: int, count: int, seed: 
 
 
 def sensing_graph(parameters: Mapping[str, float], seed: int, trial: int) -> tuple[SensingGraph, int]:
-    """The graph of one trial, and the seed that the generator took for it: the first that it does not refuse.
-
-    Raises
-    ------
-    UsageError
-        If it refuses them all.
-    """
+    """The graph of one trial, and the seed that the generator took for it: the first that it does not refuse; raises UsageError if it
+    refuses all."""
     shape = {key: value if key == "phi" else int(value) for key, value in sorted(parameters.items())}
     rng = np.random.default_rng([seed, zlib.crc32(repr(sorted(shape.items())).encode()), trial])
     for _ in range(ATTEMPTS):
@@ -160,13 +133,7 @@ def sensing_graph(parameters: Mapping[str, float], seed: int, trial: int) -> tup
 
 
 def solved(problem: Problem) -> Optimum:
-    """The optimum by HiGHS through ``solve``, which checks answer and bound.
-
-    Raises
-    ------
-    CheckFailedError
-        If it is not proved within the default time limit.
-    """
+    """The optimum by HiGHS through ``solve``, which checks answer and bound; raises CheckFailedError where it is not proved in time."""
     from .....solving.solve import solve
 
     found = solve(problem, "highs", bound_time=0.0)

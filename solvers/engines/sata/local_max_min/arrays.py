@@ -22,17 +22,10 @@ LEAST_EPS, MOST_EPS = 1e-6, 1.0
 
 @dataclass(frozen=True, eq=False)
 class LocalShares:
-    """What the local algorithm returns.
+    """Result of the local algorithm, in arrays of shape (actions of the sensing graph,).
 
-    Parameters
-    ----------
-    shares : array of shape (actions of the sensing graph,)
-        0 for actions that see nothing.
-    levels : array of shape (actions of the sensing graph,)
-        The level found for the tree of each action, before the margin; NaN for actions that see nothing.
-    relative_eps : float
-        The largest valid level of any tree is at most (1 + relative_eps) times the one that was used, margin included.
-    clean : CleanGraph
+    Actions that see nothing have the share 0 and the level NaN; ``levels`` are those of the trees, before the margin. The largest valid
+    level of any tree is at most (1 + relative_eps) times the one that was used, margin included.
     """
 
     shares: Floats
@@ -72,41 +65,12 @@ def local_shares(
 ) -> LocalShares:
     """Shares of the robots among their actions that make the worst-covered target's coverage large, each from its surroundings alone.
 
-    Parameters
-    ----------
-    graph : SensingGraph or CleanGraph
-        Targets that nobody sees are not looked at.
-    h : int
-        Layers, from 1 to 1000; a robot's shares depend on what lies within 3h - 2 hops.
-    eps : float
-        Relative precision of the levels in the search ``secant``, from 1e-6 to 1.
-    search : str
-        ``secant`` (common levels, guaranteed) or ``step`` (additive, from a ceiling of each tree, as in the thesis' table).
-    step : float, in units of weights
-        Of the search ``step``.
-    smoothing : str
-        ``layers`` (the least level over the trees that hold a copy) or ``ball`` (over all robots within h - 1 hops: less memory).
-    normalise : bool
-        Let every robot use itself up: no target loses by it.
-    stop : Stop
+    The options are those of docs/local_algorithm.md#options; a robot's shares depend on what lies within 3h - 2 hops. Targets that nobody
+    sees are not looked at. For the worst-covered target that somebody sees, ``OPT / value <= Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T)``.
+    Raises UsageError for an option out of range, Stopped where it has to end before.
 
-    Returns
-    -------
-    LocalShares
-
-    Raises
-    ------
-    UsageError
-        If an option is out of range.
-    Stopped
-        If it has to end before.
-
-    Notes
-    -----
-    Source: Floréen, Hassinen, Kaasinen, Kaski, Musto and Suomela (2011), Local approximability of max-min and min-max linear
-    programs; Sung (2019), section 3.4.1, Algorithm 2; proved in docs/formulations/bottleneck.md#the-local-algorithm. For the worst-covered
-    target that somebody sees,
-    ``OPT / value <= Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T)``.
+    Source: Floréen, Hassinen, Kaasinen, Kaski, Musto and Suomela (2011), Local approximability of max-min and min-max linear programs; Sung
+    (2019), section 3.4.1, Algorithm 2; proved in docs/formulations/bottleneck.md#the-local-algorithm.
     """
     check_options(h, eps, search, step, smoothing)
     cleaned = graph if isinstance(graph, CleanGraph) else clean(graph)
@@ -127,15 +91,7 @@ def shares_at_levels(
 ) -> Floats:
     """All of the algorithm that follows the search: smoothing, the layered solution, and its average over copies.
 
-    Parameters
-    ----------
-    cleaned : CleanGraph
-    levels : array of shape (actions,)
-        A valid level of each action's tree, used as it is.
-
-    Returns
-    -------
-    array of shape (actions,)
+    ``levels`` are valid levels of the actions' trees, used as they are.
     """
     from .layer_kernels import ball_minima, solve_layer
 

@@ -31,7 +31,7 @@ MOST_LEVELS = 100_000
 
 
 class Tested(NamedTuple):
-    """The recursion of one red copy at ascending levels: what limits its tree, the number of the first level, and the values."""
+    """The recursion of one red copy at ascending levels: the level that limits its tree, the number of the first level, and the values."""
 
     least: float
     first: int
@@ -51,7 +51,7 @@ class Levels(ABC):
 
     @abstractmethod
     def families(self, request: Request) -> dict[float, tuple[int, Floats]]:
-        """Of each family the number of its first level and its levels, ascending."""
+        """The number of the first level of each family, and its levels, ascending."""
 
     @abstractmethod
     def names(self, request: Request) -> Request:
@@ -66,7 +66,7 @@ class Levels(ABC):
         """The level of a root."""
 
     def message(self, found: Mapping[float, Tested]) -> tuple[tuple[float, int, tuple[float, ...]], ...]:
-        """What is said of one action: for each family, in the order of the request, all numbers of ``Tested``."""
+        """The message on one action: for each family, in the order of the request, all numbers of ``Tested``."""
         return tuple((t.least, t.first, tuple(t.reds.tolist())) for t in found.values())
 
     def read(self, request: Request, said: tuple[tuple[float, int, tuple[float, ...]], ...]) -> dict[float, Tested]:
@@ -75,12 +75,7 @@ class Levels(ABC):
 
 
 class CommonLevels(Levels):
-    """Levels of a ``LevelGrid``, the same for everybody: a request is the least and the largest j.
-
-    Parameters
-    ----------
-    eps : float
-    """
+    """Levels of a ``LevelGrid``, the same for everybody: a request is the least and the largest j."""
 
     def __init__(self, eps: float) -> None:
         self._eps, self._grid = eps, LevelGrid(eps)
@@ -117,12 +112,7 @@ class CommonLevels(Levels):
 
 
 class SteppedLevels(Levels):
-    """Levels U, U - step, U - 2 step, ... down to U/2, for the ceiling U of each tree: a request is the ceilings.
-
-    Parameters
-    ----------
-    step : float
-    """
+    """Levels U, U - step, U - 2 step, ... down to U/2, for the ceiling U of each tree: a request is the ceilings."""
 
     def __init__(self, step: float) -> None:
         self._step = step
@@ -165,7 +155,7 @@ def _refuse(number: float, option: str, value: float) -> None:
 
 @dataclass(frozen=True)
 class Orders:
-    """What all robots are told beforehand; see ``local_shares``."""
+    """The orders that all robots have beforehand; see ``local_shares``."""
 
     h: int
     levels: Levels
@@ -174,16 +164,7 @@ class Orders:
 
 
 class Robot:
-    """One robot.
-
-    Parameters
-    ----------
-    name : int
-        Tells it from others; the order of names is the order of sums.
-    actions : sequence of dict
-        For each action the weights of the targets that it sees.
-    orders : Orders
-    """
+    """One robot, which knows the weights of the targets that each of its actions sees. The order of names is the order of sums."""
 
     def __init__(self, name: int, actions: Sequence[Mapping[int, float]], orders: Orders) -> None:
         self.name, self._orders = name, orders
@@ -210,7 +191,8 @@ class Robot:
     # -- getting to know the neighbours ------------------------------------------------------------------------------
 
     def _meet(self, targets: list[int], inbox: Inbox) -> None:
-        """From what the viewers of each target said: (robot, action, weight, cap) in order; targets that only one action sees apart."""
+        """Note the viewers of each target, as (robot, action, weight, cap) in order, from what they said; targets that only one action
+        sees apart."""
         self._viewers: dict[int, list[tuple[int, int, float, float]]] = {}
         self._private = [0.0 for _ in self._own]
         known: dict[int, set[int]] = {}
@@ -276,7 +258,7 @@ class Robot:
     # -- the search --------------------------------------------------------------------------------------------------
 
     def _requests(self, ceilings: list[float]) -> Generator[Outbox, Inbox, list[Request]]:
-        """Entry d: which levels the roots within d hops want tested, in h - 1 rounds."""
+        """Entry d: the levels that the roots within d hops want tested, in h - 1 rounds."""
         reach = [self._orders.levels.wanted(ceilings)]
         while len(reach) < self._orders.h:
             inbox = yield dict.fromkeys(self._shown, reach[-1])

@@ -16,7 +16,7 @@ MARGIN = 1e-9
 """Levels found are lowered by this part: z_R(t (1 - d)) >= (1 - d) z_R(t) + d cap, so rounding makes no red copy negative."""
 
 SLACK = MARGIN / 2
-"""How far below 0, in parts of the cap, a red copy may lie at a valid level of the additive search: less than the margin mends."""
+"""A red copy may lie so far below 0, in parts of the cap, at a valid level of the additive search: less than the margin mends."""
 
 DEEPEST = 1024.0
 """Red copies count as no further below 0 than this, in parts of the cap: a level at which one is negative is not valid, however much."""
@@ -82,14 +82,8 @@ def _scratch(clean: CleanGraph) -> Scratch:
 def tree_minima(clean: CleanGraph, start: Floats, floor: Floats, rows: int, h: int, stop: Stop) -> Floats:
     """Minima over trees: row l gets, per blue copy B(v, l), the least of ``start`` over the roots above it.
 
-    Parameters
-    ----------
-    start : array of shape (actions,)
-        One value a root.
-    floor : array of shape (actions,) or (0,)
-        Joined in at every layer.
-    rows : int
-        ``h``; or 1 for the last layer alone, l = h - 1.
+    ``start`` has one value a root; ``floor``, of shape (actions,) or (0,), is joined in at every layer; ``rows`` is ``h``, or 1 for the
+    last layer alone, l = h - 1.
     """
     from .layer_kernels import minima_layer
 
@@ -104,14 +98,14 @@ def tree_minima(clean: CleanGraph, start: Floats, floor: Floats, rows: int, h: i
 
 
 def sums_at_caps(clean: CleanGraph) -> Floats:
-    """What all viewers at their caps give each target."""
+    """Coverage of each target by all its viewers at their caps."""
     first, starts, targets, weights, _, caps = clean.layout
     given = weights * np.repeat(caps, np.diff(starts[first]))
     return np.bincount(targets, given, clean.num_targets).astype(np.float64)  # of nothing, numpy counts in whole numbers
 
 
 def _capacities(clean: CleanGraph) -> Floats:
-    """Of each action the least, over its targets, of what all viewers at their caps give."""
+    """The least coverage of each action's targets by all viewers at their caps."""
     first, starts, targets, _, private, caps = clean.layout
     sums = sums_at_caps(clean)
     lowest = np.where(private > 0.0, private * np.repeat(caps, np.diff(first)), math.inf)
@@ -122,7 +116,7 @@ def _capacities(clean: CleanGraph) -> Floats:
 
 
 def _reachable(clean: CleanGraph, stop: Stop) -> tuple[Sight, Lists, Indices]:
-    """What is needed to look at a part of the graph only: robots of a target, lists to fill, and the robot of each action."""
+    """Working arrays for a part of the graph: robots of a target, lists to fill, and the robot of each action."""
     from .....formulations.transpose_kernels import transpose
 
     graph = clean.layout
@@ -138,14 +132,9 @@ def _reachable(clean: CleanGraph, stop: Stop) -> tuple[Sight, Lists, Indices]:
 
 
 class LevelGrid:
-    """Levels 2^(j / m) for whole j, with the least m that makes neighbours at most a factor 1 + eps apart.
+    """Levels 2^(j / m) for whole j, with the least m that makes neighbours at most a factor 1 + eps apart, 0 < eps <= 1.
 
     Weights times a power of two meet the same levels times that power; and nobody needs to know the weights of others for it.
-
-    Parameters
-    ----------
-    eps : float
-        From above 0 to 1.
     """
 
     def __init__(self, eps: float) -> None:
@@ -165,16 +154,9 @@ class LevelGrid:
 class SecantSearch:
     """Levels of a grid, the same for all robots wherever they are; between two neighbours the root of the secant.
 
-    A red copy is concave in the level, so the secant's root never lies beyond the true one, and it is at least the lower neighbour:
-    ``t* / (1 + eps) <= t <= t*``, the latter up to rounding: 2.1e-9 of it in the worst of 614 random graphs, which moved no share.
-    Which levels are looked at first depends on the whole graph, the result does not.
-
-    Parameters
-    ----------
-    clean : CleanGraph
-    h : int
-    eps : float
-    stop : Stop
+    A red copy is concave in the level, so the secant's root never lies beyond the true one, and it is at least the lower neighbour: ``t* /
+    (1 + eps) <= t <= t*``, the latter up to rounding: 2.1e-9 of it in the worst of 614 random graphs, which moved no share. Which levels
+    are looked at first depends on the whole graph, the result does not.
     """
 
     def __init__(self, clean: CleanGraph, h: int, eps: float, stop: Stop = NEVER) -> None:
@@ -209,7 +191,8 @@ class SecantSearch:
             work += self._split(roots, low, high, low, stride)
 
     def _guess(self, low: int, high: int) -> int | None:
-        """Where to look first: the block that holds most results of a few robots, if their surroundings are a small part of the whole."""
+        """The level to look at first: the block that holds most results of a few robots, if their surroundings are a small part of the
+        whole."""
         clean = self._clean
         if high - low <= _INTERVALS or clean.num_robots < 64 * _SAMPLE[-1]:
             return None
@@ -289,18 +272,11 @@ def step_search(clean: CleanGraph, h: int, step: float, stop: Stop = NEVER) -> t
     """Levels U, U - step, U - 2 step, ... for each root from its own ceiling U: the first that is valid, never below U/2.
 
     U is the least value that a target in the root's tree has with all its viewers at their caps. The levels are not tried one by one:
-    validity is monotone, so the digits of their number are found, to base 8.
+    validity is monotone, so the digits of their number are found, to base 8. Returns the levels, of shape (actions,), and how far, at most,
+    the largest valid level lies above the one found, in parts of it: step / (t* - step) at most, which is no (1 + eps) for weights of
+    another size.
 
-    Returns
-    -------
-    levels : array of shape (actions,)
-    relative_eps : float
-        How far, at most, the largest valid level lies above the one found, in parts of it.
-
-    Notes
-    -----
-    This is the search whose output the thesis tabulates (Sung 2019, Table 3.1, step 0.1). Its relative error is step / (t* - step)
-    at most, which is no (1 + eps) for weights of another size.
+    Source: the search whose output the thesis tabulates (Sung 2019, Table 3.1, step 0.1).
     """
     from .level_kernels import step_groups
 

@@ -24,14 +24,9 @@ _EPS = float(np.finfo(np.float64).eps)
 class Layout(NamedTuple):
     """The arrays of a graph, as kernels take them.
 
-    Parameters
-    ----------
-    first, order : arrays
-        The actions of robot i are ``order[first[i]]`` to ``order[first[i + 1] - 1]``.
-    starts, targets, weights : arrays
-        CSR form of actions x targets.
-    viewer_starts, viewers : arrays
-        CSR form of targets x robots; a robot stands once for each of its actions that sees the target.
+    The actions of robot i are ``order[first[i]]`` to ``order[first[i + 1] - 1]``; ``starts``, ``targets`` and ``weights`` are the CSR form
+    of actions x targets; ``viewer_starts`` and ``viewers`` that of targets x robots, in which a robot stands once for each of its actions
+    that sees the target.
     """
 
     first: NDArray[np.int32]
@@ -63,14 +58,7 @@ def _read_only(array: NDArray[Any]) -> NDArray[Any]:
 
 
 class Limits:
-    """When to end: time, work, the wish to stop.
-
-    Parameters
-    ----------
-    stop : Stop
-    most_work : float
-        Edges that the compiled loops may read.
-    """
+    """The limits of a search: its time and the wish to stop, and the edges that the compiled loops may read."""
 
     def __init__(self, stop: Stop, most_work: float = math.inf) -> None:
         self.stop = stop
@@ -82,30 +70,15 @@ class Limits:
         return self.stop.seconds_left
 
     def reached(self) -> str:
-        """Which limit is reached: ``interrupt``, ``time``, ``iterations``, or none (empty)."""
+        """Name of the limit that is reached: ``interrupt``, ``time``, ``iterations``, or none (empty)."""
         return self.stop.reached() or ("iterations" if self.work >= self.most_work else "")
 
 
 class Record:
-    """The best answer and the best bound so far.
+    """The best answer and the best bound so far, for a graph of which every target is seen.
 
-    Parameters
-    ----------
-    graph : SensingGraph
-        Every target is seen.
-    gap : float
-        Relative gap between them that is asked for.
-    news : callable
-        ``news(record, what)`` is called with ``answer`` or ``bound`` when there is a better one.
-
-    Attributes
-    ----------
-    shares : array of shape (actions,)
-    value : float
-    bound : float
-        What the checker makes of ``weights``, its rounding upwards included.
-    targets, weights : arrays
-        The weighted targets, ascending, and their weights.
+    ``gap`` is the relative one that is asked for between them; ``news(record, what)`` is called with ``answer`` or ``bound`` when there is
+    a better one. ``bound`` is what the checker makes of ``weights`` of ``targets`` (ascending), its rounding upwards included.
     """
 
     def __init__(self, graph: SensingGraph, gap: float, news: Callable[[Record, str], Any] = lambda record, what: None) -> None:
@@ -121,7 +94,7 @@ class Record:
         return self.bound / (1.0 + self.gap)
 
     def closed(self) -> bool:
-        """Whether the gap is as small as asked for."""
+        """True if the gap is as small as asked for."""
         return self.value >= self.wanted
 
     def offer(self, shares: Floats) -> Floats:
@@ -148,15 +121,7 @@ class Record:
 
 
 class Game:
-    """A graph, the best that is known of it, and what the methods need to work on it.
-
-    Parameters
-    ----------
-    graph : SensingGraph
-        Every target is seen.
-    record, limits, programs
-        See there.
-    """
+    """A graph of which every target is seen, the best that is known of it, and what the methods need to work on it."""
 
     def __init__(self, graph: SensingGraph, record: Record, limits: Limits, programs: Programs) -> None:
         self.graph, self.record, self.limits, self.programs = graph, record, limits, programs
@@ -172,21 +137,10 @@ class Game:
         return float(2 * self.graph.num_edges + self.graph.num_targets)
 
     def descend(self, shares: Floats, cover: Floats, level: float, negligible: float, end: float) -> bool:
-        """Move ``shares`` downhill on the squared deficits below ``level``, as long as ``limits.work`` is below ``end``.
+        """Move ``shares`` downhill on the squared deficits below ``level``, as long as ``limits.work`` is below ``end``; true if it came to
+        rest.
 
-        Parameters
-        ----------
-        shares, cover : arrays
-            Change in place.
-        level : float
-        negligible : float
-            Deficits up to this are left as they are.
-        end : float
-
-        Returns
-        -------
-        bool
-            Whether it came to rest.
+        ``shares`` and ``cover`` change in place. Deficits up to ``negligible`` are left as they are.
         """
         from .descent_kernels import descend
 

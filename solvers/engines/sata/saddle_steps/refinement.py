@@ -22,13 +22,13 @@ FEW, LEAST_FEW = 1 / 64, 16
 """Targets that may fall short of a level to begin with, as a share and a number. While the bound is far off, levels rise step by step."""
 
 RISE = 0.5
-"""What the level rises in a step at least, as a share of what is left to rise."""
+"""Least rise of the level in a step, as a share of what is left to rise."""
 
 NEAR = 0.95
 """From this share of the bound on, the level is the one that is aimed at."""
 
 MANY, LEAST_MANY = 0.2, 1_000
-"""Where more targets than this share and this number fall short at a rest, the value is no matter of some clusters."""
+"""If more targets than this share and this number fall short at a rest, the value is no matter of some clusters."""
 
 STILL = 0.05
 """Improvement of a bound that counts, as a share of the gap asked for."""
@@ -46,12 +46,7 @@ SEEDS = 3
 def refine(game: Game, shares: Floats, most_work: float) -> None:
     """Improve answer and bound from ``shares``, which change in place, until the gap is closed or this brings nothing more.
 
-    Parameters
-    ----------
-    game : Game
-    shares : array of shape (actions,)
-    most_work : float
-        Edges that the descent may read.
+    ``most_work``: edges that the descent may read.
     """
     record, limits = game.record, game.limits
     end = limits.work + most_work
@@ -89,7 +84,7 @@ def refine(game: Game, shares: Floats, most_work: float) -> None:
 
 
 def _first_bound(game: Game, cover: Floats) -> None:
-    """A bound to begin with: of even prices, and of the worst-covered targets."""
+    """Bounds to begin with: by even prices, and by the worst-covered targets."""
     n = len(cover)
     game.record.prove(np.arange(n), np.ones(n))
     count = min(SEEDS, n)
@@ -140,7 +135,7 @@ def _price_ball(game: Game, targets: Indices) -> None:
 
 
 def _lift(game: Game, shares: Floats, cover: Floats, level: float, wanted: float) -> bool:
-    """Lift the targets below ``wanted`` by linear programs over growing balls; whether all were lifted."""
+    """Lift the targets below ``wanted`` by linear programs over growing balls; true if all were lifted."""
     record, limits, doublings = game.record, game.limits, 0
     while not limits.reached():
         ball: Indices | None = np.nonzero(cover < wanted)[0]

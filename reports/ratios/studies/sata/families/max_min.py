@@ -203,8 +203,6 @@ def regular_tree(m: int, depth: int) -> BottleneckSATA:
     Robots of the targets at ``depth`` have one action. For depth much beyond h the inner robots see no end of the tree and divide
     themselves equally: value m/2, where the optimum tends to m - 1; no local algorithm does better.
 
-    Notes
-    -----
     Source: Floréen et al. (2011), the lower bound Delta_R (1 - 1/Delta_T) for local algorithms.
     """
     rows: list[list[Sees]] = []

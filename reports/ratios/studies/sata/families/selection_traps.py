@@ -18,24 +18,18 @@ from ....judging import Case
 from ....optimum import attained
 
 BRIBE = 1e-4
-"""What breaks ties in favour of the worse choice, as a share of the optimum."""
+"""Weight that breaks ties in favour of the worse choice, as a share of the optimum."""
 
 
 def geometric_cover(k: int, bribe: float = BRIBE) -> tuple[Coverage, Selection, float]:
-    """k good sets and k bad ones: greedy takes all the bad ones.
+    """k good sets and k bad ones, of which greedy takes all the bad ones: the function, the good sets, and the value of the bad ones.
 
-    Items stand in a grid of k columns and k + 1 rows; those of row j <= k weigh (1 - 1/k)^(j - 1) / k^2 each, those of the last row
-    (1 - 1/k)^k / k each. A good set covers a column (weight 1/k), bad set j row j, which weighs what the best column has left when the
-    rows above are covered; ``bribe`` is a further item of each bad set. All good sets: 1. Greedy: 1 - (1 - 1/k)^k + k bribe.
+    Items stand in a grid of k columns and k + 1 rows; those of row j <= k weigh (1 - 1/k)^(j - 1) / k^2 each, those of the last row (1 -
+    1/k)^k / k each. A good set covers a column (weight 1/k), bad set j row j, which weighs what the best column has left when the rows
+    above are covered; ``bribe`` is a further item of each bad set. All good sets: 1. Greedy: 1 - (1 - 1/k)^k + k bribe.
 
-    Returns
-    -------
-    (function, the good sets, value of the bad sets)
-
-    Notes
-    -----
-    Source: Nemhauser, Wolsey and Fisher (1978), An analysis of approximations for maximizing submodular set functions I, the tight
-    case of theorem 4.2; COVER-TIGHT of docs/selection.md#reference-cases is its member of k = 2.
+    Source: Nemhauser, Wolsey and Fisher (1978), An analysis of approximations for maximizing submodular set functions I, the tight case of
+    theorem 4.2; COVER-TIGHT of docs/selection.md#reference-cases is its member of k = 2.
     """
     shrink = 1.0 - 1.0 / k
     row = np.append(shrink ** np.arange(k) / k**2, shrink**k / k)
