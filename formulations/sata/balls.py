@@ -32,8 +32,8 @@ def num_entries(indptr: Indices, rows: Indices) -> int:
 def robots_seeing(graph: SensingGraph, targets: Indices) -> Positions:
     """Robots with an action that sees one of ``targets``, ascending."""
     sight = graph.by_target
-    found, _ = entries_of(sight.indptr, targets)
-    return np.unique(graph.robot_of_action[sight.indices[found]]).astype(np.int64)
+    edges, _ = entries_of(sight.indptr, targets)
+    return np.unique(graph.robot_of_action[sight.indices[edges]]).astype(np.int64)
 
 
 def actions_of(graph: SensingGraph, robots: Indices) -> Positions:
@@ -55,15 +55,15 @@ def num_edges(graph: SensingGraph, targets: Indices) -> int:
 def ball_graph(graph: SensingGraph, targets: Indices) -> SensingGraph:
     """The ball of ``targets`` (ascending, none twice) as a graph of its own, the targets numbered as they stand."""
     sight = graph.by_target
-    found, counts = entries_of(sight.indptr, targets)
-    actions, of_edge = np.unique(sight.indices[found], return_inverse=True)
+    edges, counts = entries_of(sight.indptr, targets)
+    actions, of_edge = np.unique(sight.indices[edges], return_inverse=True)
     robots, owners = np.unique(graph.robot_of_action[actions], return_inverse=True)
     order = np.argsort(of_edge, kind="stable")  # targets ascend already, so they do within an action
     indptr = np.zeros(len(actions) + 1, dtype=np.int32)
     np.cumsum(np.bincount(of_edge, minlength=len(actions)), out=indptr[1:])
     return SensingGraph(
         owners.astype(np.int32), indptr, np.repeat(np.arange(len(targets), dtype=np.int32), counts)[order],
-        sight.weights[found][order], len(robots), len(targets), name=f"ball of {graph.name}",
+        sight.weights[edges][order], len(robots), len(targets), name=f"ball of {graph.name}",
     )  # fmt: skip
 
 

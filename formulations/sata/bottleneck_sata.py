@@ -132,7 +132,7 @@ class BottleneckSATA(DecidedElements):
             ),
             judge("one-action", load - 1.0, lambda k: f"the shares of robot {g.robot_name(k)} sum to {load[k]:.9g}, more than 1", VECTOR),
         )  # fmt: skip
-        violations = tuple(v for _, found in judged for v in found)
+        violations = tuple(v for _, faults in judged for v in faults)
         if not violations:
             x = np.maximum(x, 0.0)
             x = x / np.maximum(np.bincount(g.robot_of_action, x, minlength=g.num_robots), 1.0)[g.robot_of_action]
@@ -152,8 +152,8 @@ class BottleneckSATA(DecidedElements):
         shares[chosen] = 1.0
         covered = self.coverage(shares)
         quantities = {"covered_targets": float((covered > 0).sum())}
-        made = Evaluation((float(covered.min()),), (actions, single), (*faults, *doubled), quantities)
-        return self.with_decided(made, chosen)
+        evaluation = Evaluation((float(covered.min()),), (actions, single), (*faults, *doubled), quantities)
+        return self.with_decided(evaluation, chosen)
 
     # -- answers as files and tables ---------------------------------------------------------------------------------
 
@@ -230,8 +230,8 @@ class BottleneckSATA(DecidedElements):
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> BottleneckSATA:
     graph = graph_for(instance, problem)
     refuse_settings(problem, settings, ("fractional",))
-    given = settings.get("fractional", problem == "bottleneck-lp")
-    truth = {"true": True, "false": False}.get(str(given).lower())
+    fractional = settings.get("fractional", problem == "bottleneck-lp")
+    truth = {"true": True, "false": False}.get(str(fractional).lower())
     if truth is None or (problem == "bottleneck-lp" and not truth):
-        raise UsageError(f"fractional must be true or false, and bottleneck-lp is fractional; found {given!r}")
+        raise UsageError(f"fractional must be true or false, and bottleneck-lp is fractional; found {fractional!r}")
     return BottleneckSATA(graph, fractional=truth)

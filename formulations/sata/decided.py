@@ -63,23 +63,23 @@ class DecidedElements(Problem):
         """The same problem with elements taken where the statement holds, and dropped where it does not."""
         for statement, _ in decisions:
             self.check_statement(statement)
-        made = copy.copy(self)
-        made.taken, made.dropped = (
+        part = copy.copy(self)
+        part.taken, part.dropped = (
             np.union1d(known, np.array([s["chosen"] for s, holds in decisions if holds is side], dtype=np.int64))
             for known, side in ((self.taken, True), (self.dropped, False))
         )
-        return made
+        return part
 
-    def with_decided(self, made: Evaluation, chosen: NDArray[np.integer[Any]]) -> Evaluation:
+    def with_decided(self, evaluation: Evaluation, chosen: NDArray[np.integer[Any]]) -> Evaluation:
         """The evaluation of an answer, and whether it keeps to what is decided."""
         if not self.decided:
-            return made
+            return evaluation
         places = [
             *((e, "taken") for e in np.setdiff1d(self.taken, chosen)),
             *((e, "dropped") for e in np.intersect1d(self.dropped, chosen)),
         ]
         check, faults = judge("decided", np.ones(len(places)), lambda k: f"{self.element_name(int(places[k][0]))} is to be {places[k][1]}")
-        return replace(made, checks=(*made.checks, check), violations=(*made.violations, *faults))
+        return replace(evaluation, checks=(*evaluation.checks, check), violations=(*evaluation.violations, *faults))
 
     def digest_decided(self, whole: str) -> str:
         """Digest of the problem, ``whole`` being that of the whole one."""

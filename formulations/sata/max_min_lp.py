@@ -123,7 +123,7 @@ class MaxMinLP(Problem):
             judge("variables", negative, lambda k: f"variable {self.variable_name(k)} is {x[k]:.9g}, not 0 or more", VECTOR),
             judge(row, excess, lambda k: f"{row} row {k + 1} is broken, by {excess[k]:.9g}", VECTOR),
         )
-        violations = tuple(v for _, found in judged for v in found)
+        violations = tuple(v for _, faults in judged for v in faults)
         priced = value if violations else self._price(np.maximum(x, 0.0))
         return Evaluation((priced,), tuple(check for check, _ in judged), violations, {}, precision=VECTOR)
 
@@ -142,9 +142,9 @@ class MaxMinLP(Problem):
     def _heaviest(self) -> Floats:
         """Largest coefficient of each variable in the rows that limit it; 1 where it stands in none."""
         rows = self.packing if self.sense == "max" else self.covering
-        made = np.zeros(self.num_variables)
-        np.maximum.at(made, rows.indices, rows.data)
-        return np.where(made > 0, made, 1.0)
+        heaviest = np.zeros(self.num_variables)
+        np.maximum.at(heaviest, rows.indices, rows.data)
+        return np.where(heaviest > 0, heaviest, 1.0)
 
     def _vector(self, answer: Any) -> Floats:
         try:

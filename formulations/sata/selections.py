@@ -51,13 +51,13 @@ class Selection:
         return len(self.elements)
 
 
-def selection_of(given: Any, names: Callable[[], Mapping[str, int]], thing: str) -> Selection:
+def selection_of(answer: Any, names: Callable[[], Mapping[str, int]], thing: str) -> Selection:
     """``given`` itself, or the selection that a list of indices or names stands for; raises UsageError for anything else."""
-    if isinstance(given, Selection):
-        return given
-    if isinstance(given, str | bytes | Mapping) or not isinstance(given, Iterable):
-        raise UsageError(f"{printable(repr(given), 80)} is no list of {thing}s; Selection.of([0, 3]) chooses the first and the fourth")
-    return Selection(tuple(indices_of(given, names(), thing)))
+    if isinstance(answer, Selection):
+        return answer
+    if isinstance(answer, str | bytes | Mapping) or not isinstance(answer, Iterable):
+        raise UsageError(f"{printable(repr(answer), 80)} is no list of {thing}s; Selection.of([0, 3]) chooses the first and the fourth")
+    return Selection(tuple(indices_of(answer, names(), thing)))
 
 
 def judge_elements(
@@ -65,15 +65,15 @@ def judge_elements(
 ) -> tuple[NDArray[np.int64], tuple[Check, list[Violation]]]:
     """The elements that exist, ascending and each once; and the check that all ``count`` of them exist and none is chosen twice."""
     numbers = selection.elements
-    given = np.array([e if 0 <= e < count else -1 for e in numbers], dtype=np.int64)
-    once, first = np.unique(given, return_index=True)
-    twice = np.ones(len(given), dtype=bool)
+    existing = np.array([e if 0 <= e < count else -1 for e in numbers], dtype=np.int64)
+    once, first = np.unique(existing, return_index=True)
+    twice = np.ones(len(existing), dtype=bool)
     twice[first] = False
 
     def fault(k: int) -> str:
-        return f"{thing} number {numbers[k]} does not exist" if given[k] < 0 else f"{thing} {name_of(numbers[k])} is chosen twice"
+        return f"{thing} number {numbers[k]} does not exist" if existing[k] < 0 else f"{thing} {name_of(numbers[k])} is chosen twice"
 
-    return once[once >= 0], judge(check, ((given < 0) | twice).astype(np.float64), fault)
+    return once[once >= 0], judge(check, ((existing < 0) | twice).astype(np.float64), fault)
 
 
 # -- robots and targets -----------------------------------------------------------------------------------------------

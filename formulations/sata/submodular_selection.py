@@ -128,8 +128,8 @@ class SubmodularSelection(DecidedElements):
         chosen, (elements, faults) = judge_elements(answer, self.num_elements, "elements", "element", self.element_name)
         rule, broken = self._judge_constraint(chosen)
         quantities = {"elements": float(len(chosen))}
-        made = Evaluation((self.value(chosen),), (elements, rule), (*faults, *broken), quantities)
-        return self.with_decided(made, chosen)
+        evaluation = Evaluation((self.value(chosen),), (elements, rule), (*faults, *broken), quantities)
+        return self.with_decided(evaluation, chosen)
 
     def _constraint_name(self) -> str:
         return self.constraint.name

@@ -90,12 +90,12 @@ class WinnerTakesAllSATA(SubmodularSelection):
             seen = int((self.winners(answer.elements)[0] >= 0).sum())
             return Evaluation(judged.values, judged.checks, judged.violations, {**judged.quantities, "targets": float(seen)})
         g = self.graph
-        given = np.asarray(answer.winners, dtype=np.int64)
-        if given.shape != (g.num_targets,):
-            raise UsageError(f"winners must have one entry a target ({g.num_targets}), not {len(given)}")
-        unknown = ((given < -1) | (given >= g.num_robots)).astype(np.float64)
+        winners = np.asarray(answer.winners, dtype=np.int64)
+        if winners.shape != (g.num_targets,):
+            raise UsageError(f"winners must have one entry a target ({g.num_targets}), not {len(winners)}")
+        unknown = ((winners < -1) | (winners >= g.num_robots)).astype(np.float64)
         credit, faults = judge(
-            "credit", unknown, lambda k: f"target {g.target_name(k)} credits robot number {given[k]}, which does not exist"
+            "credit", unknown, lambda k: f"target {g.target_name(k)} credits robot number {winners[k]}, which does not exist"
         )  # fmt: skip
         weight = self.credited(answer)
         return Evaluation(

@@ -64,23 +64,23 @@ def brute_force(problem: SubmodularSelection | BottleneckSATA, context: Context)
     _refuse_memory(len(slot_group), weights.num_items)
     rest = _rest(single, slots)
     tail = np.append(np.cumsum(single[members][::-1])[::-1], 0.0)
-    _, found, looked, whole = best_set(
+    _, best, looked, whole = best_set(
         stop.flag, slot_group, starts, members, _up(rest), costs, budget, _up(tail), limits is None, weights.num_items, *weights.arrays
     )
     statistics = {"answers": total, "enumerated": int(looked)}
     holds, _ = assumptions(problem)
-    picks = found.tolist() if limits is None else _filled(found.tolist(), limits)
+    picks = best.tolist() if limits is None else _filled(best.tolist(), limits)
     guarantee, message = (_optimal(total, holds), "") if whole else (None, _cut(looked, "sets"))
     return concluded(problem, stop, picks, holds, guarantee, statistics, message, whole=bool(whole), in_order=False)
 
 
 def _filled(picks: list[int], limits: Limits) -> list[int]:
     """The picks with elements that add nothing, so that every group is full (every robot acts)."""
-    left, inside = limits.without(picks), set(picks)
+    room, inside = limits.without(picks), set(picks)
     starts, members = limits.members()
-    for g in np.nonzero(left)[0].tolist():
+    for g in np.nonzero(room)[0].tolist():
         spare = [e for e in members[starts[g] : starts[g + 1]].tolist() if e not in inside]
-        picks = [*picks, *spare[: int(left[g])]]
+        picks = [*picks, *spare[: int(room[g])]]
     return picks
 
 
@@ -175,10 +175,10 @@ def _valued(problem: SubmodularSelection, limits: Limits | None, stop: Stop) -> 
             fits = allowed(problem.constraint, masks)
             masks, some = masks[fits], list(itertools.compress(some, fits))
         if some:
-            found = f.values(masks)
+            values = f.values(masks)
             looked += len(some)
-            if found.max() > best:
-                best, picks = float(found.max()), some[int(np.argmax(found))]
+            if values.max() > best:
+                best, picks = float(values.max()), some[int(np.argmax(values))]
         if stop.reached():
             whole = next(sets, None) is None
             break

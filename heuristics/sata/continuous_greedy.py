@@ -48,9 +48,9 @@ def continuous_greedy(problem: SubmodularSelection, context: Context, *, steps: 
     from .greedy_steps import multilinear_kernels as multilinear
 
     stop = context.begin()
-    limits, found = Limits.of(problem), problem.function.as_item_weights()
-    assert found is not None
-    weights = _sparse(found)
+    limits, given_weights = Limits.of(problem), problem.function.as_item_weights()
+    assert given_weights is not None
+    weights = _sparse(given_weights)
     if weights.layout == AT_ITEM:
         state, position = np.ones(weights.num_items), np.zeros(0, np.int64)
         by_item = np.zeros(1, np.int64), np.zeros(0, np.int32), np.zeros(0)
@@ -95,9 +95,9 @@ def _by_item(
     while first < items and not stop.reached():
         last = max(first + 1, int(np.searchsorted(starts, starts[first] + SORTED, side="right")) - 1)
         some = slice(int(starts[first]), int(starts[last]))
-        given = weights.weights[entries[some]]
-        order = np.lexsort((-given, np.repeat(np.arange(last - first), np.diff(starts[first : last + 1]))))
-        elements[some], sorted_weights[some] = elements[some][order], given[order]
+        values = weights.weights[entries[some]]
+        order = np.lexsort((-values, np.repeat(np.arange(last - first), np.diff(starts[first : last + 1]))))
+        elements[some], sorted_weights[some] = elements[some][order], values[order]
         position[entries[some][order]] = np.arange(some.start, some.stop)
         first = last
     return position, (starts, elements, sorted_weights)

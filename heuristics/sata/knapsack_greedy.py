@@ -73,10 +73,10 @@ def knapsack_greedy(problem: SubmodularSelection, context: Context, *, enumerate
     starts, finished, begun_whole = 1, 0, not stop.reached()
     for size in range(1, depth + 1):
         for begun, lo, hi in _starts(usable, size, len(c.costs)):
-            value, found = filling.after(begun, lo, hi, best)
+            value, filled = filling.after(begun, lo, hi, best)
             starts += int(np.searchsorted(usable, hi) - np.searchsorted(usable, lo))
-            if len(found):
-                best, picks = value, found
+            if len(filled):
+                best, picks = value, filled
                 context.publish(Selection((*free, *picks), in_order=True))
             if stop.reached():
                 break
@@ -161,18 +161,18 @@ class _ValuedFilling:
             if self.stop.reached():
                 break
             picks = [*begun.tolist(), *([e] if e >= 0 else [])]
-            left = self.budget - math.fsum(self.costs[picks])
-            if left < 0 or (e >= 0 and self.costs[e] == 0):
+            budget = self.budget - math.fsum(self.costs[picks])
+            if budget < 0 or (e >= 0 and self.costs[e] == 0):
                 continue
             chosen = self._begin(picks)
-            while len(able := np.nonzero((self.costs > 0) & (self.costs <= left) & ~chosen.inside)[0]):
+            while len(able := np.nonzero((self.costs > 0) & (self.costs <= budget) & ~chosen.inside)[0]):
                 gains = chosen.gains(able, self.stop)
                 at = int(np.argmax(gains / self.costs[able]))
                 if not gains[at] > 0:
                     break
                 chosen.take(int(able[at]), float(gains[at]))
                 picks.append(int(able[at]))
-                left -= float(self.costs[able[at]])
+                budget -= float(self.costs[able[at]])
             if chosen.value > most:
                 most, winner = chosen.value, picks
         return most, winner

@@ -126,16 +126,16 @@ class _Run:
 def _heights(h: Any, heights: Any) -> list[int]:
     if heights is None:
         return [h]
-    given: Any = heights
-    if isinstance(given, str):
-        given = [part.strip() for part in given.split(",")]
-        given = [int(part) if part.isascii() and part.isdigit() else part for part in given]
-    elif isinstance(given, int | np.integer) and not isinstance(given, bool):
-        given = list(range(1, int(given) + 1)) if 1 <= given <= MOST_LAYERS else []
-    valid = isinstance(given, Sequence | np.ndarray) and len(given) > 0
-    if not valid or not all(isinstance(k, int | np.integer) and not isinstance(k, bool) and 1 <= k <= MOST_LAYERS for k in given):
+    numbers: Any = heights
+    if isinstance(numbers, str):
+        numbers = [part.strip() for part in numbers.split(",")]
+        numbers = [int(part) if part.isascii() and part.isdigit() else part for part in numbers]
+    elif isinstance(numbers, int | np.integer) and not isinstance(numbers, bool):
+        numbers = list(range(1, int(numbers) + 1)) if 1 <= numbers <= MOST_LAYERS else []
+    valid = isinstance(numbers, Sequence | np.ndarray) and len(numbers) > 0
+    if not valid or not all(isinstance(k, int | np.integer) and not isinstance(k, bool) and 1 <= k <= MOST_LAYERS for k in numbers):
         raise UsageError(f"heights must be a whole number from 1 to {MOST_LAYERS}, or a list of such, not {heights!r}")
-    return sorted({int(k) for k in given})
+    return sorted({int(k) for k in numbers})
 
 
 def _task(problem: BottleneckSATA | MaxMinLP) -> _Task:
@@ -154,8 +154,8 @@ def _run(task: _Task, h: int, messages: bool, options: dict[str, Any], ties: str
         shares, relative = talk.shares, talk.relative_eps
         counts = {"rounds": talk.rounds, "messages": talk.messages, "bytes": talk.bytes, "largest_message_bytes": talk.most_bytes}
     else:
-        found = local_shares(task.cleaned, h, stop=stop, **options)
-        shares, relative = found.shares, found.relative_eps
+        result = local_shares(task.cleaned, h, stop=stop, **options)
+        shares, relative = result.shares, result.relative_eps
     return _judged(task, h, shares, relative, counts, ties, rng)
 
 

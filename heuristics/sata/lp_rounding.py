@@ -34,11 +34,11 @@ def lp_rounding(problem: SubmodularSelection | BottleneckSATA, context: Context,
     linear = [f for f in problem.forms() if FORMS[f].exactness is Exactness.EXACT and FORMS[f].makes(problem) <= INTEGERS]
     if not linear:
         raise UnsupportedError("lp-rounding", {"a linear form of the problem"})
-    made = problem.compile(linear[0], relax=True)
-    program = made.program
+    compiled = problem.compile(linear[0], relax=True)
+    program = compiled.program
     units = scaled(program)
     result = context.linear.solve(units.program, stop)
-    statistics: dict[str, Any] = {"form": made.form, "lp_status": result.status}
+    statistics: dict[str, Any] = {"form": compiled.form, "lp_status": result.status}
     if result.answer is None or result.status != "optimal":
         message = f"the LP was not solved in time: {result.message or result.status}"
         return Outcome(None, statistics=statistics, message=message, limit=stop.reached() or "none")
@@ -49,8 +49,8 @@ def lp_rounding(problem: SubmodularSelection | BottleneckSATA, context: Context,
     answer = Selection(tuple(first_allowed(problem, by_share(shares, ties, context.rng))))
     context.publish(answer)  # which outlives a fault in its evidence
     evidence: tuple[Evidence, ...] = ()
-    if result.row_duals is not None and made.dual_evidence is not None:
-        evidence = (made.dual_evidence(units.duals(result.row_duals)),)
+    if result.row_duals is not None and compiled.dual_evidence is not None:
+        evidence = (compiled.dual_evidence(units.duals(result.row_duals)),)
     return Outcome(answer, evidence=evidence, statistics=statistics)
 
 

@@ -59,14 +59,14 @@ def _turns(problem: SubmodularSelection, order: Any, groups: int) -> NDArray[np.
         return np.arange(groups)
     partition = problem.constraint.as_partition(problem.num_elements)
     assert partition is not None
-    given = [part.strip() for part in order.split(",")] if isinstance(order, str) else order
-    if isinstance(given, int):  # a command line's only robot
-        given = [str(given)]
-    if isinstance(given, Sequence | np.ndarray) and all(isinstance(g, str | int | np.integer) and not isinstance(g, bool) for g in given):
-        number = {partition.group_label(g): g for g in range(groups)} if any(isinstance(g, str) for g in given) else {}
-        found = [number.get(g, -1) if isinstance(g, str) else int(g) for g in given]
-        if sorted(found) == list(range(groups)):
-            return np.array(found, dtype=np.int64)
+    names = [part.strip() for part in order.split(",")] if isinstance(order, str) else order
+    if isinstance(names, int):  # a command line's only robot
+        names = [str(names)]
+    if isinstance(names, Sequence | np.ndarray) and all(isinstance(g, str | int | np.integer) and not isinstance(g, bool) for g in names):
+        number = {partition.group_label(g): g for g in range(groups)} if any(isinstance(g, str) for g in names) else {}
+        numbers = [number.get(g, -1) if isinstance(g, str) else int(g) for g in names]
+        if sorted(numbers) == list(range(groups)):
+            return np.array(numbers, dtype=np.int64)
     what = f"all {groups} {partition.thing}s"
     raise UsageError(f"order must be a permutation of {what}, by number from 0 or by name, not {str(order)[:80]!r}")
 
@@ -76,16 +76,16 @@ def _valued(problem: SubmodularSelection, limits: Limits, turns: NDArray[np.int6
     picks: list[int] = []
     starts, members = limits.members()
     for g in turns.tolist():
-        left = members[starts[g] : starts[g + 1]]
+        open_ = members[starts[g] : starts[g + 1]]
         for _ in range(int(limits.room[g])):
-            element, gain = chosen.best_of(left, stop)
+            element, gain = chosen.best_of(open_, stop)
             if element < 0:
                 return picks, chosen.evaluations, False
             if gain < 0:
                 break  # a function that is not monotone: rather nothing
             chosen.take(element, gain)
             picks.append(element)
-            left = left[left != element]
+            open_ = open_[open_ != element]
     return picks, chosen.evaluations, True
 
 

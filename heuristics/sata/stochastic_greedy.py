@@ -30,11 +30,11 @@ def stochastic_greedy(problem: SubmodularSelection, context: Context, *, eps: fl
     n, k = problem.num_elements, limits.most
     size = math.ceil(-n / max(k, 1) * math.log(eps))  # 1 / eps may overflow
     chosen, picks = empty_set(problem.function), []
-    # The first ``left`` places hold what is not chosen; a chosen element changes places with the last of these.
-    order, place, left = np.arange(n), np.arange(n), n
+    # The first ``unchosen`` places hold what is not chosen; a chosen element changes places with the last of these.
+    order, place, unchosen = np.arange(n), np.arange(n), n
     stop, rounds = context.begin(), 0
     while rounds < k and not (rounds and stop.reached()):
-        drawn = order[:left] if size >= left else order[context.rng.choice(left, size, replace=False)]
+        drawn = order[:unchosen] if size >= unchosen else order[context.rng.choice(unchosen, size, replace=False)]
         element, gain = chosen.best_of(np.sort(drawn), stop)
         if element < 0:
             break
@@ -43,9 +43,9 @@ def stochastic_greedy(problem: SubmodularSelection, context: Context, *, eps: fl
             continue  # a user's function that is not monotone
         chosen.take(element, gain)
         picks.append(element)
-        left -= 1
-        other, at = order[left], place[element]
-        order[at], order[left], place[other], place[element] = other, element, at, left
+        unchosen -= 1
+        other, at = order[unchosen], place[element]
+        order[at], order[unchosen], place[other], place[element] = other, element, at, unchosen
     holds, message = assumptions(problem)
     guarantee: Guarantee | None = None
     if rounds < k:

@@ -150,8 +150,8 @@ def check_submodular(
                 shown = _members((a if at_a else b)[k])
                 gain = float((gain_a if at_a else gain_b)[k])
                 worst[name] = float(excess[k]), SubmodularityViolation(name, _members(a[k]), shown, int(e[k]), float(gain_a[k]), gain)
-    found = tuple(violation for excess, violation in worst.values() if excess > TOLERANCE * largest)
-    return SubmodularityReport(looked, everything, found)
+    violations = tuple(violation for excess, violation in worst.values() if excess > TOLERANCE * largest)
+    return SubmodularityReport(looked, everything, violations)
 
 
 def _values_of(f: Any, elements: int | None) -> tuple[Callable[[Masks], Floats], int]:

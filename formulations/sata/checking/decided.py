@@ -24,10 +24,10 @@ _EPS = float(np.finfo(np.float64).eps)
 
 def split(problem: Any, worth: Floats) -> tuple[Floats, Floats]:
     """Numbers of the taken elements, and of all elements with 0 for every one that is decided."""
-    left = worth.copy()
-    left[problem.dropped] = 0.0
-    left[problem.taken] = 0.0
-    return worth[problem.taken], left
+    undecided = worth.copy()
+    undecided[problem.dropped] = 0.0
+    undecided[problem.taken] = 0.0
+    return worth[problem.taken], undecided
 
 
 def spent(problem: Any, costs: Floats) -> float:

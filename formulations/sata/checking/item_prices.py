@@ -53,8 +53,8 @@ def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
         return -math.inf
     with np.errstate(over="ignore", invalid="ignore"):
         worth, longest = _worths(weights, p, problem.num_elements)
-        fixed, left = split(problem, worth)
-        parts = np.concatenate([fixed, _best(problem, left, data)])
+        fixed, undecided = split(problem, worth)
+        parts = np.concatenate([fixed, _best(problem, undecided, data)])
         if not (np.isfinite(worth).all() and np.isfinite(parts).all()):
             return math.inf
         try:
@@ -71,8 +71,8 @@ def _worths(weights: Any, p: Floats, n: int) -> tuple[Floats, int]:
         return np.concatenate([np.zeros(0), *parts]), weights.num_items
     counts = np.diff(weights.indptr)
     element = np.repeat(np.arange(n), counts)
-    given = weights.weights[weights.indices] if weights.layout == AT_ITEM else weights.weights
-    beyond = np.maximum(given - p[weights.indices], 0.0)
+    of_edge = weights.weights[weights.indices] if weights.layout == AT_ITEM else weights.weights
+    beyond = np.maximum(of_edge - p[weights.indices], 0.0)
     return np.bincount(element, beyond, minlength=n).astype(np.float64), int(counts.max(initial=0))
 
 

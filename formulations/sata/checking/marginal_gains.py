@@ -59,9 +59,9 @@ def check_marginal_gains(problem: Any, data: Mapping[str, Any]) -> float:
     if math.isinf(value):
         return math.inf
     gains[chosen] = 0.0
-    fixed, left = split(problem, gains)
+    fixed, undecided = split(problem, gains)
     # Both parts are sums of terms of one sign, rounded correctly; each term is exact up to a few roundings of its own.
-    return lift((math.fsum([value, *fixed]) + _best_sum(problem, left)) * (1.0 + 8 * _EPS), "max", value_grain(problem.function))
+    return lift((math.fsum([value, *fixed]) + _best_sum(problem, undecided)) * (1.0 + 8 * _EPS), "max", value_grain(problem.function))
 
 
 def _value_and_gains(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, Floats]:
@@ -81,13 +81,13 @@ def _value_and_gains(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, 
         longest = weights.num_items
     else:
         counts = np.diff(weights.indptr)
-        given = weights.weights[weights.indices] if weights.layout == AT_ITEM else weights.weights
+        of_edge = weights.weights[weights.indices] if weights.layout == AT_ITEM else weights.weights
         inside = np.zeros(n, dtype=bool)
         inside[chosen] = True
         mine = np.repeat(inside, counts)
-        np.maximum.at(best, weights.indices[mine], given[mine])
+        np.maximum.at(best, weights.indices[mine], of_edge[mine])
         owner = np.repeat(np.arange(n), counts)
-        gains = np.bincount(owner, np.maximum(given - best[weights.indices], 0.0), minlength=n).astype(np.float64)
+        gains = np.bincount(owner, np.maximum(of_edge - best[weights.indices], 0.0), minlength=n).astype(np.float64)
         longest = int(counts.max(initial=0))
     # A running sum of m terms of one sign is off by less than m roundings.
     return math.fsum(best), gains * (1.0 + (longest + 2) * _EPS)
@@ -110,13 +110,13 @@ def _of_values(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, Floats
 def _after_each(f: Any, inside: NDArray[np.bool_]) -> Floats:
     """Values of the set with each of the elements added to it."""
     n = len(inside)
-    found = np.empty(n)
+    values = np.empty(n)
     step = max(1, _ENTRIES // max(1, n))
     for first in range(0, n, step):
         masks = np.repeat(inside[None, :], min(step, n - first), axis=0)
         masks[np.arange(len(masks)), np.arange(first, first + len(masks))] = True
-        found[first : first + len(masks)] = f.values(masks)
-    return found
+        values[first : first + len(masks)] = f.values(masks)
+    return values
 
 
 def _best_sum(problem: Any, gains: Floats) -> float:

@@ -60,10 +60,10 @@ def check_packing_covering_duals(problem: Any, data: Mapping[str, Any]) -> float
 
 def _scaled(values: Floats) -> Floats:
     """Nonnegative prices of which the largest is 1, which guards the products against overflow."""
-    made = np.maximum(values, 0.0)
-    largest = float(made.max(initial=0.0))
+    prices = np.maximum(values, 0.0)
+    largest = float(prices.max(initial=0.0))
     with np.errstate(over="ignore", under="ignore"):
-        return made / largest if largest > 0 else made
+        return prices / largest if largest > 0 else prices
 
 
 def _transposed(matrix: Any, prices: Floats) -> tuple[Floats, NDArray[np.int64]]:

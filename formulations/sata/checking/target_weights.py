@@ -41,11 +41,11 @@ def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
     graph = getattr(problem, "graph", None)
     if problem.family != "max-min" or graph is None:
         raise InputError("weights of targets are evidence for bottleneck problems", found=problem.problem)
-    given = data["targets"]
-    whole = isinstance(given, list | tuple) and not any(isinstance(t, bool) or not isinstance(t, int) for t in given)
-    if not whole or (isinstance(data["weights"], list | tuple) and len(data["weights"]) != len(given)):
+    named = data["targets"]
+    whole = isinstance(named, list | tuple) and not any(isinstance(t, bool) or not isinstance(t, int) for t in named)
+    if not whole or (isinstance(data["weights"], list | tuple) and len(data["weights"]) != len(named)):
         raise InputError("targets and weights must be lists of one length, the targets whole numbers")
-    targets, weights = np.array(given, dtype=np.int64), numbers(data, "weights", len(given))
+    targets, weights = np.array(named, dtype=np.int64), numbers(data, "weights", len(named))
     if targets.size and (targets.min() < 0 or targets.max() >= graph.num_targets or len(np.unique(targets)) != len(targets)):
         raise InputError("a target does not exist or stands twice", expected=f"0 to {graph.num_targets - 1}")
     if problem.decided and _contradicted(problem):
@@ -84,7 +84,7 @@ def _contradicted(problem: Any) -> bool:
 def _open(problem: Any) -> NDArray[np.bool_]:
     """Actions that an answer may use: of a robot whose action is taken that one alone, else all that are not dropped."""
     owner = problem.graph.robot_of_action
-    found: NDArray[np.bool_] = ~np.isin(owner, owner[problem.taken])
-    found[problem.taken] = True
-    found[problem.dropped] = False
-    return found
+    usable: NDArray[np.bool_] = ~np.isin(owner, owner[problem.taken])
+    usable[problem.taken] = True
+    usable[problem.dropped] = False
+    return usable

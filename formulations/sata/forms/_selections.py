@@ -72,8 +72,8 @@ def indicator(answer: Selection, size: int) -> Floats:
 
 def proved(problem: Problem, kind: str, source: str, data: dict[str, Any]) -> Evidence:
     """Evidence with the value that its checker derives."""
-    made = Evidence(kind, source, 0.0, data)
-    return replace(made, value=verified_bound(problem, made))
+    evidence = Evidence(kind, source, 0.0, data)
+    return replace(evidence, value=verified_bound(problem, evidence))
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +97,8 @@ class Edges:
         mine = np.nonzero(x[self.element] > 0.5)[0]
         order = mine[np.lexsort((mine, -self.weight[mine], self.item[mine]))]
         first = np.append(True, self.item[order][1:] != self.item[order][:-1]) if len(order) else np.zeros(0, dtype=bool)
-        found: Ints = order[first]
-        return found
+        best: Ints = order[first]
+        return best
 
 
 def edges_of(problem: SubmodularSelection) -> Edges:

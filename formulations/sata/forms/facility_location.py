@@ -79,9 +79,9 @@ def build(problem: SubmodularSelection) -> Compiled:
 
     def encode(answer: Selection) -> Floats:
         x = indicator(answer, n)
-        best, given = edges.best(x), np.zeros(edges.items)
-        given[edges.item[best]] = edges.weight[best]
-        return np.concatenate([x, (weight <= given[item]).astype(np.float64)])
+        best, served = edges.best(x), np.zeros(edges.items)
+        served[edges.item[best]] = edges.weight[best]
+        return np.concatenate([x, (weight <= served[item]).astype(np.float64)])
 
     def dual_evidence(row_duals: Floats, of: Problem = problem) -> Evidence:
         duals = np.asarray(row_duals, dtype=np.float64)

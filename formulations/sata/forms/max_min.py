@@ -96,8 +96,8 @@ def _of_graph(problem: BottleneckSATA) -> Compiled:
     def ray_evidence(ray: Floats) -> Evidence:
         return Evidence("target-weights", "actions that are decided", -math.inf, {"targets": [0], "weights": [1.0]})
 
-    made = Compiled(Program("max-min", "max", (x, _w("max")), (robots, targets)), problem, decode, encode, dual_evidence)
-    return made if problem.fractional else replace(made, ray_evidence=ray_evidence, at_most=decided)
+    compiled = Compiled(Program("max-min", "max", (x, _w("max")), (robots, targets)), problem, decode, encode, dual_evidence)
+    return compiled if problem.fractional else replace(compiled, ray_evidence=ray_evidence, at_most=decided)
 
 
 # -- packing and covering rows ----------------------------------------------------------------------------------------

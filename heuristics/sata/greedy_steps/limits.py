@@ -33,10 +33,10 @@ class Limits:
     @classmethod
     def of(cls, problem: SubmodularSelection | BottleneckSATA) -> Limits:
         """The limits of a problem whose constraint is a partition; raises TypeError for another."""
-        found = cls.if_any(problem)
-        if found is None:
+        limits = cls.if_any(problem)
+        if limits is None:
             raise TypeError(f"the constraint {problem.constraint.name} is no limit for each group")
-        return found
+        return limits
 
     @classmethod
     def if_any(cls, problem: SubmodularSelection | BottleneckSATA) -> Limits | None:
@@ -67,23 +67,23 @@ class Limits:
 
     def without(self, chosen: Sequence[int]) -> NDArray[np.int64]:
         """Room that is left beside ``chosen``; raises UsageError where they do not fit."""
-        left = self.room - np.bincount(self.groups[list(chosen)], minlength=len(self.room))
-        if (left < 0).any():
+        spare = self.room - np.bincount(self.groups[list(chosen)], minlength=len(self.room))
+        if (spare < 0).any():
             raise UsageError("the elements of base break the constraint already")
-        return left
+        return spare
 
     def plain_evaluations(self, picks: Sequence[int], base: Sequence[int] = ()) -> int:
         """Gains that a plain greedy evaluates on the way to ``picks``: in each round those of all elements that could be taken."""
-        left = self.without(base)
+        spare = self.without(base)
         free = np.bincount(self.groups, minlength=len(self.room)) - np.bincount(self.groups[list(base)], minlength=len(self.room))
-        open_ = int(free[left > 0].sum())
+        open_ = int(free[spare > 0].sum())
         total = 0
         for e in picks:
             total += open_
             g = self.groups[e]
-            left[g] -= 1
+            spare[g] -= 1
             free[g] -= 1
-            open_ -= 1 + (int(free[g]) if left[g] == 0 else 0)
+            open_ -= 1 + (int(free[g]) if spare[g] == 0 else 0)
         return total
 
 
@@ -100,14 +100,17 @@ def not_whole(problem: Problem) -> frozenset[str]:
     return frozenset({f"{problem.problem} problems"}) if problem.family == "max-min" and problem.problem != "bottleneck" else frozenset()
 
 
-def chosen_elements(what: str, given: object, problem: SubmodularSelection) -> list[int]:
+def chosen_elements(what: str, elements: object, problem: SubmodularSelection) -> list[int]:
     """Different element numbers from 0, from a list of them or a text of names separated by commas; raises UsageError for anything else."""
     size = problem.num_elements
-    if isinstance(given, str):
+    if isinstance(elements, str):
         number = {problem.element_name(e): e for e in range(size)}
-        found = [number.get(part.strip(), -1) for part in given.split(",") if part.strip()]
+        numbers = [number.get(part.strip(), -1) for part in elements.split(",") if part.strip()]
     else:
-        found = list(given) if isinstance(given, Sequence | np.ndarray) and not isinstance(given, bytes) else [-1]
-    if any(isinstance(e, bool) or not isinstance(e, int | np.integer) or not 0 <= e < size for e in found) or len(set(found)) < len(found):
-        raise UsageError(f"{what} must be a list of different element numbers from 0 to {size - 1}, or of names, not {str(given)[:80]!r}")
-    return [int(e) for e in found]
+        numbers = list(elements) if isinstance(elements, Sequence | np.ndarray) and not isinstance(elements, bytes) else [-1]
+    known = all(isinstance(e, int | np.integer) and not isinstance(e, bool) and 0 <= e < size for e in numbers)
+    if not known or len(set(numbers)) < len(numbers):
+        raise UsageError(
+            f"{what} must be a list of different element numbers from 0 to {size - 1}, or of names, not {str(elements)[:80]!r}"
+        )
+    return [int(e) for e in numbers]

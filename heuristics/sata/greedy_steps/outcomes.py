@@ -84,8 +84,8 @@ def concluded(
     looked, evidence = 0, tuple[Evidence, ...]()
     if holds:
         try:
-            found, looked = best_prefix(problem, picks, stop.after(EVIDENCE_SECONDS + stop.seconds_left))
-            evidence = () if found is None else (found,)
+            prefix, looked = best_prefix(problem, picks, stop.after(EVIDENCE_SECONDS + stop.seconds_left))
+            evidence = () if prefix is None else (prefix,)
         except Exception as fault:  # of memory, say: the answer is made, and outlives its bound
             message = sentences(message, f"no bound by marginal gains: {in_words(fault)}")
     answer = Selection(tuple(int(e) for e in picks), in_order=in_order)

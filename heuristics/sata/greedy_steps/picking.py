@@ -91,8 +91,8 @@ def _compiled(weights: ItemWeights, how: str, state: tuple[Any, ...], base: Sequ
         return getattr(loops, how)(*state, chosen.best, *weights.arrays)  # type: ignore[no-any-return]
     # How often a gain can change: an item of a coverage once, one of a facility location with each pick.
     changes = int(np.diff(weights.indptr).max(initial=0)) * (1 if weights.layout == AT_ITEM else state[4])
-    given = weights.weights[:0] if weights.layout == AT_ITEM else weights.weights
-    items = transpose(state[0], weights.num_items, weights.indptr, weights.indices, given)
+    of_entry = weights.weights[:0] if weights.layout == AT_ITEM else weights.weights
+    items = transpose(state[0], weights.num_items, weights.indptr, weights.indices, of_entry)
     return loops.incremental(*state, chosen.best, *items, changes, *weights.arrays)  # type: ignore[no-any-return]
 
 
@@ -106,12 +106,12 @@ def _asked(problem: SubmodularSelection, how: str, eps: float, base: Sequence[in
     picks: list[int] = []
     gains: list[float] = []
     known, plain, ended = np.full(problem.num_elements, np.inf), 0, "full"
-    while len(left := openings.open()):
-        element, gain = _lazy_round(chosen, left, known, stop) if how == "lazy" else chosen.best_of(left, stop)
+    while len(open_ := openings.open()):
+        element, gain = _lazy_round(chosen, open_, known, stop) if how == "lazy" else chosen.best_of(open_, stop)
         if element < 0 or gain < eps - rounding(chosen.value, 0.0):
             ended = "stopped" if element < 0 else "eps"
             break
-        plain += len(left)
+        plain += len(open_)
         chosen.take(element, gain)
         openings.take(element)
         picks.append(element)
@@ -119,9 +119,9 @@ def _asked(problem: SubmodularSelection, how: str, eps: float, base: Sequence[in
     return Picked(picks, gains, chosen.evaluations, plain, how, ended)
 
 
-def _lazy_round(chosen: GrowingSet, left: NDArray[np.int64], known: NDArray[np.float64], stop: Stop) -> tuple[int, float]:
+def _lazy_round(chosen: GrowingSet, elements: NDArray[np.int64], known: NDArray[np.float64], stop: Stop) -> tuple[int, float]:
     """The best of ``left``, whose gains are at most ``known``; in calls of 1, 2, 4, ... sets, so that few do where many must be asked."""
-    rest = left[np.lexsort((left, -known[left]))]
+    rest = elements[np.lexsort((elements, -known[elements]))]
     size = 1 if np.isfinite(known[rest[0]]) else len(rest)
     asked = rest[:0]
     best, gain = -1, -np.inf

@@ -64,11 +64,11 @@ class Tracking(Mission):
         values = scenario_values(setting_values(self.name, self.settings, settings))
         preset = PRESETS[values["scenario"]]
         self.values = {key: preset[key] if value is None else value for key, value in values.items()}
-        made = make_world("tracking", seed, **{key: values[key] for key in WORLDS["tracking"].settings})
-        assert isinstance(made, TrackingWorld)
+        world = make_world("tracking", seed, **{key: values[key] for key in WORLDS["tracking"].settings})
+        assert isinstance(world, TrackingWorld)
         self._assigned = list[tuple[int, int]]()
         self._draw = Draw(np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, 1]))))
-        return made
+        return world
 
     def teams(self, observation: TrackingObservation) -> Sequence[TrackingObservation]:
         """Robots that hear each other, directly or relayed, and share targets, directly or through others of them."""

@@ -173,7 +173,7 @@ def bottleneck_table(logs: pd.DataFrame) -> pd.DataFrame:
 
 def trends(parker: pd.DataFrame, weights: pd.DataFrame) -> list[tuple[str, str]]:
     """The source's trends, and the findings on each."""
-    found = []
+    findings = []
     rows: dict[tuple[int, str], dict[str, Any]] = {(row["targets"], row["method"]): row for row in records(parker)}
     counts = sorted({count for count, _ in rows})
     for key, what in (("a_kept", "targets kept in single steps"), ("a", "single steps"), ("c", "time averages")):
@@ -182,16 +182,16 @@ def trends(parker: pd.DataFrame, weights: pd.DataFrame) -> list[tuple[str, str]]
             lead, error = (float(rows[count, "greedy"][f"{key}_{figure}"]) for figure in ("lead", "lead_error"))
             verdict = "yes" if lead > 2 * error else "no" if lead < -2 * error else "undecided"
             said.append(f"{count} targets {verdict} ({lead:+.2f} +- {error:.2f})")
-        found.append((f"greedy above force vectors, {what}", "; ".join(said)))
+        findings.append((f"greedy above force vectors, {what}", "; ".join(said)))
     for method in ("greedy", "force-vector"):
         grows = all(a < b for a, b in itertools.pairwise(rows[count, method]["c_mean"] for count in counts))
-        found.append((f"{method} grows with the number of targets", "yes" if grows else "no"))
+        findings.append((f"{method} grows with the number of targets", "yes" if grows else "no"))
     errors = {row["weights"]: float(row["value_error"]) for row in records(weights)}
     for kind in ("", ", noisy"):
         near, far = errors[f"binary{kind}"], errors[f"inverse-distance{kind}"]
         verdict = f"{'yes' if far > near else 'no'} ({far:.2%} against {near:.2%})"
-        found.append((f"inverse-distance estimates differ more from the actual{kind}", verdict))
-    return found
+        findings.append((f"inverse-distance estimates differ more from the actual{kind}", verdict))
+    return findings
 
 
 # -- figures -------------------------------------------------------------------------------------------------------------

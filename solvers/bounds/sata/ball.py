@@ -111,11 +111,11 @@ def ball_evidence(
     count = min(seeds, graph.num_targets)
     while True:
         worst = np.sort(np.argpartition(coverage, count - 1)[:count])
-        found = None if num_edges(graph, worst) > most_edges else _grown_weights(graph, worst, stop, linear, most_edges)
-        if found is None:
+        priced = None if num_edges(graph, worst) > most_edges else _grown_weights(graph, worst, stop, linear, most_edges)
+        if priced is None:
             break
-        if best is None or found[0] < best[0]:
-            best = found
+        if best is None or priced[0] < best[0]:
+            best = priced
         if count == graph.num_targets or np.partition(coverage, count)[count] >= best[0] * (1.0 - STILL):
             break
         count = min(MORE_SEEDS * count, graph.num_targets)
@@ -132,12 +132,12 @@ def _grown_weights(
     best: tuple[float, Indices, Floats] | None = None
     ball: Indices | None = seeds
     while ball is not None:
-        found = None if stop.reached() else ball_weights(graph, ball, stop, linear)
-        if found is None:
+        priced = None if stop.reached() else ball_weights(graph, ball, stop, linear)
+        if priced is None:
             break
-        standing = best is not None and found[0] >= best[0] * (1.0 - STILL)
-        if best is None or found[0] < best[0]:
-            best = found
+        standing = best is not None and priced[0] >= best[0] * (1.0 - STILL)
+        if best is None or priced[0] < best[0]:
+            best = priced
         ball = None if standing else grown(graph, ball, most_edges)
     return best
 

@@ -49,10 +49,10 @@ class GrowingSet(ABC):
 
     def best_of(self, elements: Elements, stop: Stop = NEVER) -> tuple[int, float]:
         """The element of ``first_of_largest`` and its gain; -1 once it has to end."""
-        found = self.gains(elements, stop)
+        gains = self.gains(elements, stop)
         if stop.reached():
             return -1, 0.0
-        return first_of_largest(elements, found, self.value)
+        return first_of_largest(elements, gains, self.value)
 
 
 class WeightedSet(GrowingSet):
@@ -70,8 +70,8 @@ class WeightedSet(GrowingSet):
 
     def gains(self, elements: Elements, stop: Stop = NEVER) -> Floats:
         self.evaluations += len(elements)
-        found: Floats = self._gains_of(stop.flag, elements, self.best, *self.arrays)
-        return found
+        gains: Floats = self._gains_of(stop.flag, elements, self.best, *self.arrays)
+        return gains
 
     def take(self, element: int, gain: float) -> None:
         self._take(element, self.best, *self.arrays)
@@ -91,13 +91,13 @@ class ValuedSet(GrowingSet):
 
     def gains(self, elements: Elements, stop: Stop = NEVER) -> Floats:
         self.evaluations += len(elements)
-        found = np.zeros(len(elements))
+        gains = np.zeros(len(elements))
         for part, masks in with_each(self.inside, elements):
             if stop.reached():
                 break
-            found[part] = self.function.values(masks) - self.value
-        found[self.inside[elements]] = 0.0
-        return found
+            gains[part] = self.function.values(masks) - self.value
+        gains[self.inside[elements]] = 0.0
+        return gains
 
     def take(self, element: int, gain: float) -> None:
         self.inside[element] = True

@@ -64,8 +64,8 @@ def best_prefix(problem: SubmodularSelection, picks: Sequence[int], stop: Stop =
     chosen = [int(e) for e in picks[: best[1]]]
     over = "the empty set" if not chosen else f"{len(chosen)} chosen element{'s' if len(chosen) > 1 else ''}"
     by_user = "; the function is monotone and submodular as declared by the user" if weights is None else ""
-    made = Evidence("marginal-gains", f"marginal gains over {over}{by_user}", best[0], {"prefix": chosen})
-    return replace(made, value=verified_bound(problem, made)), looked
+    evidence = Evidence("marginal-gains", f"marginal gains over {over}{by_user}", best[0], {"prefix": chosen})
+    return replace(evidence, value=verified_bound(problem, evidence)), looked
 
 
 def best_sum(partition: PartitionMatroid | None, rows: LimitRows | None, gains: Floats) -> float:
@@ -141,12 +141,12 @@ def _picked(problem: SubmodularSelection, stop: Stop) -> list[int]:
     chosen, openings, knapsack = empty_set(problem.function), Openings(c, n), c.as_knapsack()
     costs = np.ones(n) if knapsack is None else np.maximum(knapsack.costs, 1e-300)
     picks: list[int] = []
-    while len(left := openings.open()):
-        gains = chosen.gains(left, stop)
-        at = int(np.argmax(gains / costs[left]))
+    while len(open_ := openings.open()):
+        gains = chosen.gains(open_, stop)
+        at = int(np.argmax(gains / costs[open_]))
         if stop.reached() or not gains[at] > 0:
             break
-        picks.append(int(left[at]))
+        picks.append(int(open_[at]))
         chosen.take(picks[-1], float(gains[at]))
         openings.take(picks[-1])
     return picks

@@ -91,10 +91,10 @@ class _Task:
 
     def shares(self, answer: Any) -> Floats | None:
         """Shares from an answer to start with, all robots used up; None where it is none."""
-        given = np.asarray(answer, dtype=np.float64)
-        if given.shape != (self.graph.num_actions,) or not np.isfinite(given).all():
+        values = np.asarray(answer, dtype=np.float64)
+        if values.shape != (self.graph.num_actions,) or not np.isfinite(values).all():
             return None
-        shares = np.maximum(given, 0.0)
+        shares = np.maximum(values, 0.0)
         if self.scale is not None:
             shares = np.where(np.isfinite(self.scale), shares * np.where(np.isfinite(self.scale), self.scale, 0.0), 0.0)
         return self.used_up(shares)
@@ -120,9 +120,9 @@ class _Task:
 
     def unseen(self, options: Options) -> RawResult:
         """The result where nobody sees some target: the value is 0 whatever is done."""
-        given = None if options.start is None else self.shares(options.start)
+        start = None if options.start is None else self.shares(options.start)
         proof = self.robots.evidence(unseen_evidence(self.graph))
-        answer = self.answer(even_shares(self.graph) if given is None else given)
+        answer = self.answer(even_shares(self.graph) if start is None else start)
         message = f"no action sees {len(self.graph.unseen_targets)} of the targets, so the value is 0 whatever is done"
         return RawResult("optimal", "none", answer, 0.0, 0.0, message=message, evidence=(proof,))
 

@@ -77,8 +77,8 @@ class ExperimentPlan:
 
 def experiment(name: str, summary: str, trials: int, plan: ExperimentPlan) -> Study:
     """Make a study of an experiment and register it."""
-    made = Study(name, summary, trials, lambda setting: run_experiment(name, summary, plan, setting), guarantees=False, plan=plan)
-    return STUDIES.add(name, made)
+    study = Study(name, summary, trials, lambda setting: run_experiment(name, summary, plan, setting), guarantees=False, plan=plan)
+    return STUDIES.add(name, study)
 
 
 def run_experiment(name: str, summary: str, plan: ExperimentPlan, setting: StudySetting) -> Report:
@@ -95,7 +95,7 @@ def run_experiment(name: str, summary: str, plan: ExperimentPlan, setting: Study
         return f"{plan.sweeps[task[1]].key} = {plan.sweeps[task[1]].values[task[2]]:g}"
 
     done = spread(trials_of, tasks, setting.jobs, setting.told, what)
-    results = [found for found in done.results if found is not None]
+    results = [result for result in done.results if result is not None]
     return _report(name, summary, plan, [row for rows, _ in results for row in rows], [f for _, fs in results for f in fs],
                    len(results), len(tasks), done.interrupted)  # fmt: skip
 
@@ -108,9 +108,9 @@ def trials_of(study: str, sweep: int, point: int, first: int, count: int, seed: 
         # The sweep is no part of the seed: where two sweeps meet, they have the same graphs.
         parameters = plan.sweeps[sweep].point(point)
         graph, own = sensing_graph(parameters, seed, trial)
-        values, found = plan.measure(graph, own)
-        found = [*found, *_order_faults(plan, values)]
-        faults += [Fault(kind, f"{study} on {graph.name}: {message}", graph.with_notes(message)) for kind, message in found]
+        values, messages = plan.measure(graph, own)
+        messages = [*messages, *_order_faults(plan, values)]
+        faults += [Fault(kind, f"{study} on {graph.name}: {message}", graph.with_notes(message)) for kind, message in messages]
         rows.append({"sweep": sweep, "point": point, "trial": trial, "graph_seed": own, **values})
     return rows, faults
 
@@ -123,12 +123,12 @@ def sensing_graph(parameters: Mapping[str, float], seed: int, trial: int) -> tup
     for _ in range(ATTEMPTS):
         own = int(rng.integers(0, 2**31))
         try:
-            made = generate("sata", own, **shape)
+            graph = generate("sata", own, **shape)
         except UsageError as error:
             refusal = error
             continue
-        assert isinstance(made, SensingGraph)
-        return made, own
+        assert isinstance(graph, SensingGraph)
+        return graph, own
     raise refusal
 
 
@@ -136,12 +136,12 @@ def solved(problem: Problem) -> Optimum:
     """The optimum by HiGHS through ``solve``, which checks answer and bound; raises CheckFailedError where it is not proved in time."""
     from .....solving.solve import solve
 
-    found = solve(problem, "highs", bound_time=0.0)
-    if found.faults:
-        raise CheckFailedError(f"highs on {problem.name}: {'; '.join(found.faults)}")
-    if found.status != "optimal" or not isinstance(found.objective, float):
-        raise CheckFailedError(f"highs did not find the optimum of {problem.name}: status {found.status}, limit {found.limit}")
-    return Optimum(found.objective, found.answer, "highs")
+    solution = solve(problem, "highs", bound_time=0.0)
+    if solution.faults:
+        raise CheckFailedError(f"highs on {problem.name}: {'; '.join(solution.faults)}")
+    if solution.status != "optimal" or not isinstance(solution.objective, float):
+        raise CheckFailedError(f"highs did not find the optimum of {problem.name}: status {solution.status}, limit {solution.limit}")
+    return Optimum(solution.objective, solution.answer, "highs")
 
 
 def _order_faults(plan: ExperimentPlan, values: Mapping[str, float]) -> list[tuple[str, str]]:

@@ -46,14 +46,14 @@ def run(setting: StudySetting) -> Report:
     problem = robots(REFERENCES["A"][0], "figure-3.3")
     rows, body, faults = [], [], []
     for h in HEIGHTS:
-        found = {
+        shares = {
             name: [float(x) for x in run_heuristic(problem, "local", {"h": h, **options}, setting.seed).answer]
             for name, options in (("steps", STEPS), ("fine", FINE))
         }
         for action in range(6):
             row: dict[str, Any] = {
-                "h": h, "action": f"p{action + 1}", "printed": PRINTED[h][action], "steps": found["steps"][action],
-                "exact": EXACT[h][action], "fine": found["fine"][action],
+                "h": h, "action": f"p{action + 1}", "printed": PRINTED[h][action], "steps": shares["steps"][action],
+                "exact": EXACT[h][action], "fine": shares["fine"][action],
             }  # fmt: skip
             rows.append(row)
             body.append((str(h), f"p{action + 1}", *(f"{row[key]:.4f}" for key in ("printed", "steps", "exact", "fine"))))

@@ -62,12 +62,12 @@ class Levels(ABC):
         """The last level at which a red copy is not negative, infinite where it never is; and the copy, cut at ``DEEPEST``."""
 
     @abstractmethod
-    def settle(self, ceiling: float, found: Mapping[float, Tested]) -> float:
+    def settle(self, ceiling: float, tested: Mapping[float, Tested]) -> float:
         """The level of a root."""
 
-    def message(self, found: Mapping[float, Tested]) -> tuple[tuple[float, int, tuple[float, ...]], ...]:
+    def message(self, tested: Mapping[float, Tested]) -> tuple[tuple[float, int, tuple[float, ...]], ...]:
         """The message on one action: for each family, in the order of the request, all numbers of ``Tested``."""
-        return tuple((t.least, t.first, tuple(t.reds.tolist())) for t in found.values())
+        return tuple((t.least, t.first, tuple(t.reds.tolist())) for t in tested.values())
 
     def read(self, request: Request, said: tuple[tuple[float, int, tuple[float, ...]], ...]) -> dict[float, Tested]:
         """Inverse of ``message``, for a sender that was asked ``request``."""
@@ -107,8 +107,8 @@ class CommonLevels(Levels):
             return float(levels[j]), cut
         return float(levels[j] + (levels[j + 1] - levels[j]) * (reds[j] / (reds[j] - reds[j + 1]))), cut
 
-    def settle(self, ceiling: float, found: Mapping[float, Tested]) -> float:
-        return found[0.0].least
+    def settle(self, ceiling: float, tested: Mapping[float, Tested]) -> float:
+        return tested[0.0].least
 
 
 class SteppedLevels(Levels):
@@ -140,8 +140,8 @@ class SteppedLevels(Levels):
             return float(levels[0]), cut
         return math.inf if valid[-1] + 1 == len(levels) else float(levels[valid[-1]]), cut
 
-    def settle(self, ceiling: float, found: Mapping[float, Tested]) -> float:
-        return max(min(found[ceiling].least, ceiling), ceiling / 2)
+    def settle(self, ceiling: float, tested: Mapping[float, Tested]) -> float:
+        return max(min(tested[ceiling].least, ceiling), ceiling / 2)
 
 
 def _refuse(number: float, option: str, value: float) -> None:

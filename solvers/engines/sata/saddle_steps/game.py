@@ -42,8 +42,8 @@ class Layout(NamedTuple):
         """The layout of a graph."""
         first, order = graph.by_robot
         sight = graph.by_target
-        made = cls(first, order, graph.indptr, graph.indices, graph.weights, sight.indptr, graph.robot_of_action[sight.indices])
-        return cls(*(_read_only(array) for array in made))
+        arrays = cls(first, order, graph.indptr, graph.indices, graph.weights, sight.indptr, graph.robot_of_action[sight.indices])
+        return cls(*(_read_only(array) for array in arrays))
 
 
 LAYOUT = "named(Layout, read(i4[::1]), read(i4[::1]), read(i4[::1]), read(i4[::1]), read(f8[::1]), read(i4[::1]), read(i4[::1]))"
@@ -196,13 +196,13 @@ class RegretMatching:
         limits, one = self._game.limits, self._game.pass_work
         while steps > 0 and not limits.reached():
             count = min(steps, max(1, int(min(BLOCK, limits.most_work - limits.work) / one)))
-            made = play(
+            played = play(
                 limits.stop.flag, self._game.layout, self._shares, self._prices, self._regrets, self._grudges, self._mean_shares,
                 self._mean_prices, self._cover, self.steps + 1, count,
             )  # fmt: skip
-            self.steps += made
+            self.steps += played
             steps -= count
-            limits.work += made * one
+            limits.work += played * one
 
     def conclude(self) -> tuple[Floats, Floats]:
         """Offer the mean shares and prices to the record; returns a copy of the shares, and their coverage."""

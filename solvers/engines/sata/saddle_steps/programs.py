@@ -22,7 +22,7 @@ from ....linear_programs import LinearPrograms, Suits
 SIMPLEX = {"highs": {"solver": "simplex"}}
 
 EDGES_PER_SECOND = 2e8
-"""Edges that the compiled loops read in a second, roughly: measured 1e8 to 3e8. Linear programs are charged in such edges, for their simplex
+"""Edges that the compiled loops read in a second: measured 1e8 to 3e8. Linear programs are charged in such edges, for their simplex
 iterations, so that budgets do not depend on the clock and a run can be repeated to the bit."""
 
 WORK_OF_PROGRAM, WORK_OF_ITERATION, WORK_OF_ENTRY = 2e5, 2e3, 1.5

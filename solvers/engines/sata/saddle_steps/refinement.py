@@ -123,10 +123,10 @@ def _price_ball(game: Game, targets: Indices) -> None:
     record, limits, last = game.record, game.limits, np.inf
     ball: Indices | None = targets
     while ball is not None and not limits.reached():
-        found = ball_weights(game.graph, ball, limits.stop, game.programs)
-        if found is None:
+        ball_price = ball_weights(game.graph, ball, limits.stop, game.programs)
+        if ball_price is None:
             return
-        bound, priced, weights = found
+        bound, priced, weights = ball_price
         record.prove(priced, weights, bound)
         if bound > last * (1.0 - STILL * record.gap):
             return
@@ -146,11 +146,11 @@ def _lift(game: Game, shares: Floats, cover: Floats, level: float, wanted: float
             ball = None if ball is None else grown(game.graph, ball, room)
         if ball is None or lift_edges(game.graph, ball) > room:
             return False
-        found = lift(game.graph, shares, cover, ball, level, game.programs.solve)
-        if found is None:
+        lifted = lift(game.graph, shares, cover, ball, level, game.programs.solve)
+        if lifted is None:
             return False
-        done = found.reached >= wanted
-        shares[found.actions[done]] = found.shares[done]
+        done = lifted.reached >= wanted
+        shares[lifted.actions[done]] = lifted.shares[done]
         cover[:] = record.offer(shares)
         doublings += 1
     return False

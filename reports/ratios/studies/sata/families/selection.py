@@ -189,8 +189,8 @@ def planted_cover(rng: Rng, k: int, name: str, constraint: str) -> SubmodularSel
     good = np.arange(k * block).reshape(k, block)
     free, decoys = np.ones(k * block, dtype=bool), []
     for _ in range(k):
-        left = np.where(free, weights, 0.0)[good].sum(axis=1).max()
-        decoys.append(_decoy(rng, weights, LURE * left, free))
+        open_weight = np.where(free, weights, 0.0)[good].sum(axis=1).max()
+        decoys.append(_decoy(rng, weights, LURE * open_weight, free))
         free[decoys[-1]] = False
     sets = [*decoys, *good]
     order = rng.permutation(len(sets))
@@ -213,8 +213,8 @@ def planted_assignment(rng: Rng, robots: int, name: str) -> WinnerTakesAllSATA:
     for robot in rng.permutation(robots).tolist():
         others = free.copy()
         others[own[robot]] = False
-        left = weights[own[robot]][free[own[robot]]].sum()
-        decoy = _decoy(rng, weights, LURE * left, others)
+        open_weight = weights[own[robot]][free[own[robot]]].sum()
+        decoy = _decoy(rng, weights, LURE * open_weight, others)
         free[decoy] = False
         sees.append((robot, own[robot], 1.0))
         sees.append((robot, decoy, LURE))

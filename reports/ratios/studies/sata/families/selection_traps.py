@@ -80,11 +80,11 @@ def copies(problem: WinnerTakesAllSATA, count: int) -> WinnerTakesAllSATA:
     owner = (g.robot_of_action + k * g.num_robots).ravel()
     action = (g.action_of_edge + k * g.num_actions).ravel()
     target = (g.indices + k * g.num_targets).ravel()
-    made = graph_of_edges(
+    graph = graph_of_edges(
         owner, action, target, np.tile(g.weights, count), robots=count * g.num_robots, targets=count * g.num_targets,
         name=f"{g.name}-x{count}",
     )  # fmt: skip
-    return WinnerTakesAllSATA(made)
+    return WinnerTakesAllSATA(graph)
 
 
 def _half(e: float, count: int, reverse: bool) -> Case:
