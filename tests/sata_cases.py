@@ -126,15 +126,3 @@ def relabelled(graph: SensingGraph, rng: np.random.Generator) -> tuple[SensingGr
         owner, action[graph.action_of_edge], target[graph.indices], graph.weights, robots=graph.num_robots, targets=graph.num_targets
     )
     return made, action
-
-
-TWO_ROBOTS = """
-    # problem: winner-takes-all
-    robot,action,target,weight
-    r,left,t,5
-    r,right,t,2
-    r,right,u,3
-    s,stay,t,2
-    s,stay,u,1
-"""
-"""Two robots and two targets, as a file."""

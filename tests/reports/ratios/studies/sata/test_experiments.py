@@ -7,7 +7,7 @@ import pytest
 from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import CheckFailedError, UsageError
 from waybound.reports.ratios.optimum import best_selection
-from waybound.reports.ratios.studies.sata._experiment import ExperimentPlan, Sweep, run_experiment, sensing_graph, solved
+from waybound.reports.ratios.studies.sata.experiments import ExperimentPlan, Sweep, run_experiment, sensing_graph, solved
 from waybound.reports.ratios.study import STUDIES, Study, StudySetting
 
 POINT = {"robots": 6, "targets": 20, "phi": 20.0, "actions": 2}
