@@ -20,7 +20,7 @@ from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS, refuse_settings
 from ..tolerance import VECTOR
 from .decided import FEATURE, DecidedElements
-from .selections import Selection, action_index, actions_from_json, actions_to_json, graph_for, judge_elements, selection_of
+from .selections import Selection, action_index, actions_from_json, actions_to_json, graph_for, indicator, judge_elements, selection_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -99,6 +99,10 @@ class BottleneckSATA(DecidedElements):
     def facts(self) -> dict[str, Any]:
         """Facts of the sensing graph."""
         return {"graph": self.graph.facts()}
+
+    def shares_of(self, answer: Any) -> Floats:
+        """An answer as a vector of shares, 1 for each action of a selection; shape (actions,)."""
+        return np.asarray(answer, dtype=np.float64) if self.fractional else indicator(answer, self.graph.num_actions)
 
     def coverage(self, shares: Floats) -> Floats:
         """Summed weight that each target gets, from shares of shape (actions,)."""
@@ -202,11 +206,7 @@ class BottleneckSATA(DecidedElements):
         import pandas as pd
 
         g = self.graph
-        shares = np.zeros(g.num_actions)
-        if self.fractional:
-            shares[:] = answer
-        else:
-            shares[list(answer.elements)] = 1.0
+        shares = self.shares_of(answer)
         used = np.nonzero(shares)[0].tolist()
         return pd.DataFrame(
             {

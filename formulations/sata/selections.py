@@ -51,6 +51,16 @@ class Selection:
         return len(self.elements)
 
 
+def indicator(answer: Selection, size: int) -> NDArray[np.float64]:
+    """1 for each chosen element, else 0; raises InputError where one does not exist."""
+    x = np.zeros(size)
+    elements = np.asarray(answer.elements, dtype=np.int64)
+    if ((elements < 0) | (elements >= size)).any():
+        raise InputError("the start chooses an element that does not exist", expected=f"0 to {size - 1}")
+    x[elements] = 1.0
+    return x
+
+
 def selection_of(answer: Any, names: Callable[[], Mapping[str, int]], thing: str) -> Selection:
     """``given`` itself, or the selection that a list of indices or names stands for; raises UsageError for anything else."""
     if isinstance(answer, Selection):

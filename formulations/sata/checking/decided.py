@@ -41,14 +41,34 @@ def contradicted(problem: Any) -> bool:
         return False
     if len(np.intersect1d(problem.taken, problem.dropped)):
         return True
-    n, constraint = problem.num_elements, problem.constraint
-    partition, rows = constraint.as_partition(n), constraint.rows(n)
+    partition = problem.constraint.as_partition(problem.num_elements)
     if partition is not None:
         used = np.bincount(partition.groups[problem.taken], minlength=len(partition.limits))
         return bool((used > partition.limits).any())
-    for row in range(0 if rows is None else len(rows.limit)):
+    return any(spent(problem, costs) > room(costs, limit) * (1.0 + 4 * _EPS) for costs, limit in budgets(problem) or ())
+
+
+def budgets(problem: Any) -> list[tuple[Floats, float]] | None:
+    """Costs of all elements and the limit, for each of the constraint's rows; None where it is known by what it allows only."""
+    n = problem.num_elements
+    rows = problem.constraint.rows(n)
+    if rows is None:
+        return None
+    pairs = []
+    for row, limit in enumerate(rows.limit.tolist()):
         costs, mine = np.zeros(n), rows.row == row
         costs[rows.element[mine]] = rows.coefficient[mine]
-        if spent(problem, costs) > room(costs, float(rows.limit[row])) * (1.0 + 4 * _EPS):
-            return True
-    return False
+        pairs.append((costs, limit))
+    return pairs
+
+
+def best_of_groups(problem: Any, worth: Floats) -> Floats | None:
+    """The largest ``worth`` in each group, of as many elements as there is room for beside the taken ones; None for other constraints."""
+    partition = problem.constraint.as_partition(len(worth))
+    if partition is None:
+        return None
+    limits = partition.limits - np.bincount(partition.groups[problem.taken], minlength=len(partition.limits))
+    order = np.lexsort((-worth, partition.groups))
+    groups = partition.groups[order]
+    rank = np.arange(len(order)) - np.searchsorted(groups, groups)
+    return np.asarray(worth[order[rank < limits[groups]]], dtype=np.float64)

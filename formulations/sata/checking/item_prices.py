@@ -24,7 +24,7 @@ from ...checking.evidence_numbers import numbers
 from ...checking.granularity import Grain, grain, lift
 from ...evidence import CHECKERS
 from ...tolerance import room
-from .decided import contradicted, spent, split
+from .decided import best_of_groups, budgets, contradicted, spent, split
 
 Floats = NDArray[np.float64]
 
@@ -86,27 +86,18 @@ def _strips(matrix: Any) -> Iterator[Floats]:
 def _best(problem: Any, worth: Floats, data: Mapping[str, Any]) -> Floats:
     """Terms whose sum no set of undecided elements exceeds that is allowed beside the taken ones; all terms where nothing is known of
     the constraint."""
-    constraint = problem.constraint
-    partition, rows = constraint.as_partition(len(worth)), constraint.rows(len(worth))
-    if partition is not None:
-        limits = partition.limits - np.bincount(partition.groups[problem.taken], minlength=len(partition.limits))
-        order = np.lexsort((-worth, partition.groups))
-        groups = partition.groups[order]
-        rank = np.arange(len(order)) - np.searchsorted(groups, groups)
-        return np.asarray(worth[order[rank < limits[groups]]], dtype=np.float64)
+    groups = best_of_groups(problem, worth)
+    if groups is not None:
+        return groups
+    rows = budgets(problem)
     if rows is None:
         return worth
-    budgets = []
-    for row, limit in enumerate(rows.limit.tolist()):
-        costs, mine = np.zeros(len(worth)), rows.row == row
-        costs[rows.element[mine]] = rows.coefficient[mine]
-        budgets.append((costs, limit))
     if "multipliers" in data:  # what the rows allow, so does their sum, each times a number >= 0
-        y = np.maximum(numbers(data, "multipliers", len(budgets)), 0.0)
-        total = math.fsum(factor * room(costs, limit) for factor, (costs, limit) in zip(y, budgets, strict=True))
-        together = sum((factor * costs for factor, (costs, _) in zip(y, budgets, strict=True)), np.zeros(len(worth)))
-        budgets.append((together, total * (1.0 + (len(budgets) + 4) * _EPS)))
-    return min([worth, *(_fractional_knapsack(costs, limit, worth, spent(problem, costs)) for costs, limit in budgets)], key=np.sum)
+        y = np.maximum(numbers(data, "multipliers", len(rows)), 0.0)
+        total = math.fsum(factor * room(costs, limit) for factor, (costs, limit) in zip(y, rows, strict=True))
+        together = sum((factor * costs for factor, (costs, _) in zip(y, rows, strict=True)), np.zeros(len(worth)))
+        rows.append((together, total * (1.0 + (len(rows) + 4) * _EPS)))
+    return min([worth, *(_fractional_knapsack(costs, limit, worth, spent(problem, costs)) for costs, limit in rows)], key=np.sum)
 
 
 def _fractional_knapsack(costs: Floats, budget: float, worth: Floats, used: float) -> Floats:

@@ -23,7 +23,7 @@ from ....instances.sata.set_functions import AT_ITEM, IN_MATRIX
 from ...checking.granularity import lift
 from ...evidence import CHECKERS
 from ...tolerance import EQUAL, room
-from .decided import contradicted, spent, split
+from .decided import best_of_groups, budgets, contradicted, spent, split
 from .item_prices import value_grain
 
 Floats = NDArray[np.float64]
@@ -121,21 +121,11 @@ def _after_each(f: Any, inside: NDArray[np.bool_]) -> Floats:
 
 def _best_sum(problem: Any, gains: Floats) -> float:
     """Upper bound on the sum of ``gains`` over the undecided elements of an answer that passes the check."""
-    constraint = problem.constraint
-    partition, rows = constraint.as_partition(len(gains)), constraint.rows(len(gains))
-    if partition is not None:
-        limits = partition.limits - np.bincount(partition.groups[problem.taken], minlength=len(partition.limits))
-        order = np.lexsort((-gains, partition.groups))
-        group = partition.groups[order]
-        starts = np.concatenate([[True], group[1:] != group[:-1]]) if len(group) else np.zeros(0, dtype=bool)
-        place = np.arange(len(group)) - np.maximum.accumulate(np.where(starts, np.arange(len(group)), 0))
-        return math.fsum(gains[order][place < limits[group]])
-    best = math.fsum(gains)  # where nothing is known of the constraint
-    for row in range(0 if rows is None else len(rows.limit)):
-        costs, mine = np.zeros(len(gains)), rows.row == row
-        costs[rows.element[mine]] = rows.coefficient[mine]
-        best = min(best, _within(costs, float(rows.limit[row]), gains, spent(problem, costs)))
-    return best
+    groups = best_of_groups(problem, gains)
+    if groups is not None:
+        return math.fsum(groups)
+    # All gains together bound the sum where nothing is known of the constraint.
+    return min([math.fsum(gains), *(_within(costs, limit, gains, spent(problem, costs)) for costs, limit in budgets(problem) or ())])
 
 
 def _within(costs: Floats, budget: float, gains: Floats, used: float) -> float:

@@ -60,16 +60,6 @@ def chosen(x: Floats) -> Selection:
     return Selection(tuple(np.nonzero(whole == 1)[0].tolist()))
 
 
-def indicator(answer: Selection, size: int) -> Floats:
-    """1 for each chosen element, else 0; raises InputError where one does not exist."""
-    x = np.zeros(size)
-    elements = np.asarray(answer.elements, dtype=np.int64)
-    if ((elements < 0) | (elements >= size)).any():
-        raise InputError("the start chooses an element that does not exist", expected=f"0 to {size - 1}")
-    x[elements] = 1.0
-    return x
-
-
 def proved(problem: Problem, kind: str, source: str, data: dict[str, Any]) -> Evidence:
     """Evidence with the value that its checker derives."""
     evidence = Evidence(kind, source, 0.0, data)

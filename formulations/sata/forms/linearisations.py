@@ -12,7 +12,7 @@ from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import INTEGERS, QUADRATIC, Floats, Program, Rows, Variables
 from ...programs.rows import rows
-from ..selections import Selection
+from ..selections import Selection, indicator
 from ._selections import (
     FEATURES,
     Credits,
@@ -26,7 +26,6 @@ from ._selections import (
     decisions,
     edges_of,
     edges_size,
-    indicator,
     prices_evidence,
 )
 

@@ -35,8 +35,8 @@ from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import INTEGERS, LINEAR, Floats, Indices, Program, Rows, Variables
 from ...programs.size import ProgramSize
-from ..selections import Selection
-from ._selections import Labels, chosen, decided, indicator, proved
+from ..selections import Selection, indicator
+from ._selections import Labels, chosen, decided, proved
 
 if TYPE_CHECKING:
     from ....instances.sata.max_min_lp import SparseMatrix

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ....formulations.sata.bottleneck_sata import BottleneckSATA
 from ....formulations.sata.max_min_lp import MaxMinLP
+from ....formulations.sata.selections import indicator
 from ....formulations.sata.submodular_selection import SubmodularSelection
 from ....formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from ....instances.sata.sensing_graph import SensingGraph
@@ -47,11 +48,7 @@ def plot_max_min(
         bars(ax, values, [str(k + 1) for k in range(matrix.rows)], what, worst=worst, ascending=True, bound=_bound(solution))
         return entitled(ax, problem, answer, solution, title, f"value of each {what}")
     graph = problem.graph
-    shares = np.zeros(graph.num_actions)
-    if problem.fractional:
-        shares[:] = answer
-    else:
-        shares[list(answer.elements)] = 1.0
+    shares = problem.shares_of(answer)
     covered = problem.coverage(shares)
     drawn = draw_graph(ax, graph, shares, covered, None)
     if not drawn:
@@ -84,8 +81,7 @@ def plot_selection(
         what = "value after each choice, in their order" if answer.in_order else "value as the elements are added one by one"
         return entitled(ax, problem, answer, solution, title, what)
     graph = problem.graph
-    shares = np.zeros(graph.num_actions)
-    shares[list(answer.elements)] = 1.0
+    shares = indicator(answer, graph.num_actions)
     winner = problem.winners(answer.elements)[0] if answer.winners is None else np.asarray(answer.winners)
     credit = problem.credited(answer)
     drawn = draw_graph(ax, graph, shares, credit, winner)
