@@ -7,15 +7,9 @@ import pytest
 from random_sensing import random_graph
 
 import waybound as wb
-from waybound.formulations.problem import Problem
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+from waybound import BottleneckSATA, Cardinality, Coverage, Problem, Selection, SubmodularSelection, WinnerTakesAllSATA
 from waybound.formulations.sata.decided import FEATURE
-from waybound.formulations.sata.selections import Selection
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import InputError, UnsupportedError
-from waybound.instances.sata.constraints import Cardinality
-from waybound.instances.sata.set_functions import Coverage
 
 GRAPH = random_graph(2, robots=3, targets=4, most_actions=2)
 PROBLEMS = {

@@ -13,11 +13,9 @@ from local_oracles import random_graph as graph_of_robots
 from sata_cases import random_graph
 
 import waybound as wb
+from waybound import BottleneckSATA, Evidence, UnsupportedError
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.formulations.sata.max_min_lp import MaxMinLP, as_row_prices, as_sensing
-from waybound.instances.errors import UnsupportedError
 
 seeds = st.integers(0, 2**32 - 1)
 A, C = np.array([[1.0, 1, 0], [0, 0, 2]]), np.array([[1.0, 0, 1], [0, 3, 0]])

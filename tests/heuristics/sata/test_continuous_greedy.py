@@ -10,12 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from selection_problems import KINDS, context, cover_30, cover_tight, half_tight, only_evidence, optimum, random_problem, run, value
 
+from waybound import Cardinality, Coverage, DenseFacilityLocation, PartitionMatroid, SubmodularSelection, UsageError
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import UsageError
-from waybound.instances.sata.constraints import Cardinality, PartitionMatroid
-from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation
 
 
 @given(st.integers(0, 10**6), st.sampled_from(KINDS[:4]), st.sampled_from(["cardinality", "partition"]), st.sampled_from([1, 2, 7, 40]))

@@ -24,13 +24,9 @@ from selection_problems import (
     weight_of_cover_30,
 )
 
+from waybound import BottleneckSATA, Cardinality, InputError, Knapsack, MaxMinLP, PartitionMatroid, SubmodularSelection, UsageError
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import InputError, UsageError
-from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
 

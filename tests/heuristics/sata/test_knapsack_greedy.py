@@ -11,12 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from selection_problems import KINDS, context, cover_tight, only_evidence, optimum, random_problem, run, value
 
+from waybound import Cardinality, Coverage, Knapsack, SubmodularSelection, UsageError, UserFunction
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import UsageError
-from waybound.instances.sata.constraints import Cardinality, Knapsack
-from waybound.instances.sata.set_functions import Coverage, UserFunction
 
 E = 1 - math.exp(-1)
 SHARES = {0: E / 2, 1: E / 2, 2: E, 3: E}

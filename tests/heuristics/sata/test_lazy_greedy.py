@@ -8,10 +8,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from selection_problems import KINDS, cover_30, greedy_by_hand, random_problem, run, value, weight_of_cover_30
 
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.instances.errors import UsageError
-from waybound.instances.sata.constraints import Cardinality, PartitionMatroid
-from waybound.instances.sata.set_functions import UserFunction
+from waybound import Cardinality, PartitionMatroid, SubmodularSelection, UsageError, UserFunction
 
 
 def test_cover_30_takes_less_than_half_of_the_evaluations() -> None:

@@ -9,15 +9,11 @@ from local_oracles import optimum, random_graph
 from programs import AnsweredBy
 from sata_cases import CASES
 
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.selections import Selection
+from waybound import BottleneckSATA, MaxMinLP, Selection, UnsupportedError, UsageError, solve
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS, Context, Outcome
-from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.solvers.engines.sata.local_max_min.arrays import local_shares
-from waybound.solving.solve import solve
 
 
 def run(problem: Any, published: list[Any] | None = None, stopped: bool = False, **options: Any) -> Outcome:

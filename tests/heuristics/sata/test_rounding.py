@@ -10,18 +10,12 @@ import pytest
 from sata_cases import CASES
 from selection_problems import CONSTRAINTS, KINDS, context, cover_30, optimum, random_problem
 
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound import BottleneckSATA, Coverage, PartitionMatroid, SubmodularSelection, UsageError, WinnerTakesAllSATA, solve
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.heuristics.sata.rounding import largest_shares
-from waybound.instances.errors import UsageError
-from waybound.instances.sata.constraints import PartitionMatroid
 from waybound.instances.sata.sensing_graph import graph_of_edges
-from waybound.instances.sata.set_functions import Coverage
 from waybound.solvers.backend import RawResult
 from waybound.solvers.linear_programs import LinearPrograms
-from waybound.solving.solve import solve
 
 GRAPH = graph_of_edges([0, 0, 1, 1, 1, 2], [0, 1, 2, 3, 4], [0, 0, 0, 0, 0], robots=4, targets=1)
 

@@ -11,14 +11,9 @@ from hypothesis import strategies as st
 from sata_cases import CASES
 from selection_problems import KINDS, cover_tight, half_tight, only_evidence, optimum, random_problem, run, value
 
+from waybound import Coverage, PartitionMatroid, SensingGraph, SubmodularSelection, UsageError, WinnerTakesAllSATA
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import UsageError
-from waybound.instances.sata.constraints import PartitionMatroid
-from waybound.instances.sata.sensing_graph import SensingGraph
-from waybound.instances.sata.set_functions import Coverage
 
 
 def winner_takes_all(*robots: list[tuple[float, ...]], names: tuple[str, ...] | None = None) -> WinnerTakesAllSATA:

@@ -11,11 +11,8 @@ import selection_problems
 from random_sensing import random_graph
 from sata_cases import selections
 
+from waybound import BottleneckSATA, Evidence, Problem, Selection
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.problem import Problem
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.selections import Selection
 
 
 def decided(problem: Any, rng: np.random.Generator) -> Any:

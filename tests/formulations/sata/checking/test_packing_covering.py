@@ -11,10 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
+from waybound import BottleneckSATA, InputError, MaxMinLP
 from waybound.formulations.evidence import CHECKERS
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.instances.errors import InputError
 from waybound.instances.sata.sensing_graph import graph_of_edges
 
 KIND = "packing-covering-duals"

@@ -9,8 +9,7 @@ import pytest
 from program_text import expected, written
 from selection_problems import cover_30
 
-from waybound import Cardinality, DenseFacilityLocation, SubmodularSelection
-from waybound.instances.errors import UsageError
+from waybound import Cardinality, DenseFacilityLocation, SubmodularSelection, UsageError
 from waybound.solvers.backend import BACKENDS, Control, Options
 
 ROBOTS = """

@@ -8,13 +8,9 @@ from program_text import expected, written
 from sata_cases import CASES, dense_weights, random_graph, selections
 from scipy.optimize import linprog
 
+from waybound import BottleneckSATA, Exactness, InputError, MaxMinLP, Selection, UnsupportedError, UsageError
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.programs.program import LINEAR
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.selections import Selection
-from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.solvers.backend import BACKENDS, Control, Options
 

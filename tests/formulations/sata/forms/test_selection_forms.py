@@ -11,15 +11,9 @@ from programs import AnsweredBy
 from sata_cases import CASES, random_graph, selections
 from selection_problems import CONSTRAINTS, cover_30, feasible_sets, optimum, random_problem
 
+from waybound import BottleneckSATA, Exactness, InputError, MaxMinLP, Selection, SubmodularSelection, WinnerTakesAllSATA
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.programs.exactness import Exactness
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.selections import Selection
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.formulations.stop import Stop
-from waybound.instances.errors import InputError
 from waybound.instances.sata.constraints import Cardinality, PartitionMatroid
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.instances.sata.set_functions import Coverage, FacilityLocation

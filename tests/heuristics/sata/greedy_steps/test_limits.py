@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from selection_problems import cover_30, run
 
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
+from waybound import Coverage, SubmodularSelection, UsageError
 from waybound.heuristics.sata.greedy_steps.limits import Limits, first_allowed
-from waybound.instances.errors import UsageError
 from waybound.instances.sata.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
-from waybound.instances.sata.set_functions import Coverage
 
 
 def problem_of(constraint: Constraint, n: int) -> SubmodularSelection:

@@ -11,11 +11,9 @@ from programs import AnsweredBy
 from random_sensing import chain_graph, optimum, random_graph
 from ratio_strategies import graphs
 
+from waybound import BottleneckSATA, InputError, MaxMinLP
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
 from waybound.formulations.stop import Stop
-from waybound.instances.errors import InputError
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.backends.highs import Highs

@@ -10,17 +10,13 @@ from hypothesis import HealthCheck, given, settings
 from random_sensing import chain_graph, even_graph, optimum, random_graph
 from ratio_strategies import graphs
 
+from waybound import BottleneckSATA, Evidence, MaxMinLP, UnsupportedError, UsageError, solve
 from waybound.formulations.certificate import check_certificate, verified_bound
-from waybound.formulations.evidence import Evidence
 from waybound.formulations.sata.balls import coverage, even_shares
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.engines.sata.saddle import LEAST_GAP, Saddle
 from waybound.solvers.isolation import run_isolated
-from waybound.solving.solve import solve
 
 
 def lp(graph) -> BottleneckSATA:

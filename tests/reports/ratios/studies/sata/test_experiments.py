@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.instances.errors import CheckFailedError, UsageError
+from waybound import CheckFailedError, UsageError, WinnerTakesAllSATA
 from waybound.reports.ratios.optimum import best_selection
 from waybound.reports.ratios.studies.sata.experiments import ExperimentPlan, Sweep, run_experiment, sensing_graph, solved
 from waybound.reports.ratios.study import STUDIES, Study, StudySetting

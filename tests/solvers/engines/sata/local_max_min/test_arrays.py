@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from local_oracles import FIGURE_33, ExactLocal, Robots, cycle, graph_of, optimum, random_graph, regular_tree, robots_of
 from sata_cases import CASES
 
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.instances.errors import UsageError
+from waybound import BottleneckSATA, UsageError
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 from waybound.solvers.engines.sata.local_max_min import search
 from waybound.solvers.engines.sata.local_max_min.arrays import local_shares, shares_at_levels

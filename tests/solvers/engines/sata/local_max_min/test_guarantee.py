@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from local_oracles import optimum, random_graph
 
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.instances.sata.sensing_graph import SensingGraph
+from waybound import BottleneckSATA, SensingGraph
 from waybound.solvers.engines.sata.local_max_min.arrays import local_shares
 
 HEIGHTS = (1, 2, 3, 5, 10)

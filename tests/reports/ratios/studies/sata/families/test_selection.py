@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from selection_problems import feasible_sets
 
-from waybound.heuristics.sata.submodularity import check_submodular
-from waybound.instances.sata.constraints import Knapsack
+from waybound import Knapsack, check_submodular
 from waybound.reports.ratios.judging import run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.ratios.studies.sata.families import selection as random
