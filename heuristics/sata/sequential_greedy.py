@@ -28,10 +28,8 @@ def sequential_greedy(problem: SubmodularSelection, context: Context, *, order: 
     half of the optimum, whatever the order. The statistics count one communication round a robot: each tells the next what every target has
     got so far.
 
-    Source: algorithm 3 and theorem 2 of Sung (2019), corrected (docs/formulations/winner-takes-all.md#errata): the credit goes to the robot
-    that brings most, and to nobody where that is nothing. In general the locally greedy heuristic of Fisher, Nemhauser and Wolsey (1978).
-    With picks g_i in turn and the optimum's o_i: F(O) <= F(G) + sum_i [F(G_i-1 + o_i) - F(G_i-1)] <= F(G) + sum_i [F(G_i) - F(G_i-1)] = 2
-    F(G).
+    Source: algorithm 3 and theorem 2 of Sung (2019), corrected and proved in docs/formulations/winner-takes-all.md#sequential-greedy; in
+    general the locally greedy heuristic of Fisher, Nemhauser and Wolsey (1978).
     """
     stop, limits = context.begin(), Limits.of(problem)
     turns = _turns(problem, order, len(limits.room))

@@ -1,9 +1,5 @@
-"""Bound ``ball``: the linear program over a part of a sensing graph, which bounds the whole from above.
-
-Take any set S of targets, the robots that see some of them, and of those robots' actions what they see of S. Any division of all
-robots covers the worst target of S no better than these robots can, so the optimum of the small program is an upper bound on the
-whole one's, whatever S is. It is sharp where S holds what keeps the whole optimum down, which is usually a small cluster of
-targets: S is a ball, the targets within some hops of the worst-covered ones.
+"""Bound ``ball``: the linear program over a part of a sensing graph, which bounds the whole from above
+(docs/formulations/bottleneck.md#balls).
 
 Source: linear programming duality for (3.5) of Sung (2019): the dual weights of the small program, and zeros elsewhere, are feasible for
 the dual of the whole.
@@ -96,11 +92,9 @@ def ball_evidence(
     """Evidence ``target-weights`` from linear programs over balls around the worst-covered targets; None where none was solved in time.
 
     A ball grows, to at least twice its edges at a time and ``most_edges`` at most, until its bound stands still; the first is grown around
-    ``seeds`` targets, others around four times as many, as long as some target is covered worse than the bound found so far. ``coverage``,
+    ``seeds`` targets, others around four times as many, as long as some target is covered worse than the best bound so far. ``coverage``,
     of shape (targets,), is that of the best answer known; by default that of robots that divide themselves evenly among their actions. For
     whole actions this is a bound of their relaxation.
-
-    Source: linear programming duality; docs/formulations/bottleneck.md#balls.
     """
     linear = linear or LinearPrograms()
     if len(graph.unseen_targets):

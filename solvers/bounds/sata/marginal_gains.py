@@ -30,15 +30,11 @@ WORK = 5_000_000
 
 
 def best_prefix(problem: SubmodularSelection, picks: Sequence[int], stop: Stop = NEVER) -> tuple[Evidence | None, int]:
-    """The strongest evidence ``marginal-gains`` among prefixes of ``picks``, and how many gains were looked at.
+    """The strongest evidence ``marginal-gains`` among prefixes of ``picks``, and how many gains were looked at; docs/selection.md#bounds.
 
     ``picks`` stand in the order in which a method took them, and need not be feasible. The empty prefix and the whole are always tried,
     others, evenly spaced, as far as ``WORK`` goes. There is no evidence for a user's function that is not declared monotone and submodular,
     or where the time was up before the first prefix.
-
-    For monotone submodular f, any set S and any feasible O: f(O) <= f(S u O) <= f(S) + sum of the gains of O's elements over S (Nemhauser,
-    Wolsey and Fisher 1978). The sum is bounded by the best one that the constraint allows: the largest gains under a cardinality limit, the
-    largest of each group under a partition matroid, the fractional filling of a knapsack.
     """
     f, n = problem.function, problem.num_elements
     if not (f.monotone and f.submodular):

@@ -144,27 +144,16 @@ class Game:
         """
         from .descent_kernels import descend
 
-        limits = self.limits
+        limits, queue, queued = self.limits, self._queue, self._queued
         waiting: Positions = robots_seeing(self.graph, np.nonzero(level - cover > negligible)[0])
-        self._queue[: len(waiting)] = waiting
-        self._queued[:] = False
-        self._queued[waiting] = True
+        queue[: len(waiting)] = waiting
+        queued[:] = False
+        queued[waiting] = True
         head, size = 0, len(waiting)
         while size > 0 and limits.work < end and not limits.reached():
             block = max(1.0, min(BLOCK, end - limits.work, limits.most_work - limits.work))
             head, size, work = descend(
-                limits.stop.flag,
-                self.layout,
-                self._scratch,
-                shares,
-                cover,
-                level,
-                negligible,
-                self._queue,
-                self._queued,
-                head,
-                size,
-                int(block),
+                limits.stop.flag, self.layout, self._scratch, shares, cover, level, negligible, queue, queued, head, size, int(block)
             )
             limits.work += work
         return bool(size == 0)
@@ -173,9 +162,9 @@ class Game:
 class RegretMatching:
     """Predictive regret matching on the whole game, for values that are no matter of some clusters.
 
-    Robots play shares, targets play prices; the value of the game is the optimum. Each side keeps its positive regrets and plays in
-    proportion to these and the last payoff (predictive regret matching+), the two in turn. The means of both sides' plays, step t with
-    weight t^2, tend to an optimal answer and to weights that prove it.
+    Each side keeps its positive regrets and plays in proportion to these and the last payoff (predictive regret matching+), robots shares
+    and targets prices, the two in turn. The means of both sides' plays, step t with weight t^2, tend to an optimal answer and to weights
+    that prove it.
 
     Source: Farina, Kroer and Sandholm (2021), Faster game solving via predictive Blackwell approachability: connecting regret matching and
     mirror descent.

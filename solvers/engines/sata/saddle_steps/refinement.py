@@ -1,12 +1,10 @@
-"""From an answer to a better one and a bound, by work on the targets that fall short alone.
+"""Improvement of an answer and a bound by work on the targets that fall short alone; docs/saddle.md#what-the-engine-does.
 
-Once a bound U is proved, only targets below U matter: what is above may be lowered as far as U for nothing. So shares are
-moved downhill on the sum of squared deficits max(0, level - cover)^2, at a level just below U, robot by robot, beginning with those
-that see a target that falls short (``descent_kernels``). Where this comes to rest below the level, the deficits are weights that prove a
-bound below the level: with d = max(0, level - cover), rest means that no shares do better on sum_j d_j cover_j, so that the optimum
-is at most sum_j d_j cover_j / sum_j d_j = level - |d|^2 / sum_j d_j. They mark the cluster that keeps the value down, and a linear program
-over the ball around it tells its price exactly. With that lower bound the other deficits usually vanish; the last few targets are lifted
-by linear programs over the robots around them.
+Shares are moved downhill on the sum of squared deficits max(0, level - cover)^2, at a level just below the bound, robot by robot
+(``descent_kernels``). Where this comes to rest, the deficits are weights that prove a bound below the level: with d = max(0, level -
+cover), rest means that no shares do better on sum_j d_j cover_j, so that the optimum is at most sum_j d_j cover_j / sum_j d_j = level -
+|d|^2 / sum_j d_j. They mark the cluster that keeps the value down, whose price a linear program over the ball around it tells exactly; the
+last few targets are lifted by linear programs over the robots around them.
 """
 
 from __future__ import annotations
