@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from local_oracles import optimum
 from local_oracles import random_graph as graph_of_robots
-from sata_cases import random_graph
+from random_sensing import optimum
+from sata_cases import matrices_of, random_graph
 
 import waybound as wb
 from waybound import BottleneckSATA, Evidence, UnsupportedError
@@ -48,11 +48,7 @@ def test_the_two_senses_are_each_others_reciprocal_at_proportional_points():
 def test_a_bottleneck_of_shares_is_the_program_with_one_packing_row_a_robot(seed):
     rng = np.random.default_rng(seed)
     graph = random_graph(rng)
-    packing = np.zeros((graph.num_robots, graph.num_actions))
-    packing[graph.robot_of_action, np.arange(graph.num_actions)] = 1
-    covering = np.zeros((graph.num_targets, graph.num_actions))
-    covering[graph.indices, graph.action_of_edge] = graph.weights
-    general, own = wb.MaxMinLP(packing, covering), wb.BottleneckSATA(graph, fractional=True)
+    general, own = wb.MaxMinLP(*matrices_of(graph)), wb.BottleneckSATA(graph, fractional=True)
     assert general.one_packing_row
     x = rng.random(graph.num_actions)
     a, b = general.evaluate(x), own.evaluate(x)
@@ -151,10 +147,7 @@ def test_a_file_holds_the_whole_program(tmp_path):
 def scaled_problem(rng: np.random.Generator) -> tuple[MaxMinLP, BottleneckSATA, np.ndarray]:
     """A bottleneck problem, and the same with every column scaled."""
     graph = graph_of_robots(rng)
-    a = np.zeros((graph.num_robots, graph.num_actions))
-    c = np.zeros((graph.num_targets, graph.num_actions))
-    a[graph.robot_of_action, np.arange(graph.num_actions)] = 1.0
-    c[graph.indices, graph.action_of_edge] = graph.weights
+    a, c = matrices_of(graph)
     scale = rng.uniform(0.2, 5.0, graph.num_actions)
     return MaxMinLP(a * scale, c * scale), BottleneckSATA(graph, fractional=True), scale
 

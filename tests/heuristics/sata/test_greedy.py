@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sata_cases import graph_of_rows
 from selection_problems import (
     KINDS,
     context,
@@ -24,10 +25,10 @@ from selection_problems import (
     weight_of_cover_30,
 )
 
-from waybound import BottleneckSATA, Cardinality, InputError, Knapsack, MaxMinLP, PartitionMatroid, SubmodularSelection, UsageError
+from waybound import BottleneckSATA, Cardinality, InputError, Knapsack, PartitionMatroid, SubmodularSelection, UsageError
 from waybound.formulations.certificate import verified_bound
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
+from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
 
 
@@ -207,39 +208,22 @@ def test_an_eps_out_of_range_is_refused(heuristic: str, eps: object) -> None:
         run(heuristic, cover_tight(), eps=eps)
 
 
-def test_an_unknown_evaluation_is_refused() -> None:
-    with pytest.raises(UsageError, match="plain, lazy, incremental"):
-        run("greedy", cover_tight(), evaluation="eager")
-    with pytest.raises(UsageError, match="incremental evaluation is for coverage"):
-        run("greedy", SubmodularSelection(DenseFacilityLocation(np.ones((2, 2))), Cardinality(1)), evaluation="incremental")
-
-
 def test_what_it_cannot_take() -> None:
     budget = SubmodularSelection(cover_tight().function, Knapsack(np.ones(4), 2.0))
     assert HEURISTICS["greedy"].missing(budget) == {"constraint:knapsack"}
-    graph = SensingGraph.from_edges([0], [0], [0])
-    assert HEURISTICS["greedy"].missing(BottleneckSATA(graph, fractional=True)) == {"bottleneck-lp problems"}
-    assert HEURISTICS["greedy"].missing(MaxMinLP(np.eye(2), np.eye(2)))
 
 
 # -- bottleneck --------------------------------------------------------------------------------------------------------
 
 
-def bottleneck(*robots: list[tuple[float, ...]]) -> BottleneckSATA:
-    weights = np.array([row for robot in robots for row in robot])
-    owner = [i for i, robot in enumerate(robots) for _ in robot]
-    a, t = np.nonzero(weights)
-    return BottleneckSATA(SensingGraph.from_edges(owner, a, t, weights[a, t], robots=len(robots), targets=weights.shape[1]))
-
-
 def test_bottleneck_greedy_can_be_arbitrarily_bad_and_promises_nothing() -> None:
     for d in (0.1, 0.01):
-        problem = bottleneck([(d, d), (1, 0)], [(0, 1)])
+        problem = BottleneckSATA(graph_of_rows([(d, d), (1, 0)], [(0, 1)]))
         outcome = run("greedy", problem)
         assert value(problem, outcome) == pytest.approx(d)
         assert value(problem, run("brute-force", problem)) == 1.0
         assert outcome.guarantee is None
-    tied = bottleneck([(0, 1), (1, 0)], [(0, 1), (1, 0)], [(0, 0), (1, 0)], [(1, 0), (0, 0)])
+    tied = BottleneckSATA(graph_of_rows([(0, 1), (1, 0)], [(0, 1), (1, 0)], [(0, 0), (1, 0)], [(1, 0), (0, 0)]))
     assert value(tied, run("greedy", tied)) == 1.0
     assert value(tied, run("brute-force", tied)) == 2.0
 
@@ -266,7 +250,7 @@ def test_bottleneck_greedy_takes_the_best_worst_target_robot_by_robot(seed: int)
 
 def test_options_of_selections_are_refused_for_a_bottleneck() -> None:
     with pytest.raises(UsageError, match="a bottleneck has none"):
-        run("greedy", bottleneck([(1, 1)]), eps=0.5)
+        run("greedy", BottleneckSATA(graph_of_rows([(1, 1)])), eps=0.5)
 
 
 # -- users' functions that are slow, or lose --------------------------------------------------------------------------

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from local_oracles import optimum, random_graph
+from local_oracles import random_graph
 from programs import AnsweredBy
-from sata_cases import CASES
+from random_sensing import optimum
+from sata_cases import CASES, matrices_of
 
 from waybound import BottleneckSATA, MaxMinLP, Selection, UnsupportedError, UsageError, solve
 from waybound.formulations.stop import Stop
@@ -146,11 +147,8 @@ def test_nobody_sees_anything() -> None:
 
 def test_a_program_of_one_packing_row_a_variable_is_solved_as_one_of_robots() -> None:
     case = shares_of("S1w")
-    graph = case.graph
     scale = np.array([2.0, 0.5, 4.0, 1.0, 3.0, 0.25])
-    a, c = np.zeros((3, 6)), np.zeros((3, 6))
-    a[graph.robot_of_action, np.arange(6)] = 1.0
-    c[graph.indices, graph.action_of_edge] = graph.weights
+    a, c = matrices_of(case.graph)
     problem = MaxMinLP(a * scale, c * scale)
     solution = solve(problem, heuristic="local", h=5)
     assert solution.objective == pytest.approx(case.evaluate(run(case, h=5).answer).values[0], rel=1e-12)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sata_cases import CASES
+from sata_cases import CASES, graph_of_rows
 from selection_problems import KINDS, cover_tight, half_tight, only_evidence, optimum, random_problem, run, value
 
 from waybound import Coverage, PartitionMatroid, SensingGraph, SubmodularSelection, UsageError, WinnerTakesAllSATA
@@ -17,12 +17,7 @@ from waybound.heuristics.heuristic import HEURISTICS
 
 
 def winner_takes_all(*robots: list[tuple[float, ...]], names: tuple[str, ...] | None = None) -> WinnerTakesAllSATA:
-    weights = np.array([row for robot in robots for row in robot], dtype=float)
-    owner = [i for i, robot in enumerate(robots) for _ in robot]
-    a, t = np.nonzero(weights)
-    return WinnerTakesAllSATA(
-        SensingGraph.from_edges(owner, a, t, weights[a, t], robots=len(robots) if names is None else names, targets=weights.shape[1])
-    )
+    return WinnerTakesAllSATA(graph_of_rows(*robots, names=names))
 
 
 S2, S10 = CASES["S2"].robots, CASES["S10"].robots

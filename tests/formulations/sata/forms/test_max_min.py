@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from program_text import expected, written
-from sata_cases import CASES, dense_weights, random_graph, selections
-from scipy.optimize import linprog
+from random_sensing import optimum
+from sata_cases import CASES, best_value, dense_weights, random_graph, selections
 
 from waybound import BottleneckSATA, Exactness, InputError, MaxMinLP, Selection, UnsupportedError, UsageError
 from waybound.formulations.certificate import verified_bound
@@ -19,16 +19,6 @@ def solved(program, **extra):
     result = BACKENDS["highs"]().run(program, Options(extra=extra), Control())
     assert result.status == "optimal"
     return result
-
-
-def lp_value(graph) -> float:
-    """The max-min LP by SciPy, from a dense matrix."""
-    c, n = dense_weights(graph), graph.num_actions
-    robots = np.zeros((graph.num_robots, n))
-    robots[graph.robot_of_action, np.arange(n)] = 1.0
-    left = np.block([[robots, np.zeros((graph.num_robots, 1))], [-c.T, np.ones((graph.num_targets, 1))]])
-    right = np.concatenate([np.ones(graph.num_robots), np.zeros(graph.num_targets)])
-    return -float(linprog(np.append(np.zeros(n), -1.0), left, right, bounds=[(0, None)] * (n + 1), method="highs").fun)
 
 
 @pytest.mark.slow
@@ -50,7 +40,7 @@ def test_shares_agree_with_scipy_and_their_duals_prove_it(algorithm):
     for _ in range(60):
         graph = random_graph(rng, robots=4, actions=9, targets=5)
         problem = BottleneckSATA(graph, fractional=True)
-        compiled, known = problem.compile(), lp_value(graph)
+        compiled, known = problem.compile(), optimum(graph)
         result = BACKENDS["highs"]().run(compiled.program, Options(extra=algorithm), Control())
         judged = problem.evaluate(compiled.decode(result.answer))
         assert judged.feasible
@@ -86,7 +76,7 @@ def test_nonsense_duals_prove_nothing_false():
         problem = BottleneckSATA(graph, fractional=True)
         compiled = problem.compile()
         value = compiled.dual_evidence(rng.normal(size=compiled.program.num_rows)).value
-        assert value >= lp_value(graph) - 1e-9
+        assert value >= optimum(graph) - 1e-9
 
 
 def test_a_relaxed_point_is_no_selection():
@@ -188,12 +178,7 @@ def test_packing_and_covering_rows_agree_with_scipy_and_are_proved(sense, algori
         problem = MaxMinLP(a, c, sense=sense)
         compiled = problem.compile()
         program = compiled.program
-        if sense == "max":
-            left, right = np.block([[a, np.zeros((rows, 1))], [-c, np.ones((targets, 1))]]), np.repeat([1.0, 0.0], [rows, targets])
-        else:
-            left, right = np.block([[a, -np.ones((rows, 1))], [-c, np.zeros((targets, 1))]]), np.repeat([0.0, -1.0], [rows, targets])
-        sign = -1.0 if sense == "max" else 1.0
-        known = sign * float(linprog(np.append(np.zeros(n), sign), left, right, bounds=[(0, None)] * (n + 1)).fun)
+        known = best_value(problem)
         result = BACKENDS["highs"]().run(program, Options(extra=algorithm), Control())
         judged = problem.evaluate(compiled.decode(result.answer))
         assert judged.feasible

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -124,9 +125,7 @@ def test_a_target_that_nobody_sees_proves_zero_without_a_program():
 @pytest.mark.parametrize("size", [1e-200, 1e-12, 1e12, 1e200])
 def test_weights_of_any_size_are_priced(size):
     graph = random_graph(5)
-    other = graph_of_edges(
-        graph.robot_of_action, graph.action_of_edge, graph.indices, graph.weights * size, robots=graph.num_robots, targets=graph.num_targets
-    )
+    other = replace(graph, weights=graph.weights * size)
     evidence = ball_evidence(other, None, Stop(60.0), Solver(), seeds=graph.num_targets)
     assert verified_bound(problem(other), evidence) / size == pytest.approx(optimum(graph), rel=1e-6)
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from fractions import Fraction as F
 
 import numpy as np
@@ -8,8 +9,9 @@ import pytest
 from draws import draws
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from local_oracles import FIGURE_33, ExactLocal, Robots, cycle, graph_of, optimum, random_graph, regular_tree, robots_of
-from sata_cases import CASES
+from local_oracles import FIGURE_33, ExactLocal, Robots, cycle, graph_of, random_graph, regular_tree, robots_of
+from random_sensing import optimum
+from sata_cases import CASES, relabelled
 
 from waybound import BottleneckSATA, UsageError
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
@@ -273,10 +275,7 @@ def test_smoothing_over_balls_uses_no_larger_levels(seed: int, h: int) -> None:
 def test_shares_are_feasible_and_normalising_never_takes_from_a_target(seed: int, h: int, search: str, ball: bool) -> None:
     rng = np.random.default_rng(seed)
     graph = random_graph(rng, most_robots=20)
-    wide = graph_of_edges(
-        graph.robot_of_action, graph.action_of_edge, graph.indices, np.exp(rng.uniform(-5, 5, graph.num_edges)),
-        robots=graph.num_robots, targets=graph.num_targets,
-    )  # fmt: skip
+    wide = replace(graph, weights=np.exp(rng.uniform(-5, 5, graph.num_edges)))
     options = {"search": search, "smoothing": "ball" if ball else "layers"}
     plain, full = (local_shares(wide, h, normalise=n, **options).shares for n in (False, True))  # type: ignore[arg-type]
     for shares in (plain, full):
@@ -297,14 +296,7 @@ def test_shares_are_feasible_and_normalising_never_takes_from_a_target(seed: int
 def test_numbering_does_not_matter(seed: int, h: int, search: str) -> None:
     rng = np.random.default_rng(seed)
     graph = random_graph(rng, most_robots=12)
-    robot, action, target = (rng.permutation(n) for n in (graph.num_robots, graph.num_actions, graph.num_targets))
-    owner = np.empty_like(graph.robot_of_action)
-    owner[action] = robot[graph.robot_of_action]
-    order = rng.permutation(graph.num_edges)
-    other = graph_of_edges(
-        owner, action[graph.action_of_edge][order], target[graph.indices][order], graph.weights[order],
-        robots=graph.num_robots, targets=graph.num_targets,
-    )  # fmt: skip
+    other, action = relabelled(graph, rng)
     a, b = local_shares(graph, h, search=search).shares, local_shares(other, h, search=search).shares
     assert b[action] == pytest.approx(a, abs=1e-9 if search == "step" else 1e-11)
 

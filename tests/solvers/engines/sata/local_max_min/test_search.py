@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,8 +18,7 @@ from waybound.solvers.engines.sata.local_max_min.search import LevelGrid, Secant
 def generated(kind: str, robots: int, spread: float = 0.0) -> CleanGraph:
     graph = generate(f"sensing-{kind}", seed=robots, robots=robots)
     assert isinstance(graph, SensingGraph)
-    weights = graph.weights * np.exp(np.random.default_rng(1).uniform(-spread, spread, graph.num_edges))
-    return clean(SensingGraph(graph.robot_of_action, graph.indptr, graph.indices, weights, graph.num_robots, graph.num_targets))
+    return clean(replace(graph, weights=graph.weights * np.exp(np.random.default_rng(1).uniform(-spread, spread, graph.num_edges))))
 
 
 @pytest.mark.parametrize("kind", ["regular", "ring", "geometric"])

@@ -6,6 +6,7 @@ from draws import draws
 from hypothesis import given, settings
 from random_sensing import even_graph, optimum, random_graph
 from ratio_strategies import graphs
+from sata_cases import dense_weights
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.sata.balls import coverage, even_shares, weights_bound
@@ -118,8 +119,7 @@ def test_limits_name_what_is_reached():
 
 def dense_play(graph, steps):
     """The same game by its definition: mean shares and mean prices, with weights t^2."""
-    weights = np.zeros((graph.num_actions, graph.num_targets))
-    weights[graph.action_of_edge, graph.indices] = graph.weights
+    weights = dense_weights(graph)
     owner = graph.robot_of_action
     count = np.bincount(owner)
     x, y = 1.0 / count[owner], np.full(graph.num_targets, 1.0 / graph.num_targets)
