@@ -48,8 +48,7 @@ def test_one_step_is_greedy() -> None:
 
 def test_the_statement_tells_what_the_steps_cost() -> None:
     guarantee = run("continuous-greedy", cover_tight(), steps=100).guarantee
-    assert guarantee is not None
-    assert "0.6302 f(OPT)" in guarantee.statement and "less 0.0018 for steps of 1/100" in guarantee.statement
+    assert guarantee is not None and "0.6302 f(OPT)" in guarantee.statement and "less 0.0018 for steps of 1/100" in guarantee.statement
     assert guarantee.ratio > 1 / (1 - math.exp(-1))
 
 

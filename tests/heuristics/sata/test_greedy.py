@@ -55,8 +55,7 @@ def test_cover_tight_comes_close_to_the_bound() -> None:
     outcome = run("greedy", cover_tight())
     assert value(cover_tight(), outcome) == 62
     assert optimum(cover_tight()) == 80
-    assert outcome.guarantee is not None
-    assert outcome.guarantee.ratio == pytest.approx(1 / 0.75)
+    assert outcome.guarantee is not None and outcome.guarantee.ratio == pytest.approx(1 / 0.75)
     assert "(1 - (1 - 1/2)^2)" in outcome.guarantee.statement
 
 
@@ -73,8 +72,7 @@ def test_every_evaluation_picks_alike_and_keeps_its_guarantee(seed: int, kind: s
             assert other.statistics["evaluations"] <= plain.statistics["evaluations"]
     assert plain.statistics["evaluations"] == plain.statistics["plain_evaluations"]
     best = optimum(problem)
-    assert plain.guarantee is not None
-    assert value(problem, plain) * plain.guarantee.ratio >= best * (1 - 1e-9)
+    assert plain.guarantee is not None and value(problem, plain) * plain.guarantee.ratio >= best * (1 - 1e-9)
     assert verified_bound(problem, only_evidence(plain)) >= best * (1 - 1e-12)
 
 
@@ -164,8 +162,7 @@ def test_a_users_function_is_asked_for_many_sets_at_once() -> None:
     assert len(asked) < 60
     assert max(rows for rows, _ in asked) >= 50
     assert "as declared by the user" in only_evidence(outcome).source
-    assert outcome.guarantee is not None
-    assert any("declared by the user" in a for a in outcome.guarantee.assumptions)
+    assert outcome.guarantee is not None and any("declared by the user" in a for a in outcome.guarantee.assumptions)
 
 
 @pytest.mark.parametrize(("monotone", "submodular"), [(False, False), (True, False), (False, True)])
