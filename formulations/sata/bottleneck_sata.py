@@ -29,7 +29,7 @@ Floats = NDArray[np.float64]
 
 
 class BottleneckSATA(DecidedElements):
-    """maximise the least, over targets, of the summed weights of the chosen actions that see it; at most one action a robot.
+    """Maximise the least, over targets, of the summed weights of the chosen actions that see it; at most one action a robot.
 
     Parameters
     ----------

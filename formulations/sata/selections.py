@@ -62,7 +62,7 @@ def indicator(answer: Selection, size: int) -> NDArray[np.float64]:
 
 
 def selection_of(answer: Any, names: Callable[[], Mapping[str, int]], thing: str) -> Selection:
-    """``given`` itself, or the selection that a list of indices or names stands for; raises UsageError for anything else."""
+    """``answer`` itself, or the selection that a list of indices or names stands for; raises UsageError for anything else."""
     if isinstance(answer, Selection):
         return answer
     if isinstance(answer, str | bytes | Mapping) or not isinstance(answer, Iterable):

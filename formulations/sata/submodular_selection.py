@@ -14,7 +14,7 @@ from ...instances.instance import digest
 from ...instances.sata.constraints import Cardinality, Constraint, PartitionMatroid
 from ...instances.sata.selection import SelectionInstance
 from ...instances.sata.sensing_graph import SensingGraph
-from ...instances.sata.set_functions import Coverage, FacilityLocation, SetFunction
+from ...instances.sata.set_functions import Coverage, FacilityLocation, Floats, SetFunction
 from ..evaluation import Check, Evaluation, Violation, judge
 from ..problem import PROBLEMS, refuse_settings
 from ..tolerance import EQUAL
@@ -24,8 +24,6 @@ from .selections import Selection, graph_for, judge_elements, selection_of
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Floats = NDArray[np.float64]
 
 
 class SubmodularSelection(DecidedElements):

@@ -17,7 +17,7 @@ from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...formulations.stop import Stop
 from ...formulations.tolerance import room
 from ...instances.errors import UsageError
-from ...instances.sata.set_functions import ItemWeights
+from ...instances.sata.set_functions import Floats, ItemWeights
 from ...solvers.bounds.sata.growing_sets import GrowingSet, ValuedSet, WeightedSet
 from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
 from .greedy_steps.limits import ANY_FUNCTION
@@ -26,7 +26,6 @@ from .greedy_steps.outcomes import assumptions, concluded, rounded_down, sentenc
 WORK, USER_WORK = 300_000_000, 300_000
 """Entries of the data, or sets of a user's function, up to which ``enumerate`` is deepened by itself: about a second."""
 
-Floats = NDArray[np.float64]
 
 LEAST_COST = 1e-250
 """In parts of the budget: for smaller ones gains per cost may overflow, and nothing is guaranteed."""

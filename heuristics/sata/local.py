@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.evidence import Evidence, Guarantee
-from ...formulations.sata.balls import even_shares
+from ...formulations.sata.balls import Floats, even_shares
 from ...formulations.sata.bottleneck_sata import BottleneckSATA
 from ...formulations.sata.max_min_lp import MaxMinLP, RobotsOf
 from ...formulations.sata.selections import Selection
@@ -22,8 +22,6 @@ from ...solvers.engines.sata.local_max_min.arrays import MOST_LAYERS, check_opti
 from ...solvers.engines.sata.local_max_min.cleaning import CleanGraph, clean
 from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
 from .rounding import check_ties, largest_shares
-
-Floats = NDArray[np.float64]
 
 SOURCE = (
     "Floréen, Hassinen, Kaasinen, Kaski, Musto and Suomela (2011), Theory of Computing Systems 49, 672-697; "

@@ -14,9 +14,8 @@ from ...formulations.sata.feasibility import CHUNK, allowed
 from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
 from ...instances.sata.constraints import Constraint
-from ...instances.sata.set_functions import SetFunction, UserFunction
+from ...instances.sata.set_functions import Floats, SetFunction, UserFunction
 
-Floats = NDArray[np.float64]
 Masks = NDArray[np.bool_]
 
 TOLERANCE = 1e-9

@@ -16,17 +16,14 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ....instances.sata.set_functions import AT_ITEM, IN_MATRIX
+from ....instances.sata.set_functions import AT_ITEM, IN_MATRIX, Floats
 from ...checking.evidence_numbers import numbers
 from ...checking.granularity import Grain, grain, lift
 from ...evidence import CHECKERS
 from ...tolerance import room
 from .decided import best_of_groups, budgets, contradicted, spent, split
-
-Floats = NDArray[np.float64]
 
 _EPS = float(np.finfo(np.float64).eps)
 _TINY = 5e-324

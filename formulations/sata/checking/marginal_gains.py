@@ -19,14 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ....instances.sata.set_functions import AT_ITEM, IN_MATRIX
+from ....instances.sata.set_functions import AT_ITEM, IN_MATRIX, Floats
 from ...checking.granularity import lift
 from ...evidence import CHECKERS
 from ...tolerance import EQUAL, room
 from .decided import best_of_groups, budgets, contradicted, spent, split
 from .item_prices import value_grain
-
-Floats = NDArray[np.float64]
 
 _EPS = float(np.finfo(np.float64).eps)
 _ENTRIES = 1 << 21

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from ....formulations.sata.feasibility import with_each
 from ....formulations.stop import NEVER, Stop
 from ....formulations.tolerance import LIMIT
-from ....instances.sata.set_functions import ItemWeights, SetFunction
+from ....instances.sata.set_functions import Floats, ItemWeights, SetFunction
 
-Floats = NDArray[np.float64]
 Elements = NDArray[np.int64]
 
 

@@ -7,14 +7,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.sata.feasibility import Openings, in_budgets
 from ....formulations.stop import NEVER, Stop
 from ....instances.sata.constraints import Knapsack, LimitRows, PartitionMatroid
-from ....instances.sata.set_functions import ItemWeights
+from ....instances.sata.set_functions import Floats, ItemWeights
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 from .growing_sets import WeightedSet, empty_set
@@ -23,7 +22,6 @@ if TYPE_CHECKING:
     from ....formulations.problem import Problem
     from ....formulations.sata.submodular_selection import SubmodularSelection
 
-Floats = NDArray[np.float64]
 
 WORK = 5_000_000
 """Entries of the function's data that are looked at in search of the best prefix (two prefixes at least): some milliseconds."""

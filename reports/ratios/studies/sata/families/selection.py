@@ -12,11 +12,10 @@ from ......formulations.sata.submodular_selection import SubmodularSelection
 from ......formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from ......instances.sata.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
 from ......instances.sata.sensing_graph import SensingGraph, graph_of_edges
-from ......instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation, SetFunction, UserFunction
+from ......instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation, Floats, SetFunction, UserFunction
 from ....families import Family
 from ....judging import Case
 
-Floats = NDArray[np.float64]
 Rng = np.random.Generator
 
 RandomFunction = Callable[[Rng, int], SetFunction]
