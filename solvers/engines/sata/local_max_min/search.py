@@ -168,7 +168,7 @@ class SecantSearch:
             np.arange(clean.num_robots, dtype=np.int32), np.arange(clean.num_targets, dtype=np.int32),
         )  # fmt: skip
         self._part: tuple[Sight, Lists, Indices] | None = None
-        self._found = np.full(clean.num_actions, np.nan)
+        self._settled = np.full(clean.num_actions, np.nan)
 
     def run(self) -> Floats:
         """The level of each action's root, shape (actions,); raises Stopped where it has to end before."""
@@ -181,7 +181,7 @@ class SecantSearch:
         everyone = np.arange(clean.num_actions, dtype=np.int32)
         guess = self._guess(low, high)
         self._settle([(everyone, low, high)] if guess is None else self._split(everyone, low, high, guess, 1))
-        return self._found
+        return self._settled
 
     def _settle(self, work: list[tuple[Indices, int, int]]) -> None:
         """Find the levels of all roots in ``work``, each set with the numbers between which its levels lie."""
@@ -204,25 +204,31 @@ class SecantSearch:
         else:
             return None
         self._settle([(roots, low, high)])
-        found = np.floor([self._grid.number(t) for t in self._found[roots]]).astype(np.int64)
-        self._found[roots] = np.nan
-        blocks = np.arange(found.min() - _INTERVALS + 1, found.max() + 1)
-        held = ((found >= blocks[:, None]) & (found < blocks[:, None] + _INTERVALS)).sum(axis=1)
+        numbers = np.floor([self._grid.number(t) for t in self._settled[roots]]).astype(np.int64)
+        self._settled[roots] = np.nan
+        blocks = np.arange(numbers.min() - _INTERVALS + 1, numbers.max() + 1)
+        held = ((numbers >= blocks[:, None]) & (numbers < blocks[:, None] + _INTERVALS)).sum(axis=1)
         best = blocks[held == held.max()]
         return int(best[len(best) // 2]) if 2 * held.max() >= len(roots) else None
 
-    def _reach(self, roots: Indices, limit: int) -> bool:
-        from . import level_kernels as kernels
+    def _placed(self, roots: Indices) -> Lists:
+        """The robots and targets within reach of ``roots``, marked until ``unplace`` undoes it."""
+        from .level_kernels import place
 
         if self._part is None:
             self._part = _reachable(self._clean, self._stop)
         sight, lists, owner = self._part
-        reached, seen = kernels.place(
-            self._stop.flag, self._clean.layout, sight, owner, roots, self._h, lists.distance, lists.marked, lists.robots, lists.targets
-        )
-        kernels.unplace(lists.distance, lists.marked, lists.robots[:reached], lists.targets[:seen])
+        reached, seen = place(self._stop.flag, self._clean.layout, sight, owner, roots, self._h, *lists)
+        return lists._replace(robots=lists.robots[:reached], targets=lists.targets[:seen])
+
+    def _reach(self, roots: Indices, limit: int) -> bool:
+        """True if at most ``limit`` robots are within reach of ``roots``."""
+        from .level_kernels import unplace
+
+        part = self._placed(roots)
+        unplace(*part)
         self._stop.check()
-        return bool(reached <= limit)
+        return len(part.robots) <= limit
 
     def _split(self, roots: Indices, low: int, high: int, start: int, stride: int) -> list[tuple[Indices, int, int]]:
         """Test the levels start, start + stride, ...: settle the roots whose level they tell, and return the others by interval."""
@@ -240,10 +246,10 @@ class SecantSearch:
             if start > low:
                 rest.append((roots[below], low, start))
             else:  # the lowest level is valid for all, so this is rounding
-                self._found[roots[below]] = levels[0, 0]
+                self._settled[roots[below]] = levels[0, 0]
         between = ~(above | below)
         if secant:
-            self._found[roots[between]] = limits[between]
+            self._settled[roots[between]] = limits[between]
             return rest
         for j in range(_INTERVALS):
             inside = limits == j
@@ -252,18 +258,12 @@ class SecantSearch:
         return rest
 
     def _limits(self, kernels: Any, roots: Indices, levels: Floats, secant: bool) -> Floats:
-        clean, h = self._clean, self._h
-        graph, flag = clean.layout, self._stop.flag
-        if 3 * len(roots) < clean.num_actions:
-            if self._part is None:
-                self._part = _reachable(clean, self._stop)
-            sight, lists, owner = self._part
-            reached, seen = kernels.place(flag, graph, sight, owner, roots, h, lists.distance, lists.marked, lists.robots, lists.targets)
-            robots, targets = lists.robots[:reached], lists.targets[:seen]
-            kernels.sweep(flag, graph, self._scratch, robots, targets, lists.distance, h, levels, secant, 0.0)
-            kernels.unplace(lists.distance, lists.marked, robots, targets)
-        else:
-            kernels.sweep(flag, graph, self._scratch, self._all.robots, self._all.targets, self._all.distance, h, levels, secant, 0.0)
+        some = 3 * len(roots) < self._clean.num_actions
+        part = self._placed(roots) if some else self._all
+        graph, flag = self._clean.layout, self._stop.flag
+        kernels.sweep(flag, graph, self._scratch, part.robots, part.targets, part.distance, self._h, levels, secant, 0.0)
+        if some:
+            kernels.unplace(*part)
         self._stop.check()
         return np.asarray(self._scratch.least[roots], dtype=np.float64)
 
