@@ -35,7 +35,7 @@ KERNELS = {
     "solvers/engines/auctions/assignment_steps/auction_kernels": "solvers/engines/auctions/assignment_steps/auction",
     "solvers/engines/auctions/assignment_steps/price_kernels": "solvers/engines/auctions/assignment_steps/recovered_prices",
     "solvers/engines/sata/local_max_min/lane_kernels": "solvers/engines/sata/local_max_min/level_kernels",
-    "solvers/engines/sata/local_max_min/layer_kernels": "solvers/engines/sata/local_max_min/arrays",
+    "solvers/engines/sata/local_max_min/layer_kernels": "solvers/engines/sata/local_max_min/shares",
     "solvers/engines/sata/local_max_min/level_kernels": "solvers/engines/sata/local_max_min/search",
     "solvers/engines/sata/saddle_steps/descent_kernels": "solvers/engines/sata/saddle_steps/game",
     "solvers/engines/sata/saddle_steps/regret_kernels": "solvers/engines/sata/saddle_steps/game",

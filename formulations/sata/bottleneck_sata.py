@@ -19,7 +19,7 @@ from ...instances.sata.sensing_graph import SensingGraph
 from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS, refuse_settings
 from ..tolerance import VECTOR
-from .decided import FEATURE, DecidedElements
+from .decided_elements import FEATURE, DecidedElements
 from .selections import Selection, action_index, actions_from_json, actions_to_json, graph_for, indicator, judge_elements, selection_of
 
 if TYPE_CHECKING:

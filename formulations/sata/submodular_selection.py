@@ -18,7 +18,7 @@ from ...instances.sata.set_functions import Coverage, FacilityLocation, Floats, 
 from ..evaluation import Check, Evaluation, Violation, judge
 from ..problem import PROBLEMS, refuse_settings
 from ..tolerance import EQUAL
-from .decided import FEATURE, DecidedElements
+from .decided_elements import FEATURE, DecidedElements
 from .feasibility import spendable
 from .selections import Selection, graph_for, judge_elements, selection_of
 

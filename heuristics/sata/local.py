@@ -18,8 +18,8 @@ from ...formulations.sata.selections import Selection
 from ...formulations.stop import Stop, Stopped
 from ...instances.errors import UsageError
 from ...instances.sata.sensing_graph import SensingGraph
-from ...solvers.engines.sata.local_max_min.arrays import MOST_LAYERS, check_options, local_shares
 from ...solvers.engines.sata.local_max_min.cleaning import CleanGraph, clean
+from ...solvers.engines.sata.local_max_min.shares import MOST_LAYERS, check_options, local_shares
 from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
 from .rounding import check_ties, largest_shares
 

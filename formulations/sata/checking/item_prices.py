@@ -23,7 +23,7 @@ from ...checking.evidence_numbers import numbers
 from ...checking.granularity import Grain, grain, lift
 from ...evidence import CHECKERS
 from ...tolerance import room
-from .decided import best_of_groups, budgets, contradicted, spent, split
+from .decided_elements import best_of_groups, budgets, contradicted, spent, split
 
 _EPS = float(np.finfo(np.float64).eps)
 _TINY = 5e-324

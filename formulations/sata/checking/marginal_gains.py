@@ -23,7 +23,7 @@ from ....instances.sata.set_functions import AT_ITEM, IN_MATRIX, Floats
 from ...checking.granularity import lift
 from ...evidence import CHECKERS
 from ...tolerance import EQUAL, room
-from .decided import best_of_groups, budgets, contradicted, spent, split
+from .decided_elements import best_of_groups, budgets, contradicted, spent, split
 from .item_prices import value_grain
 
 _EPS = float(np.finfo(np.float64).eps)

@@ -147,7 +147,7 @@ def _search(task: _Task, h: int, options: Options, control: Control) -> RawResul
     if shares is None:
         shares = even_shares(graph)
         if h and not limits.reached():
-            from .local_max_min.arrays import local_shares
+            from .local_max_min.shares import local_shares
 
             record.offer(shares)  # before it takes its time
             with contextlib.suppress(Stopped):

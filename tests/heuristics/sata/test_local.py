@@ -14,7 +14,7 @@ from waybound import BottleneckSATA, MaxMinLP, Selection, UnsupportedError, Usag
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS, Context, Outcome
 from waybound.instances.sata.sensing_graph import graph_of_edges
-from waybound.solvers.engines.sata.local_max_min.arrays import local_shares
+from waybound.solvers.engines.sata.local_max_min.shares import local_shares
 
 
 def run(problem: Any, published: list[Any] | None = None, stopped: bool = False, **options: Any) -> Outcome:

@@ -20,10 +20,10 @@ import numpy as np
 
 from .....formulations.stop import NEVER, Stop
 from .....instances.sata.sensing_graph import SensingGraph
-from .arrays import check_options
 from .cleaning import Floats
 from .robot import CommonLevels, Inbox, Orders, Outbox, Robot, SteppedLevels
 from .search import MARGIN
+from .shares import check_options
 
 BYTES_A_NUMBER = 8
 

@@ -10,7 +10,7 @@ from local_oracles import random_graph
 from random_sensing import optimum
 
 from waybound import BottleneckSATA, SensingGraph
-from waybound.solvers.engines.sata.local_max_min.arrays import local_shares
+from waybound.solvers.engines.sata.local_max_min.shares import local_shares
 
 HEIGHTS = (1, 2, 3, 5, 10)
 

@@ -8,7 +8,7 @@ from random_sensing import random_graph
 
 import waybound as wb
 from waybound import BottleneckSATA, Cardinality, Coverage, Problem, Selection, SubmodularSelection, WinnerTakesAllSATA
-from waybound.formulations.sata.decided import FEATURE
+from waybound.formulations.sata.decided_elements import FEATURE
 from waybound.instances.errors import InputError, UnsupportedError
 
 GRAPH = random_graph(2, robots=3, targets=4, most_actions=2)

@@ -16,10 +16,10 @@ from sata_cases import CASES, relabelled
 from waybound import BottleneckSATA, UsageError
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 from waybound.solvers.engines.sata.local_max_min import search
-from waybound.solvers.engines.sata.local_max_min.arrays import local_shares, shares_at_levels
 from waybound.solvers.engines.sata.local_max_min.cleaning import clean
 from waybound.solvers.engines.sata.local_max_min.messages import exchange
 from waybound.solvers.engines.sata.local_max_min.search import MARGIN
+from waybound.solvers.engines.sata.local_max_min.shares import local_shares, shares_at_levels
 
 D: Robots = [[{1: 1}, {2: 1}], [{2: 1}, {3: 1}]]
 REFERENCE: dict[str, tuple[Robots, F, dict[int, tuple[str, str, str]]]] = {
