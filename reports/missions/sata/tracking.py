@@ -145,7 +145,7 @@ class Tracking(Mission):
         solved = [d for d in decisions if d.problem is not None]
         answered = [d for d in solved if d.answer is not None]
         candidates = {t for d in solved for t in _targets(d.problem)}
-        estimated = {t for d in answered for t in _seen(d)}
+        estimated = {target for d in answered for _, target in _sights(cast(Problem, d.problem), d.answer)}
         observed = world.observe().seen_by_any
         values = np.array([self._values(d, world) for d in answered], dtype=np.float64).reshape(-1, 2)
         whole = [self.total(column) if len(values) else math.nan for column in values.T.tolist()] if len(values) else [math.nan] * 2
@@ -213,13 +213,18 @@ def chosen_actions(problem: Problem, answer: Any) -> list[int]:
 
 def assigned(problem: Problem, answer: Any) -> list[tuple[int, int]]:
     """Robots of a problem, and targets by their numbers in the world: whom each target is credited to, or who is predicted to see it."""
-    graph, targets = _graph(problem), _targets(problem)
-    chosen = chosen_actions(problem, answer)
     if isinstance(problem, WinnerTakesAllSATA):
+        targets, chosen = _targets(problem), chosen_actions(problem, answer)
         winners = problem.winners(tuple(chosen))[0] if answer.winners is None else np.asarray(answer.winners)
         return [(int(robot), targets[t]) for t, robot in enumerate(winners.tolist()) if robot >= 0]
-    edges = [(int(graph.robot_of_action[a]), graph.indices[graph.indptr[a] : graph.indptr[a + 1]].tolist()) for a in chosen]
-    return [(robot, targets[t]) for robot, seen in edges for t in seen]
+    return _sights(problem, answer)
+
+
+def _sights(problem: Problem, answer: Any) -> list[tuple[int, int]]:
+    """Robots of a problem, and targets by their numbers in the world that their chosen actions are predicted to see."""
+    graph, targets = _graph(problem), _targets(problem)
+    seen = [(int(graph.robot_of_action[a]), graph.indices[graph.indptr[a] : graph.indptr[a + 1]]) for a in chosen_actions(problem, answer)]
+    return [(robot, targets[t]) for robot, own in seen for t in own.tolist()]
 
 
 def _graph(problem: Problem | None) -> SensingGraph:
@@ -232,14 +237,6 @@ def _targets(problem: Problem | None) -> list[int]:
     """The targets' numbers in the world."""
     graph = _graph(problem)
     return [int(graph.target_name(t)) - 1 for t in range(graph.num_targets)]
-
-
-def _seen(decision: Decision) -> set[int]:
-    """Targets, by their numbers in the world, that the chosen actions are predicted to see."""
-    problem = cast(Problem, decision.problem)
-    graph, targets = _graph(problem), _targets(problem)
-    actions = chosen_actions(problem, decision.answer)
-    return {targets[t] for a in actions for t in graph.indices[graph.indptr[a] : graph.indptr[a + 1]].tolist()}
 
 
 MISSIONS.add("tracking", Tracking)

@@ -70,18 +70,7 @@ def test_groups_without_room_and_empty_ground_sets() -> None:
     assert run("continuous-greedy", nothing).answer.elements == ()
 
 
-@pytest.mark.parametrize("steps", [0, -1, 1.5, True, "many", 10**7])
-def test_steps_out_of_range_are_refused(steps: object) -> None:
-    with pytest.raises(UsageError, match="steps must be a whole number from 1"):
-        run("continuous-greedy", cover_tight(), steps=steps)
-
-
 def test_a_matrix_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("waybound.heuristics.sata.continuous_greedy.MOST_ENTRIES", 5)
     with pytest.raises(UsageError, match="at most 5 positive weights, not 6"):
         run("continuous-greedy", SubmodularSelection(DenseFacilityLocation(np.ones((3, 2))), Cardinality(1)))
-
-
-def test_it_needs_a_closed_form() -> None:
-    problem = random_problem(np.random.default_rng(1), "user", "cardinality")
-    assert HEURISTICS["continuous-greedy"].missing(problem) == {"function:user"}

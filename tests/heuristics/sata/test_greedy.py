@@ -198,18 +198,6 @@ def test_what_a_users_function_returns_is_checked(heuristic: str, bad: object) -
         run(heuristic, SubmodularSelection(function, Cardinality(2)))
 
 
-@pytest.mark.parametrize("eps", [-1.0, math.nan, math.inf, "small", True])
-@pytest.mark.parametrize("heuristic", ["greedy", "lazy-greedy"])
-def test_an_eps_out_of_range_is_refused(heuristic: str, eps: object) -> None:
-    with pytest.raises(UsageError, match="eps must be"):
-        run(heuristic, cover_tight(), eps=eps)
-
-
-def test_what_it_cannot_take() -> None:
-    budget = SubmodularSelection(cover_tight().function, Knapsack(np.ones(4), 2.0))
-    assert HEURISTICS["greedy"].missing(budget) == {"constraint:knapsack"}
-
-
 # -- bottleneck --------------------------------------------------------------------------------------------------------
 
 

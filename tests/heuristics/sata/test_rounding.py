@@ -73,16 +73,6 @@ def test_without_a_solved_lp_there_is_no_answer() -> None:
     assert "the LP was not solved in time" in outcome.message
 
 
-def test_unknown_ties_are_refused() -> None:
-    with pytest.raises(UsageError, match="ties must be last, first or random"):
-        solve(cover_30(6), heuristic="lp-rounding", ties="middle")
-
-
-def test_a_users_function_has_no_lp() -> None:
-    problem = random_problem(np.random.default_rng(1), "user", "knapsack")
-    assert HEURISTICS["lp-rounding"].missing(problem) == {"function:user"}
-
-
 # -- largest shares ------------------------------------------------------------------------------------------------------
 
 

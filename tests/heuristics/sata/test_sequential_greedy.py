@@ -9,11 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from sata_cases import CASES, graph_of_rows
-from selection_problems import KINDS, cover_tight, half_tight, only_evidence, optimum, random_problem, run, value
+from selection_problems import KINDS, half_tight, only_evidence, optimum, random_problem, run, value
 
-from waybound import Coverage, PartitionMatroid, SensingGraph, SubmodularSelection, UsageError, WinnerTakesAllSATA
+from waybound import Coverage, PartitionMatroid, SensingGraph, SubmodularSelection, WinnerTakesAllSATA
 from waybound.formulations.certificate import verified_bound
-from waybound.heuristics.heuristic import HEURISTICS
 
 
 def winner_takes_all(*robots: list[tuple[float, ...]], names: tuple[str, ...] | None = None) -> WinnerTakesAllSATA:
@@ -102,21 +101,9 @@ def test_an_order_by_name_and_as_on_a_command_line() -> None:
     assert run("sequential-greedy", alone, order=1).answer.elements == (0,)
 
 
-@pytest.mark.parametrize(
-    "order", [[0, 1], [0, 1, 1], [0, 1, 3], [1, 2, 3], "1,2", "1,2,2", "a,b,c", 7, [0.0, 1.0, 2.0], [True, False, 2], {0, 1, 2}]
-)
-def test_an_order_that_is_no_permutation_is_refused(order: object) -> None:
-    with pytest.raises(UsageError, match="order must be a permutation of all 3 robots"):
-        run("sequential-greedy", winner_takes_all(*S10), order=order)
-
-
 def test_robots_without_actions_and_without_sight_are_passed_over() -> None:
     with pytest.warns(UserWarning, match="sees anything"):
         graph = SensingGraph.from_edges([0, 2], [0], [0], robots=3, targets=1)
     problem = WinnerTakesAllSATA(graph)
     assert run("sequential-greedy", problem).answer.elements == (0, 1)
     assert value(problem, run("sequential-greedy", problem, order=[1, 2, 0])) == 1
-
-
-def test_it_is_for_partition_matroids() -> None:
-    assert HEURISTICS["sequential-greedy"].missing(cover_tight()) == {"constraint:cardinality"}
