@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from waybound.instances.errors import UsageError
-from waybound.solvers.engines.sata.local_max_min.robot import MOST_LEVELS, CommonLevels, SteppedLevels, Tested
+from waybound.solvers.engines.sata.local_max_min import robot
+from waybound.solvers.engines.sata.local_max_min.robot import MOST_LEVELS, CommonLevels, SteppedLevels
 
 
-def of_least(least: float) -> Tested:
-    return Tested(least, 0, np.zeros(1))
+def of_least(least: float) -> robot.Tested:
+    return robot.Tested(least, 0, np.zeros(1))
 
 
 def test_common_levels_span_half_of_the_least_ceiling_to_the_largest() -> None:
@@ -56,7 +57,7 @@ def test_a_root_settles_within_its_ceiling_and_half_of_it() -> None:
 @pytest.mark.parametrize("levels", [CommonLevels(0.1), SteppedLevels(0.5)])
 def test_what_is_said_is_understood(levels: CommonLevels | SteppedLevels) -> None:
     request = levels.wanted([4.0, 3.0])
-    found = {name: Tested(float(k), k, np.arange(3.0) + k) for k, name in enumerate(levels.names(request))}
+    found = {name: robot.Tested(float(k), k, np.arange(3.0) + k) for k, name in enumerate(levels.names(request))}
     said = levels.message(found)
     heard = levels.read(request, said)
     assert list(heard) == list(found)
