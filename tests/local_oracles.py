@@ -43,20 +43,6 @@ def robots_of(graph: SensingGraph) -> list[list[dict[int, Fraction]]]:
     return robots
 
 
-def optimum(graph: SensingGraph) -> float:
-    """Optimum of the linear program over shares, by HiGHS through scipy."""
-    import scipy.sparse as sp
-    from scipy.optimize import linprog
-
-    n, targets, robots = graph.num_actions, graph.num_targets, graph.num_robots
-    cover = sp.csr_matrix((graph.weights, graph.indices, graph.indptr), shape=(n, targets)).T
-    pack = sp.csr_matrix((np.ones(n), (graph.robot_of_action, np.arange(n))), shape=(robots, n))
-    rows = sp.vstack([sp.hstack([-cover, np.ones((targets, 1))]), sp.hstack([pack, sp.csr_matrix((robots, 1))])]).tocsr()
-    found = linprog(np.r_[np.zeros(n), -1.0], A_ub=rows, b_ub=np.r_[np.zeros(targets), np.ones(robots)], method="highs")
-    assert found.status == 0
-    return float(-found.fun)
-
-
 class ExactLocal:
     """The layered program of height h over a cleaned instance.
 

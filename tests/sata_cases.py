@@ -7,9 +7,13 @@ import math
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from scipy.optimize import linprog
 
+from waybound.formulations.problem import Problem
+from waybound.formulations.sata.max_min_lp import MaxMinLP
 from waybound.formulations.sata.selections import Selection
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 
@@ -41,10 +45,15 @@ class Case:
 
     @property
     def graph(self) -> SensingGraph:
-        rows = np.array([row for robot in self.robots for row in robot], dtype=float)
-        action, target = np.nonzero(rows)
-        owner = np.repeat(np.arange(len(self.robots)), [len(robot) for robot in self.robots])
-        return graph_of_edges(owner, action, target, rows[action, target], robots=len(self.robots), targets=rows.shape[1])
+        return graph_of_rows(*self.robots)
+
+
+def graph_of_rows(*robots: Robot, names: tuple[str, ...] | None = None) -> SensingGraph:
+    """A graph of robots with one row of weights an action."""
+    rows = np.array([row for robot in robots for row in robot], dtype=float)
+    action, target = np.nonzero(rows)
+    owner = np.repeat(np.arange(len(robots)), [len(robot) for robot in robots])
+    return graph_of_edges(owner, action, target, rows[action, target], robots=names or len(robots), targets=rows.shape[1])
 
 
 SQRT_HALF = 0.5**0.5
@@ -126,3 +135,32 @@ def relabelled(graph: SensingGraph, rng: np.random.Generator) -> tuple[SensingGr
         owner, action[graph.action_of_edge], target[graph.indices], graph.weights, robots=graph.num_robots, targets=graph.num_targets
     )
     return made, action
+
+
+def matrices_of(graph: SensingGraph) -> tuple[np.ndarray, np.ndarray]:
+    """The packing matrix of robots x actions and the covering matrix of targets x actions."""
+    packing = np.zeros((graph.num_robots, graph.num_actions))
+    packing[graph.robot_of_action, np.arange(graph.num_actions)] = 1.0
+    return packing, dense_weights(graph).T
+
+
+def best_value(problem: MaxMinLP) -> float:
+    """Optimum of a max-min or min-max program by SciPy's LP solver, with the least or largest row as the last variable."""
+    a, c = problem.packing.scipy.toarray(), problem.covering.scipy.toarray()
+    n, sign = problem.num_variables, -1.0 if problem.sense == "max" else 1.0
+    if problem.sense == "max":
+        left = np.block([[a, np.zeros((len(a), 1))], [-c, np.ones((len(c), 1))]])
+        right = np.repeat([1.0, 0.0], [len(a), len(c)])
+    else:
+        left = np.block([[a, -np.ones((len(a), 1))], [-c, np.zeros((len(c), 1))]])
+        right = np.repeat([0.0, -1.0], [len(a), len(c)])
+    result = linprog(np.append(np.zeros(n), sign), left, right, bounds=[(0, None)] * (n + 1), method="highs")
+    assert result.status == 0
+    return float(sign * result.fun)
+
+
+def value(problem: Problem, answer: Any) -> float:
+    """Value of an answer that must pass the problem's check."""
+    judged = problem.evaluate(answer)
+    assert judged.feasible, judged.violations
+    return judged.values[0]

@@ -141,6 +141,12 @@ def cover_30_sets() -> list[set[int]]:
     return [{(7 * i + j * j * (1 + i % 3)) % 61 for j in range(8)} for i in range(30)]
 
 
+def weight_of_cover_30(sets: list[int]) -> int:
+    """Value of some sets of ``cover_30``, from its definition."""
+    covered = set().union(*(cover_30_sets()[s] for s in sets)) if sets else set()
+    return sum(1 + (e * e) % 5 for e in covered)
+
+
 def cover_30(k: int) -> SubmodularSelection:
     return SubmodularSelection(Coverage.from_sets(cover_30_sets(), [1 + (e * e) % 5 for e in range(61)]), Cardinality(k))
 

@@ -1,7 +1,7 @@
 """Balls in sensing graphs: parts around some targets, cut out at a cost that depends on the part alone.
 
-Two targets are one hop apart if a robot sees both. The ball of a set of targets is the graph of these targets, the actions that see
-some of them, and the robots of those.
+Two targets are one hop apart if a robot sees both. The ball of a set of targets is the graph of these targets, the actions that see some of
+them, and the robots of those.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ NEAR_ONE = 8.0
 
 
 def num_entries(indptr: Indices, rows: Indices) -> int:
-    """How many entries some rows of a CSR matrix have together."""
+    """Number of entries in some rows of a CSR matrix."""
     return int((indptr[rows + 1].astype(np.int64) - indptr[rows]).sum())
 
 
 def robots_seeing(graph: SensingGraph, targets: Indices) -> Positions:
     """Robots with an action that sees one of ``targets``, ascending."""
     sight = graph.by_target
-    found, _ = entries_of(sight.indptr, targets)
-    return np.unique(graph.robot_of_action[sight.indices[found]]).astype(np.int64)
+    edges, _ = entries_of(sight.indptr, targets)
+    return np.unique(graph.robot_of_action[sight.indices[edges]]).astype(np.int64)
 
 
 def actions_of(graph: SensingGraph, robots: Indices) -> Positions:
@@ -53,35 +53,23 @@ def num_edges(graph: SensingGraph, targets: Indices) -> int:
 
 
 def ball_graph(graph: SensingGraph, targets: Indices) -> SensingGraph:
-    """The ball of ``targets`` as a graph of its own, the targets numbered as they stand.
-
-    Parameters
-    ----------
-    graph : SensingGraph
-    targets : integer array
-        Ascending, none twice.
-    """
+    """The ball of ``targets`` (ascending, none twice) as a graph of its own, the targets numbered as they stand."""
     sight = graph.by_target
-    found, counts = entries_of(sight.indptr, targets)
-    actions, of_edge = np.unique(sight.indices[found], return_inverse=True)
+    edges, counts = entries_of(sight.indptr, targets)
+    actions, of_edge = np.unique(sight.indices[edges], return_inverse=True)
     robots, owners = np.unique(graph.robot_of_action[actions], return_inverse=True)
     order = np.argsort(of_edge, kind="stable")  # targets ascend already, so they do within an action
     indptr = np.zeros(len(actions) + 1, dtype=np.int32)
     np.cumsum(np.bincount(of_edge, minlength=len(actions)), out=indptr[1:])
     return SensingGraph(
         owners.astype(np.int32), indptr, np.repeat(np.arange(len(targets), dtype=np.int32), counts)[order],
-        sight.weights[found][order], len(robots), len(targets), name=f"ball of {graph.name}",
+        sight.weights[edges][order], len(robots), len(targets), name=f"ball of {graph.name}",
     )  # fmt: skip
 
 
 def grown(graph: SensingGraph, targets: Indices, most_edges: int) -> Positions | None:
-    """``targets`` and as many hops more as it takes to double the edges of their ball.
-
-    Returns
-    -------
-    array or None
-        Ascending; None if there is nothing to add, or if the ball would have more than ``most_edges``.
-    """
+    """``targets`` and as many hops more as it takes to double the edges of their ball, ascending; None where nothing can be added, or
+    where the ball would have more than ``most_edges``."""
     wanted, ball = 2 * num_edges(graph, targets), targets.astype(np.int64)
     while num_edges(graph, ball) < wanted:
         actions = actions_of(graph, robots_seeing(graph, ball))
@@ -95,16 +83,8 @@ def grown(graph: SensingGraph, targets: Indices, most_edges: int) -> Positions |
 
 
 def weights_bound(graph: SensingGraph, targets: Indices, weights: Floats) -> float:
-    """What weights of some targets prove: the largest weighted sum of coverage that the robots reach, over the sum of the weights.
-
-    Parameters
-    ----------
-    graph : SensingGraph
-    targets : integer array
-        Ascending, none twice.
-    weights : array
-        One each, not negative, not all 0.
-    """
+    """Bound that weights of some targets prove: the largest weighted sum of coverage that the robots reach, over the sum of the weights.
+    The targets ascend, none twice; one weight each, not negative, not all 0."""
     part = graph if len(targets) == graph.num_targets else ball_graph(graph, targets)
     with np.errstate(over="ignore"):
         worth = np.bincount(part.action_of_edge, part.weights * weights[part.indices], minlength=part.num_actions)
@@ -129,7 +109,7 @@ def near_one(graph: SensingGraph) -> tuple[SensingGraph, float]:
 
 
 def even_shares(graph: SensingGraph) -> Floats:
-    """Robots that divide themselves evenly among their actions, as shares of shape (actions,)."""
+    """Shares of shape (actions,) of robots that divide themselves evenly among their actions."""
     actions = np.bincount(graph.robot_of_action, minlength=graph.num_robots)
     return np.asarray(1.0 / actions[graph.robot_of_action])
 

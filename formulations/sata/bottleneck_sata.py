@@ -19,9 +19,8 @@ from ...instances.sata.sensing_graph import SensingGraph
 from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS, refuse_settings
 from ..tolerance import VECTOR
-from .assignments import action_index, actions_from_json, actions_to_json, graph_for
-from .decided import FEATURE, DecidedElements
-from .selections import Selection, judge_elements, selection_of
+from .decided_elements import FEATURE, DecidedElements
+from .selections import Selection, action_index, actions_from_json, actions_to_json, graph_for, indicator, judge_elements, selection_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,7 +29,7 @@ Floats = NDArray[np.float64]
 
 
 class BottleneckSATA(DecidedElements):
-    """maximise the least, over targets, of the summed weights of the chosen actions that see it; at most one action a robot.
+    """Maximise the least, over targets, of the summed weights of the chosen actions that see it; at most one action a robot.
 
     Parameters
     ----------
@@ -68,12 +67,12 @@ class BottleneckSATA(DecidedElements):
 
     @property
     def num_elements(self) -> int:
-        """Elements that are chosen: actions."""
+        """Number of actions, which are the elements that are chosen."""
         return self.graph.num_actions
 
     @functools.cached_property
     def constraint(self) -> PartitionMatroid:
-        """At most one action a robot."""
+        """The constraint that a robot takes at most one action."""
         g = self.graph
         return PartitionMatroid(g.robot_of_action, np.ones(g.num_robots, dtype=np.int32), "robot", g.robot_name)
 
@@ -89,7 +88,7 @@ class BottleneckSATA(DecidedElements):
         return self.graph.action_name(element)
 
     def check_statement(self, statement: Any) -> None:
-        """``{"chosen": action}``, counted from 0; of whole actions only."""
+        """Accept ``{"chosen": action}``, counted from 0, for whole actions only."""
         if self.fractional:
             raise InputError("nothing can be stated of shares of actions", found=printable(str(statement), 80))
         super().check_statement(statement)
@@ -98,8 +97,12 @@ class BottleneckSATA(DecidedElements):
         return len(self.graph.indices)
 
     def facts(self) -> dict[str, Any]:
-        """Those of the sensing graph."""
+        """Facts of the sensing graph."""
         return {"graph": self.graph.facts()}
+
+    def shares_of(self, answer: Any) -> Floats:
+        """An answer as a vector of shares, 1 for each action of a selection; shape (actions,)."""
+        return np.asarray(answer, dtype=np.float64) if self.fractional else indicator(answer, self.graph.num_actions)
 
     def coverage(self, shares: Floats) -> Floats:
         """Summed weight that each target gets, from shares of shape (actions,)."""
@@ -133,7 +136,7 @@ class BottleneckSATA(DecidedElements):
             ),
             judge("one-action", load - 1.0, lambda k: f"the shares of robot {g.robot_name(k)} sum to {load[k]:.9g}, more than 1", VECTOR),
         )  # fmt: skip
-        violations = tuple(v for _, found in judged for v in found)
+        violations = tuple(v for _, faults in judged for v in faults)
         if not violations:
             x = np.maximum(x, 0.0)
             x = x / np.maximum(np.bincount(g.robot_of_action, x, minlength=g.num_robots), 1.0)[g.robot_of_action]
@@ -153,8 +156,8 @@ class BottleneckSATA(DecidedElements):
         shares[chosen] = 1.0
         covered = self.coverage(shares)
         quantities = {"covered_targets": float((covered > 0).sum())}
-        made = Evaluation((float(covered.min()),), (actions, single), (*faults, *doubled), quantities)
-        return self.with_decided(made, chosen)
+        evaluation = Evaluation((float(covered.min()),), (actions, single), (*faults, *doubled), quantities)
+        return self.with_decided(evaluation, chosen)
 
     # -- answers as files and tables ---------------------------------------------------------------------------------
 
@@ -203,11 +206,7 @@ class BottleneckSATA(DecidedElements):
         import pandas as pd
 
         g = self.graph
-        shares = np.zeros(g.num_actions)
-        if self.fractional:
-            shares[:] = answer
-        else:
-            shares[list(answer.elements)] = 1.0
+        shares = self.shares_of(answer)
         used = np.nonzero(shares)[0].tolist()
         return pd.DataFrame(
             {
@@ -231,8 +230,8 @@ class BottleneckSATA(DecidedElements):
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> BottleneckSATA:
     graph = graph_for(instance, problem)
     refuse_settings(problem, settings, ("fractional",))
-    given = settings.get("fractional", problem == "bottleneck-lp")
-    truth = {"true": True, "false": False}.get(str(given).lower())
+    fractional = settings.get("fractional", problem == "bottleneck-lp")
+    truth = {"true": True, "false": False}.get(str(fractional).lower())
     if truth is None or (problem == "bottleneck-lp" and not truth):
-        raise UsageError(f"fractional must be true or false, and bottleneck-lp is fractional; found {given!r}")
+        raise UsageError(f"fractional must be true or false, and bottleneck-lp is fractional; found {fractional!r}")
     return BottleneckSATA(graph, fractional=truth)

@@ -1,4 +1,4 @@
-"""Which sets a constraint allows, with what a check lets pass for the rounding of sums, and what may still join a set."""
+"""The sets that a constraint allows, within what a check lets pass for the rounding of sums, and the elements that may still join a set."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ def spendable(rows: LimitRows) -> Floats:
 
 
 def in_budgets(costs: Floats, budget: float) -> tuple[Floats, float]:
-    """Both times the power of two that brings the budget below 1: no gain per cost overflows for its unit."""
+    """Costs and budget times the power of two that brings the budget below 1, so that no gain per cost overflows for its unit."""
     exponent = int(np.frexp(budget)[1])
     with np.errstate(over="ignore"):
         return np.ldexp(costs, -exponent), float(np.ldexp(budget, -exponent))
 
 
 def allowed(constraint: Constraint, masks: Masks) -> NDArray[np.bool_]:
-    """Which of the sets given by the rows of ``masks`` pass the check, shape (sets,)."""
+    """True for each of the sets given by the rows of ``masks`` that passes the check, shape (sets,)."""
     rows = constraint.rows(masks.shape[1])
     return constraint.allows(masks) if rows is None else np.asarray((rows.totals(masks) <= spendable(rows)).all(axis=1))
 
@@ -49,14 +49,7 @@ def with_each(inside: NDArray[np.bool_], elements: NDArray[np.integer[Any]]) -> 
 
 
 class Openings:
-    """Which elements may still join a set that grows.
-
-    Parameters
-    ----------
-    constraint : Constraint
-    elements : int
-        Of the ground set.
-    """
+    """The elements that may still join a set that grows, out of ``elements`` in all."""
 
     def __init__(self, constraint: Constraint, elements: int) -> None:
         self.inside = np.zeros(elements, dtype=bool)
@@ -80,7 +73,7 @@ class Openings:
         return np.nonzero(fits)[0]
 
     def fits(self, element: int) -> bool:
-        """Whether ``element``, which is outside, may join."""
+        """True if ``element``, which is outside, may join."""
         if self._linear:
             return all(self._coefficient[k] <= self._left[self._row[k]] for k in self._entries(element))
         return all(bool(self._constraint.allows(mask)[0]) for _, mask in with_each(self.inside, np.array([element])))

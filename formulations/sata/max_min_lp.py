@@ -1,4 +1,4 @@
-"""General max-min and min-max linear programs: packing rows against covering rows."""
+"""General max-min and min-max linear programs: packing rows against covering rows; and those that are bottleneck problems of robots."""
 
 from __future__ import annotations
 
@@ -10,14 +10,18 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...instances.errors import InputError, UsageError
+from ...instances.errors import InputError, UnsupportedError, UsageError
 from ...instances.sata.max_min_lp import MaxMinInstance, SparseMatrix
+from ...instances.sata.sensing_graph import SensingGraph
 from ..evaluation import Evaluation, judge
+from ..evidence import Evidence
 from ..problem import PROBLEMS, Problem, refuse_settings
 from ..tolerance import VECTOR
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from .bottleneck_sata import BottleneckSATA
 
 Floats = NDArray[np.float64]
 
@@ -80,7 +84,7 @@ class MaxMinLP(Problem):
 
     @cached_property
     def one_packing_row(self) -> bool:
-        """Whether every variable that covers stands in exactly one packing row, as the actions of robots do."""
+        """True if every variable that covers stands in exactly one packing row, as the actions of robots do."""
         rows = np.bincount(self.packing.indices, minlength=self.num_variables)
         return bool((rows[np.unique(self.covering.indices)] == 1).all())
 
@@ -119,7 +123,7 @@ class MaxMinLP(Problem):
             judge("variables", negative, lambda k: f"variable {self.variable_name(k)} is {x[k]:.9g}, not 0 or more", VECTOR),
             judge(row, excess, lambda k: f"{row} row {k + 1} is broken, by {excess[k]:.9g}", VECTOR),
         )
-        violations = tuple(v for _, found in judged for v in found)
+        violations = tuple(v for _, faults in judged for v in faults)
         priced = value if violations else self._price(np.maximum(x, 0.0))
         return Evaluation((priced,), tuple(check for check, _ in judged), violations, {}, precision=VECTOR)
 
@@ -138,9 +142,9 @@ class MaxMinLP(Problem):
     def _heaviest(self) -> Floats:
         """Largest coefficient of each variable in the rows that limit it; 1 where it stands in none."""
         rows = self.packing if self.sense == "max" else self.covering
-        made = np.zeros(self.num_variables)
-        np.maximum.at(made, rows.indices, rows.data)
-        return np.where(made > 0, made, 1.0)
+        heaviest = np.zeros(self.num_variables)
+        np.maximum.at(heaviest, rows.indices, rows.data)
+        return np.where(heaviest > 0, heaviest, 1.0)
 
     def _vector(self, answer: Any) -> Floats:
         try:
@@ -202,3 +206,75 @@ def _build(instance: Any, problem: str, settings: dict[str, Any]) -> MaxMinLP:
         instance.packing, instance.covering, sense=instance.sense, name=instance.name, variable_names=instance.variable_names,
         notes=instance.notes,
     )  # fmt: skip
+
+
+# -- one packing row a variable ---------------------------------------------------------------------------------------
+
+
+class RobotsOf:
+    """A max-min problem as one of robots and targets, and the way back for its answers and evidence.
+
+    ``scale`` is that of ``as_sensing``, or None where the problem is one of robots as it stands.
+    """
+
+    def __init__(self, problem: BottleneckSATA | MaxMinLP) -> None:
+        self.graph: SensingGraph
+        self.scale: Floats | None = None
+        if isinstance(problem, MaxMinLP):
+            self.graph, self.scale = as_sensing(problem)
+        else:
+            self.graph = problem.graph
+
+    def answer(self, shares: Floats) -> Floats:
+        """The problem's own answer that shares of actions stand for."""
+        return shares if self.scale is None else shares / self.scale
+
+    def evidence(self, evidence: Evidence) -> Evidence:
+        """Evidence ``target-weights`` for the graph, as evidence for the problem."""
+        return evidence if self.scale is None else as_row_prices(self.graph, evidence)
+
+
+def as_sensing(problem: MaxMinLP) -> tuple[SensingGraph, Floats]:
+    """Packing rows as robots, variables as actions, covering rows as targets; of a maximum.
+
+    With ``x'_v = a_v x_v``, where a_v is the coefficient of v in its packing row, rows read ``sum x' <= 1`` and the weight of v for a
+    target is ``c_v / a_v``: values are the same. Returns the graph, with one action a variable in their order, and the scale of shape
+    (variables,) with ``x = x' / scale``, infinite for variables that cover nothing, which makes them 0. Raises UnsupportedError where a
+    variable that covers stands in several packing rows, the sense is ``min``, or a quotient overflows or vanishes.
+
+    Source: Sung (2019), section 3.4.1 and (3.5); docs/formulations/bottleneck.md#one-packing-row-a-variable.
+    """
+    missing = problem.features() & {"min-max", "several-packing-rows"}
+    if missing:
+        raise UnsupportedError("the reduction to robots", missing)
+    a, c = problem.packing, problem.covering
+    n = problem.num_variables
+    covering = np.zeros(n, dtype=bool)
+    covering[c.indices] = True
+    robot, scale = np.zeros(n, dtype=np.int32), np.full(n, np.inf)
+    rows = np.repeat(np.arange(a.rows, dtype=np.int32), np.diff(a.indptr))
+    robot[a.indices] = rows
+    single = covering[a.indices]
+    scale[a.indices[single]] = a.data[single]
+    order = np.argsort(c.indices, kind="stable")  # rows ascend within a column, as they do in the matrix
+    indptr = np.zeros(n + 1, dtype=np.int32)
+    np.cumsum(np.bincount(c.indices, minlength=n), out=indptr[1:])
+    targets = np.repeat(np.arange(c.rows, dtype=np.int32), np.diff(c.indptr))[order]
+    with np.errstate(over="ignore", under="ignore"):
+        weights = (c.data / scale[c.indices])[order]
+    if not (np.isfinite(weights) & (weights > 0)).all():
+        raise UnsupportedError("the reduction to robots", {"coefficients whose quotients no double holds"})
+    return SensingGraph(robot, indptr, targets, weights, a.rows, c.rows, name=problem.name), scale
+
+
+def as_row_prices(graph: SensingGraph, evidence: Evidence) -> Evidence:
+    """Evidence ``target-weights`` for the graph of ``as_sensing`` as evidence ``packing-covering-duals`` for its program.
+
+    Weights y of the targets price the packing rows: a robot is worth its best action's weighted sum.
+    """
+    y = np.zeros(graph.num_targets)
+    y[np.asarray(evidence.data["targets"], dtype=np.int64)] = evidence.data["weights"]
+    worth = np.bincount(graph.action_of_edge, graph.weights * y[graph.indices], minlength=graph.num_actions)
+    z = np.zeros(graph.num_robots)
+    np.maximum.at(z, graph.robot_of_action, worth)
+    return Evidence("packing-covering-duals", evidence.source, evidence.value, {"covering": y.tolist(), "packing": z.tolist()})

@@ -1,4 +1,4 @@
-"""Answers of selection and assignment problems: chosen elements."""
+"""Answers of selection and assignment problems: chosen elements, and actions of robots as JSON."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...instances.errors import UsageError
+from ...instances.errors import InputError, UsageError
 from ...instances.printable import printable
+from ...instances.sata.sensing_graph import SensingGraph
 from ..evaluation import Check, Violation, judge
 from ..references import indices_of
 
@@ -50,13 +51,23 @@ class Selection:
         return len(self.elements)
 
 
-def selection_of(given: Any, names: Callable[[], Mapping[str, int]], thing: str) -> Selection:
-    """``given`` itself, or the selection that a list of indices or names stands for; raises UsageError for anything else."""
-    if isinstance(given, Selection):
-        return given
-    if isinstance(given, str | bytes | Mapping) or not isinstance(given, Iterable):
-        raise UsageError(f"{printable(repr(given), 80)} is no list of {thing}s; Selection.of([0, 3]) chooses the first and the fourth")
-    return Selection(tuple(indices_of(given, names(), thing)))
+def indicator(answer: Selection, size: int) -> NDArray[np.float64]:
+    """1 for each chosen element, else 0; raises InputError where one does not exist."""
+    x = np.zeros(size)
+    elements = np.asarray(answer.elements, dtype=np.int64)
+    if ((elements < 0) | (elements >= size)).any():
+        raise InputError("the start chooses an element that does not exist", expected=f"0 to {size - 1}")
+    x[elements] = 1.0
+    return x
+
+
+def selection_of(answer: Any, names: Callable[[], Mapping[str, int]], thing: str) -> Selection:
+    """``answer`` itself, or the selection that a list of indices or names stands for; raises UsageError for anything else."""
+    if isinstance(answer, Selection):
+        return answer
+    if isinstance(answer, str | bytes | Mapping) or not isinstance(answer, Iterable):
+        raise UsageError(f"{printable(repr(answer), 80)} is no list of {thing}s; Selection.of([0, 3]) chooses the first and the fourth")
+    return Selection(tuple(indices_of(answer, names(), thing)))
 
 
 def judge_elements(
@@ -64,12 +75,53 @@ def judge_elements(
 ) -> tuple[NDArray[np.int64], tuple[Check, list[Violation]]]:
     """The elements that exist, ascending and each once; and the check that all ``count`` of them exist and none is chosen twice."""
     numbers = selection.elements
-    given = np.array([e if 0 <= e < count else -1 for e in numbers], dtype=np.int64)
-    once, first = np.unique(given, return_index=True)
-    twice = np.ones(len(given), dtype=bool)
+    existing = np.array([e if 0 <= e < count else -1 for e in numbers], dtype=np.int64)
+    once, first = np.unique(existing, return_index=True)
+    twice = np.ones(len(existing), dtype=bool)
     twice[first] = False
 
     def fault(k: int) -> str:
-        return f"{thing} number {numbers[k]} does not exist" if given[k] < 0 else f"{thing} {name_of(numbers[k])} is chosen twice"
+        return f"{thing} number {numbers[k]} does not exist" if existing[k] < 0 else f"{thing} {name_of(numbers[k])} is chosen twice"
 
-    return once[once >= 0], judge(check, ((given < 0) | twice).astype(np.float64), fault)
+    return once[once >= 0], judge(check, ((existing < 0) | twice).astype(np.float64), fault)
+
+
+# -- robots and targets -----------------------------------------------------------------------------------------------
+
+
+def graph_for(instance: Any, problem: str) -> SensingGraph:
+    """The instance as a sensing graph of which ``problem`` may be asked; raises UsageError for any other."""
+    if not isinstance(instance, SensingGraph):
+        raise UsageError(f"{instance.name} holds no sensing graph, so it cannot be read as {problem}")
+    if problem not in instance.problems:
+        allowed = ", ".join(instance.problems)
+        raise UsageError(f"{instance.name} ({instance.format}) cannot be read as {problem}; it allows {allowed}")
+    return instance
+
+
+def actions_to_json(graph: SensingGraph, answer: Selection) -> list[dict[str, str]]:
+    """One entry a chosen action, with the file's own names."""
+    return [{"robot": graph.robot_name(int(graph.robot_of_action[a])), "action": graph.action_name(a)} for a in answer.elements]
+
+
+def action_index(graph: SensingGraph) -> dict[str, int]:
+    """Number of each action by its name."""
+    return {name: a for a, name in enumerate(graph.action_labels)}
+
+
+def actions_from_json(graph: SensingGraph, data: Any) -> Selection:
+    """Inverse of ``actions_to_json``; raises InputError for anything else."""
+    if not isinstance(data, Mapping) or data.get("kind") != "assignment" or not isinstance(data.get("actions"), list):
+        raise InputError("not an assignment of actions", expected='an object {"kind": "assignment", "actions": [{"action": ...}, ...]}')
+    index = action_index(graph)
+    chosen = []
+    for number, entry in enumerate(data["actions"], start=1):
+        name = entry.get("action") if isinstance(entry, Mapping) else None
+        if str(name) not in index:
+            raise InputError(f"entry {number} of the actions names no known action", found=str(entry)[:80])
+        action = index[str(name)]
+        robot = graph.robot_name(int(graph.robot_of_action[action]))
+        if "robot" in entry and str(entry["robot"]) != robot:
+            raise InputError(f"action {name} belongs to robot {robot}", found=str(entry["robot"])[:80])
+        chosen.append(action)
+    return Selection(tuple(chosen))

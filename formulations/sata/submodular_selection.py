@@ -14,19 +14,16 @@ from ...instances.instance import digest
 from ...instances.sata.constraints import Cardinality, Constraint, PartitionMatroid
 from ...instances.sata.selection import SelectionInstance
 from ...instances.sata.sensing_graph import SensingGraph
-from ...instances.sata.set_functions import Coverage, FacilityLocation, SetFunction
+from ...instances.sata.set_functions import Coverage, FacilityLocation, Floats, SetFunction
 from ..evaluation import Check, Evaluation, Violation, judge
 from ..problem import PROBLEMS, refuse_settings
 from ..tolerance import EQUAL
-from .assignments import graph_for
-from .decided import FEATURE, DecidedElements
+from .decided_elements import FEATURE, DecidedElements
 from .feasibility import spendable
-from .selections import Selection, judge_elements, selection_of
+from .selections import Selection, graph_for, judge_elements, selection_of
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Floats = NDArray[np.float64]
 
 
 class SubmodularSelection(DecidedElements):
@@ -93,7 +90,7 @@ class SubmodularSelection(DecidedElements):
         return self.digest_decided(digest("selection", *self.function.parts(), *self.constraint.parts()))
 
     def features(self) -> frozenset[str]:
-        """What function and constraint ask of a method, such as ``function:coverage`` and ``constraint:knapsack``."""
+        """Names of the function and the constraint, such as ``function:coverage`` and ``constraint:knapsack``."""
         return frozenset({self.function.feature, self.constraint.feature, *([FEATURE] if self.decided else ())})
 
     @property
@@ -105,7 +102,7 @@ class SubmodularSelection(DecidedElements):
         return 0 if weights is None else len(weights.indices) or int(np.count_nonzero(weights.matrix))
 
     def facts(self) -> dict[str, Any]:
-        """Function and constraint."""
+        """Facts of function and constraint."""
         return {"function": self.function.facts(), "constraint": self.constraint.facts()}
 
     def value(self, elements: ArrayLike) -> float:
@@ -113,11 +110,11 @@ class SubmodularSelection(DecidedElements):
         return self.function.value(np.unique(np.asarray(elements, dtype=np.int64)))
 
     def gains(self, elements: Sequence[int]) -> Floats:
-        """What each element adds to the value of those before it, shape (elements,)."""
+        """Gain of each element over those before it, shape (elements,)."""
         return self.function.gains(elements)
 
     def answer_at_hand(self) -> Selection:
-        """No element."""
+        """The empty set."""
         return Selection.of([])
 
     def evaluate(self, answer: Any) -> Evaluation:
@@ -129,8 +126,8 @@ class SubmodularSelection(DecidedElements):
         chosen, (elements, faults) = judge_elements(answer, self.num_elements, "elements", "element", self.element_name)
         rule, broken = self._judge_constraint(chosen)
         quantities = {"elements": float(len(chosen))}
-        made = Evaluation((self.value(chosen),), (elements, rule), (*faults, *broken), quantities)
-        return self.with_decided(made, chosen)
+        evaluation = Evaluation((self.value(chosen),), (elements, rule), (*faults, *broken), quantities)
+        return self.with_decided(evaluation, chosen)
 
     def _constraint_name(self) -> str:
         return self.constraint.name
@@ -171,8 +168,11 @@ class SubmodularSelection(DecidedElements):
 
 
 def from_sensing(graph: SensingGraph, settings: dict[str, Any]) -> SubmodularSelection:
-    """Actions as elements. Settings: ``function`` (``facility-location`` or ``coverage`` of targets), ``constraint`` (``partition``:
-    one action a robot, or ``cardinality`` with ``k``)."""
+    """The selection of actions of a sensing graph.
+
+    Settings: ``function`` (``facility-location`` or ``coverage`` of targets), ``constraint`` (``partition``: one action a robot, or
+    ``cardinality`` with ``k``).
+    """
     refuse_settings("selection", settings, ("function", "constraint", "k"))
     function, constraint, k = settings.get("function", "facility-location"), settings.get("constraint"), settings.get("k")
     if function not in ("facility-location", "coverage"):

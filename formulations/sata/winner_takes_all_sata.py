@@ -17,8 +17,7 @@ from ...instances.sata.sensing_graph import SensingGraph
 from ...instances.sata.set_functions import FacilityLocation
 from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS, refuse_settings
-from .assignments import actions_from_json, actions_to_json, graph_for
-from .selections import Selection
+from .selections import Selection, actions_from_json, actions_to_json, graph_for
 from .submodular_selection import SubmodularSelection
 
 if TYPE_CHECKING:
@@ -55,7 +54,7 @@ class WinnerTakesAllSATA(SubmodularSelection):
         return len(self.graph.indices)
 
     def facts(self) -> dict[str, Any]:
-        """Those of the sensing graph."""
+        """Facts of the sensing graph."""
         return {"graph": self.graph.facts()}
 
     def to_instance(self) -> SensingGraph:
@@ -91,12 +90,12 @@ class WinnerTakesAllSATA(SubmodularSelection):
             seen = int((self.winners(answer.elements)[0] >= 0).sum())
             return Evaluation(judged.values, judged.checks, judged.violations, {**judged.quantities, "targets": float(seen)})
         g = self.graph
-        given = np.asarray(answer.winners, dtype=np.int64)
-        if given.shape != (g.num_targets,):
-            raise UsageError(f"winners must have one entry a target ({g.num_targets}), not {len(given)}")
-        unknown = ((given < -1) | (given >= g.num_robots)).astype(np.float64)
+        winners = np.asarray(answer.winners, dtype=np.int64)
+        if winners.shape != (g.num_targets,):
+            raise UsageError(f"winners must have one entry a target ({g.num_targets}), not {len(winners)}")
+        unknown = ((winners < -1) | (winners >= g.num_robots)).astype(np.float64)
         credit, faults = judge(
-            "credit", unknown, lambda k: f"target {g.target_name(k)} credits robot number {given[k]}, which does not exist"
+            "credit", unknown, lambda k: f"target {g.target_name(k)} credits robot number {winners[k]}, which does not exist"
         )  # fmt: skip
         weight = self.credited(answer)
         return Evaluation(

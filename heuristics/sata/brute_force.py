@@ -20,9 +20,8 @@ from ...formulations.tolerance import room
 from ...instances.errors import UsageError
 from ...solvers.bounds.sata.growing_sets import WeightedSet
 from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
-from .greedy_steps.ending import concluded
-from .greedy_steps.guarantees import assumptions
 from .greedy_steps.limits import ANY_CONSTRAINT, ANY_FUNCTION, Limits, not_whole
+from .greedy_steps.outcomes import assumptions, concluded, sentences
 
 MOST_ANSWERS = 10_000_000
 """Answers that are enumerated at most."""
@@ -42,22 +41,9 @@ Floats = NDArray[np.float64]
 def brute_force(problem: SubmodularSelection | BottleneckSATA, context: Context) -> Outcome:
     """Enumerate all answers, but for branches that a bound shows to be no better, and keep the first of the best.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection or BottleneckSATA
-        With at most 10,000,000 answers, or 1,000,000 sets of a user's function: full sets where the function is monotone, all else.
-    context : Context
-
-    Returns
-    -------
-    Outcome
-        Optimal. The statistics hold the number of answers there are, and of those looked at. Evidence that others can check (marginal
-        gains) is given where there is any; it need not meet the value.
-
-    Raises
-    ------
-    UsageError
-        If there are too many answers.
+    At most 10,000,000 answers, or 1,000,000 sets of a user's function (full sets where it is monotone); more raise UsageError. The
+    statistics hold the number of answers that there are, and of those looked at. Evidence that others can check (marginal gains) need not
+    meet the value.
     """
     stop = context.begin()
     if isinstance(problem, BottleneckSATA):
@@ -78,28 +64,28 @@ def brute_force(problem: SubmodularSelection | BottleneckSATA, context: Context)
     _refuse_memory(len(slot_group), weights.num_items)
     rest = _rest(single, slots)
     tail = np.append(np.cumsum(single[members][::-1])[::-1], 0.0)
-    _, found, looked, whole = best_set(
+    _, best, looked, whole = best_set(
         stop.flag, slot_group, starts, members, _up(rest), costs, budget, _up(tail), limits is None, weights.num_items, *weights.arrays
     )
     statistics = {"answers": total, "enumerated": int(looked)}
     holds, _ = assumptions(problem)
-    picks = found.tolist() if limits is None else _filled(found.tolist(), limits)
+    picks = best.tolist() if limits is None else _filled(best.tolist(), limits)
     guarantee, message = (_optimal(total, holds), "") if whole else (None, _cut(looked, "sets"))
     return concluded(problem, stop, picks, holds, guarantee, statistics, message, whole=bool(whole), in_order=False)
 
 
 def _filled(picks: list[int], limits: Limits) -> list[int]:
-    """With what adds nothing, so that every group is full (every robot acts)."""
-    left, inside = limits.without(picks), set(picks)
+    """The picks with elements that add nothing, so that every group is full (every robot acts)."""
+    room, inside = limits.without(picks), set(picks)
     starts, members = limits.members()
-    for g in np.nonzero(left)[0].tolist():
+    for g in np.nonzero(room)[0].tolist():
         spare = [e for e in members[starts[g] : starts[g + 1]].tolist() if e not in inside]
-        picks = [*picks, *spare[: int(left[g])]]
+        picks = [*picks, *spare[: int(room[g])]]
     return picks
 
 
 def _rest(single: Floats, limits: Limits) -> Floats:
-    """What the slots from each on can add at most: the largest values of single elements, as many a group as there are slots."""
+    """Upper bound on what the slots from each on can add: the largest values of single elements, as many a group as there are slots."""
     starts, members = limits.members()
     rest, at = np.zeros(limits.most + 1), limits.most
     for g in range(len(limits.room) - 1, -1, -1):
@@ -164,7 +150,8 @@ def _bottleneck(problem: BottleneckSATA, stop: Stop) -> Outcome:
 
 
 def _valued(problem: SubmodularSelection, limits: Limits | None, stop: Stop) -> Outcome:
-    """By the values of sets: all that the constraint allows, or where it limits groups and the function is monotone the full ones."""
+    """Brute force by the values of sets: all that the constraint allows, or where it limits groups and the function is monotone the full
+    ones."""
     f, n = problem.function, problem.num_elements
     if limits is None:
         total = 2**n
@@ -188,10 +175,10 @@ def _valued(problem: SubmodularSelection, limits: Limits | None, stop: Stop) -> 
             fits = allowed(problem.constraint, masks)
             masks, some = masks[fits], list(itertools.compress(some, fits))
         if some:
-            found = f.values(masks)
+            values = f.values(masks)
             looked += len(some)
-            if found.max() > best:
-                best, picks = float(found.max()), some[int(np.argmax(found))]
+            if values.max() > best:
+                best, picks = float(values.max()), some[int(np.argmax(values))]
         if stop.reached():
             whole = next(sets, None) is None
             break
@@ -199,7 +186,7 @@ def _valued(problem: SubmodularSelection, limits: Limits | None, stop: Stop) -> 
     assumed = ("monotone as declared by the user: only full sets are tried",) if f.monotone and limits is not None else ()
     guarantee = _optimal(total, assumed) if whole else None
     outcome = concluded(problem, stop, picks, holds, None, {"answers": total, "enumerated": looked}, message, whole=whole, in_order=False)
-    said = "" if whole else "; ".join(m for m in (outcome.message, _cut(looked, "sets")) if m)
+    said = "" if whole else sentences(outcome.message, _cut(looked, "sets"))
     return Outcome(outcome.answer, guarantee, outcome.evidence, outcome.statistics, said, outcome.limit)
 
 

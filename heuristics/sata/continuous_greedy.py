@@ -13,9 +13,8 @@ from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...instances.sata.set_functions import AT_ENTRY, AT_ITEM, IN_MATRIX, ItemWeights
 from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
-from .greedy_steps.ending import concluded
-from .greedy_steps.guarantees import assumptions, rounded_down
 from .greedy_steps.limits import FUNCTIONS, GROUPED, Limits
+from .greedy_steps.outcomes import assumptions, concluded, rounded_down
 
 SOURCE = (
     "Calinescu, Chekuri, Pál and Vondrák (2011), Maximizing a monotone submodular function subject to a matroid constraint; steps as in "
@@ -32,43 +31,20 @@ MOST_ENTRIES = 50_000_000
 
 
 def continuous_greedy(problem: SubmodularSelection, context: Context, *, steps: int = 100) -> Outcome:
-    """Raise the probabilities of the elements along the best bases, in ``steps`` equal steps, and round them by pipage.
+    """Raise the probabilities of the elements along the best bases, in ``steps`` equal steps (1 to 1,000,000), and round them by pipage.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection
-        Coverage or facility location, whose expected value under independent draws, F, has a closed form.
-    context : Context
-    steps : int, 1 to 1,000,000
-        T; more steps cost proportionally more.
-
-    Returns
-    -------
-    Outcome
-        With the guarantee ``f(S) >= (1 - (1 + 1/T)^-T) f(OPT)``: 1/2 for T = 1, 0.6302 for T = 100, in the limit 1 - 1/e = 0.6321.
-        It is deterministic: nothing is sampled. Without one where the time was up before the last step.
-
-    Raises
-    ------
-    UsageError
-        For steps out of range, or a matrix too large.
-
-    Notes
-    -----
-    One step picks a base e_1, ..., e_r, each element the one of largest slope at the point reached so far, and moves there by 1/T along
-    it. F is linear along one element, so the step gains (1/T) sum_i dF/dx(e_i) exactly. An optimal base o_1, ..., o_r can be ordered so
-    that o_i was open when e_i was picked, and slopes never rise, so that this is at least (1/T) sum_i dF/dx(o_i) at the new point x',
-    which is at least (1/T) (f(OPT) - F(x')). Hence f(OPT) - F falls by the factor 1 / (1 + 1/T) a step. Pipage moves probability between
-    two elements of a group, a direction in which F is convex, to the side that does not lower it.
+    For coverage and facility location, whose expected value under independent draws has a closed form, so that nothing is sampled.
+    Guaranteed ``f(S) >= (1 - (1 + 1/T)^-T) f(OPT)`` for T steps: 1/2 for T = 1, 0.6302 for T = 100, in the limit 1 - 1/e = 0.6321; without
+    a guarantee where the time was up before the last step. Proved in docs/selection.md#what-is-proved-for-the-continuous-greedy.
     """
     if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or not 1 <= steps <= MOST_STEPS:
         raise UsageError(f"steps must be a whole number from 1 to {MOST_STEPS:,}, not {steps!r}")
     from .greedy_steps import multilinear_kernels as multilinear
 
     stop = context.begin()
-    limits, found = Limits.of(problem), problem.function.as_item_weights()
-    assert found is not None
-    weights = _sparse(found)
+    limits, given_weights = Limits.of(problem), problem.function.as_item_weights()
+    assert given_weights is not None
+    weights = _sparse(given_weights)
     if weights.layout == AT_ITEM:
         state, position = np.ones(weights.num_items), np.zeros(0, np.int64)
         by_item = np.zeros(1, np.int64), np.zeros(0, np.int32), np.zeros(0)
@@ -113,9 +89,9 @@ def _by_item(
     while first < items and not stop.reached():
         last = max(first + 1, int(np.searchsorted(starts, starts[first] + SORTED, side="right")) - 1)
         some = slice(int(starts[first]), int(starts[last]))
-        given = weights.weights[entries[some]]
-        order = np.lexsort((-given, np.repeat(np.arange(last - first), np.diff(starts[first : last + 1]))))
-        elements[some], sorted_weights[some] = elements[some][order], given[order]
+        values = weights.weights[entries[some]]
+        order = np.lexsort((-values, np.repeat(np.arange(last - first), np.diff(starts[first : last + 1]))))
+        elements[some], sorted_weights[some] = elements[some][order], values[order]
         position[entries[some][order]] = np.arange(some.start, some.stop)
         first = last
     return position, (starts, elements, sorted_weights)
@@ -124,7 +100,7 @@ def _by_item(
 def _of_counts(
     problem: SubmodularSelection, stop: Stop, limits: Limits, count: NDArray[np.int64], evaluations: int, done: int, steps: int
 ) -> Outcome:
-    """The elements of largest probability, where the time was up before the last step or trade."""
+    """The outcome where the time was up before the last step or trade: the elements of largest probability."""
     picks = limits.first(np.lexsort((np.arange(len(count)), -count))).tolist()
     statistics = {"steps": done, "evaluations": evaluations}
     message = f"{CUT_SHORT} after {done} of {steps} steps; the largest probabilities were taken"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 
 import numpy as np
@@ -16,17 +17,15 @@ from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...formulations.stop import Stop
 from ...formulations.tolerance import room
 from ...instances.errors import UsageError
-from ...instances.sata.set_functions import ItemWeights, SetFunction
+from ...instances.sata.set_functions import Floats, ItemWeights
 from ...solvers.bounds.sata.growing_sets import GrowingSet, ValuedSet, WeightedSet
 from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
-from .greedy_steps.ending import concluded
-from .greedy_steps.guarantees import assumptions, rounded_down
 from .greedy_steps.limits import ANY_FUNCTION
+from .greedy_steps.outcomes import assumptions, concluded, rounded_down, sentences
 
 WORK, USER_WORK = 300_000_000, 300_000
 """Entries of the data, or sets of a user's function, up to which ``enumerate`` is deepened by itself: about a second."""
 
-Floats = NDArray[np.float64]
 
 LEAST_COST = 1e-250
 """In parts of the budget: for smaller ones gains per cost may overflow, and nothing is guaranteed."""
@@ -44,32 +43,13 @@ PROVED[1] = PROVED[0]
 
 
 def knapsack_greedy(problem: SubmodularSelection, context: Context, *, enumerate: int | None = None) -> Outcome:  # noqa: A002
-    """Fill the knapsack by gain per cost, from every starting set of up to ``enumerate`` elements; the best filling wins.
+    """Fill the knapsack by gain per cost, from every starting set of up to ``enumerate`` elements (0 to 3); the best filling wins.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection with a knapsack constraint
-    context : Context
-        Its time limit is kept between starts: the guarantee is then that of the sizes that were finished.
-    enumerate : int, 0 to 3, optional
-        Largest size of the starting sets. By default as large as takes about a second (3 up to some hundred elements).
-
-    Returns
-    -------
-    Outcome
-        Guaranteed 1 - 1/e with 3 (Sviridenko 2004) and with 2 (Kulik, Schwartz and Shachnai 2021), (1 - 1/e) / 2 with 1 and with 0,
-        where the best single element is the second candidate. Sharper analyses of 0 (0.405, Tang et al. 2021) are not drawn on; nor is
-        the 0.6174 of Feldman, Nutov and Shoham (2023) for one element, which is proved for a variant.
-
-    Raises
-    ------
-    UsageError
-        If ``enumerate`` is out of range.
-
-    Notes
-    -----
-    Elements without cost are taken at once; those that do not fit are passed over. Ties go to the smallest index. There are
-    O(n^enumerate) starts, each of O(n) evaluations at most, lazily far fewer.
+    By default the starting sets are as large as takes about a second (3 up to some hundred elements). ``PROVED`` holds what is guaranteed
+    by their size; after the time limit, by that of the sizes that were finished. With 0 the best single element is the second candidate.
+    Sharper analyses of 0 (0.405, Tang et al. 2021) are not drawn on; nor is the 0.6174 of Feldman, Nutov and Shoham (2023) for one element,
+    which is proved for a variant. Elements without cost are taken at once; those that do not fit are passed over. Ties go to the smallest
+    index.
     """
     if enumerate is not None and (isinstance(enumerate, bool) or not isinstance(enumerate, int | np.integer) or not 0 <= enumerate <= 3):
         raise UsageError(f"enumerate must be 0, 1, 2 or 3, not {enumerate!r}")
@@ -82,8 +62,8 @@ def knapsack_greedy(problem: SubmodularSelection, context: Context, *, enumerate
     stop = context.begin()
     free = np.nonzero(c.costs == 0)[0].tolist()
     filling = (
-        _ValuedFilling(problem.function, free, costs, budget, stop) if weights is None
-        else _WeightedFilling(weights, free, costs, budget, stop)
+        _ValuedFilling(ValuedSet(problem.function), free, costs, budget, stop) if weights is None
+        else _WeightedFilling(WeightedSet(weights), free, costs, budget, stop)
     )  # fmt: skip
     best, picks = filling.after(np.zeros(0, np.int64), -1, 0, -1.0)
     if len(usable):
@@ -91,10 +71,10 @@ def knapsack_greedy(problem: SubmodularSelection, context: Context, *, enumerate
     starts, finished, begun_whole = 1, 0, not stop.reached()
     for size in range(1, depth + 1):
         for begun, lo, hi in _starts(usable, size, len(c.costs)):
-            value, found = filling.after(begun, lo, hi, best)
+            value, filled = filling.after(begun, lo, hi, best)
             starts += int(np.searchsorted(usable, hi) - np.searchsorted(usable, lo))
-            if len(found):
-                best, picks = value, found
+            if len(filled):
+                best, picks = value, filled
                 context.publish(Selection((*free, *picks), in_order=True))
             if stop.reached():
                 break
@@ -104,9 +84,9 @@ def knapsack_greedy(problem: SubmodularSelection, context: Context, *, enumerate
         break
     holds, message = assumptions(problem)
     if not begun_whole:
-        message = "; ".join(m for m in (message, f"ended before the first filling: {CUT_SHORT}") if m)
+        message = sentences(message, f"ended before the first filling: {CUT_SHORT}")
     elif finished < depth:
-        message = "; ".join(m for m in (message, f"the time was up among the starting sets of {finished + 1} elements") if m)
+        message = sentences(message, f"the time was up among the starting sets of {finished + 1} elements")
     guarantee: Guarantee | None = None
     if holds and begun_whole and (not len(usable) or costs[usable].min() > LEAST_COST):
         share, words, source = PROVED[finished]
@@ -132,46 +112,41 @@ def _starts(usable: NDArray[np.int64], size: int, n: int) -> Iterator[tuple[NDAr
             yield np.array(begun, np.int64), begun[-1] + 1, n
 
 
-def _single(chosen: GrowingSet, usable: NDArray[np.int64], stop: Stop, most: float, picks: list[int]) -> tuple[float, list[int]]:
-    element, gain = chosen.best_of(usable, stop)
-    return (chosen.value + gain, [element]) if element >= 0 and chosen.value + gain > most else (most, picks)
+class _Filling(ABC):
+    """Fillings of a knapsack beside the elements ``free``."""
 
-
-class _WeightedFilling:
-    """Fillings of a knapsack beside the elements ``free``, for functions given by the weights of items."""
-
-    def __init__(self, weights: ItemWeights, free: list[int], costs: Floats, budget: float, stop: Stop) -> None:
-        self.costs, self.budget, self.stop = costs, budget, stop
-        self.begun = WeightedSet(weights)
-        self.begun.add(free)
+    def __init__(self, begun: GrowingSet, free: list[int], costs: Floats, budget: float, stop: Stop) -> None:
+        self.free, self.costs, self.budget, self.stop = free, costs, budget, stop
+        if free:
+            begun.add(free)
+        self.begun = begun
 
     def single(self, usable: NDArray[np.int64], most: float, picks: list[int]) -> tuple[float, list[int]]:
         """The best single element, if it is worth more than ``most``, the value of ``picks``."""
-        return _single(self.begun, usable, self.stop, most, picks)
+        element, gain = self.begun.best_of(usable, self.stop)
+        return (self.begun.value + gain, [element]) if element >= 0 and self.begun.value + gain > most else (most, picks)
+
+    @abstractmethod
+    def after(self, begun: NDArray[np.int64], lo: int, hi: int, most: float) -> tuple[float, list[int]]:
+        """The best filling that starts with ``begun`` and an element from ``lo`` to ``hi``; see ``fill_after``."""
+
+
+class _WeightedFilling(_Filling):
+    """Fillings for functions given by the weights of items."""
+
+    begun: WeightedSet
 
     def after(self, begun: NDArray[np.int64], lo: int, hi: int, most: float) -> tuple[float, list[int]]:
-        """See ``fill_after``."""
         from .greedy_steps.filling_kernels import fill_after
 
         value, picks = fill_after(self.stop.flag, begun, lo, hi, most, self.begun.best, self.costs, self.budget, *self.begun.arrays)
         return float(value), picks.tolist()
 
 
-class _ValuedFilling:
-    """The same for a function known by its values, all gains of a round in one call."""
+class _ValuedFilling(_Filling):
+    """Fillings for a function known by its values, all gains of a round in one call."""
 
-    def __init__(self, function: SetFunction, free: list[int], costs: Floats, budget: float, stop: Stop) -> None:
-        self.function, self.free = function, free
-        self.costs, self.budget, self.stop = costs, budget, stop
-
-    def _begin(self, picks: list[int]) -> ValuedSet:
-        chosen = ValuedSet(self.function)
-        if self.free or picks:
-            chosen.add([*self.free, *picks])
-        return chosen
-
-    def single(self, usable: NDArray[np.int64], most: float, picks: list[int]) -> tuple[float, list[int]]:
-        return _single(self._begin([]), usable, self.stop, most, picks)
+    begun: ValuedSet
 
     def after(self, begun: NDArray[np.int64], lo: int, hi: int, most: float) -> tuple[float, list[int]]:
         winner: list[int] = []
@@ -179,18 +154,20 @@ class _ValuedFilling:
             if self.stop.reached():
                 break
             picks = [*begun.tolist(), *([e] if e >= 0 else [])]
-            left = self.budget - math.fsum(self.costs[picks])
-            if left < 0 or (e >= 0 and self.costs[e] == 0):
+            budget = self.budget - math.fsum(self.costs[picks])
+            if budget < 0 or (e >= 0 and self.costs[e] == 0):
                 continue
-            chosen = self._begin(picks)
-            while len(able := np.nonzero((self.costs > 0) & (self.costs <= left) & ~chosen.inside)[0]):
+            chosen = ValuedSet(self.begun.function)
+            if self.free or picks:
+                chosen.add([*self.free, *picks])
+            while len(able := np.nonzero((self.costs > 0) & (self.costs <= budget) & ~chosen.inside)[0]):
                 gains = chosen.gains(able, self.stop)
                 at = int(np.argmax(gains / self.costs[able]))
                 if not gains[at] > 0:
                     break
                 chosen.take(int(able[at]), float(gains[at]))
                 picks.append(int(able[at]))
-                left -= float(self.costs[able[at]])
+                budget -= float(self.costs[able[at]])
             if chosen.value > most:
                 most, winner = chosen.value, picks
         return most, winner

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,19 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.evidence import Evidence, Guarantee
-from ...formulations.sata.balls import even_shares
+from ...formulations.sata.balls import Floats, even_shares
 from ...formulations.sata.bottleneck_sata import BottleneckSATA
-from ...formulations.sata.max_min_lp import MaxMinLP
+from ...formulations.sata.max_min_lp import MaxMinLP, RobotsOf
 from ...formulations.sata.selections import Selection
 from ...formulations.stop import Stop, Stopped
 from ...instances.errors import UsageError
 from ...instances.sata.sensing_graph import SensingGraph
-from ...solvers.engines.sata.local_max_min.arrays import MOST_LAYERS, check_options, local_shares
 from ...solvers.engines.sata.local_max_min.cleaning import CleanGraph, clean
+from ...solvers.engines.sata.local_max_min.shares import MOST_LAYERS, check_options, local_shares
 from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
 from .rounding import check_ties, largest_shares
-
-Floats = NDArray[np.float64]
 
 SOURCE = (
     "Floréen, Hassinen, Kaasinen, Kaski, Musto and Suomela (2011), Theory of Computing Systems 49, 672-697; "
@@ -46,49 +44,15 @@ def local(
     ball: bool = True,
     messages: bool = False,
 ) -> Outcome:
-    """The local algorithm for max-min linear programs.
+    """The local algorithm for max-min linear programs, of robots or with one packing row a variable; its options:
+    docs/local_algorithm.md#options.
 
-    Parameters
-    ----------
-    problem : BottleneckSATA or MaxMinLP
-        Whole actions are the largest shares, without a guarantee. A ``MaxMinLP`` must have one packing row a variable.
-    context : Context
-        Its LP solver is used for the bound alone, its generator for random ties.
-    h : int
-        Layers, from 1 to 1000: shares depend on what lies within 3h - 2 hops. The guarantee improves with h, measured values need not.
-    heights : int, list of int, or text such as "1,3,5", optional
-        Run several h and keep the best answer; a number H stands for 1 to H. Replaces ``h``.
-    eps : float
-        Relative precision of the search ``secant``, from 1e-6 to 1.
-    search : str
-        ``secant``, or ``step`` as in the thesis' table.
-    step : float, in units of weights
-        Of the search ``step``.
-    smoothing : str
-        ``layers`` or ``ball`` (less memory).
-    normalise : bool
-        Let every robot use itself up.
-    ties : str
-        Which of a robot's largest shares becomes whole: ``last``, ``first`` or ``random``.
-    ball : bool
-        Bound the optimum by a linear program over the surroundings of the worst-covered targets.
-    messages : bool
-        Let robots send messages, and count rounds and bytes: slow, for graphs of up to some thousand robots.
+    Shares depend on what lies within 3h - 2 hops, and are guaranteed ``OPT / value <= Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T)``, which
+    improves with h, as measured values need not; the additive search has the eps that its step amounts to. Whole actions are the largest
+    shares, without a guarantee. The context's LP solver is used for the bound alone, its generator for random ties.
 
-    Returns
-    -------
-    Outcome
-
-    Raises
-    ------
-    UsageError
-        If an option is out of range.
-
-    Notes
-    -----
     Source: Floréen et al. (2011); Sung (2019), 3.4.1, Algorithm 2 and Theorem 1; proved in
-    docs/formulations/bottleneck.md#the-local-algorithm. The guarantee is one of shares, for
-    ``OPT / value <= Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T)``; the additive search has the eps that its step amounts to.
+    docs/formulations/bottleneck.md#the-local-algorithm.
     """
     layers = _heights(h, heights)
     for height in layers:
@@ -126,18 +90,18 @@ def local(
 
 @dataclass(frozen=True)
 class _Task:
-    """The problem as one of robots.
+    """The problem as one of robots."""
 
-    ``answer`` makes the problem's own answer of shares and whole actions; ``translate`` its own evidence of evidence for the graph.
-    """
-
+    robots: RobotsOf
     problem: BottleneckSATA
     graph: SensingGraph
     cleaned: CleanGraph
     whole: bool
     unseen: NDArray[np.int32]
-    answer: Callable[[Floats, NDArray[np.int32]], Any]
-    translate: Callable[[Evidence], Evidence]
+
+    def answer(self, shares: Floats, actions: NDArray[np.int32]) -> Any:
+        """The problem's own answer, from shares or from whole actions."""
+        return Selection(tuple(actions.tolist())) if self.whole else self.robots.answer(shares)
 
 
 @dataclass(frozen=True)
@@ -160,36 +124,23 @@ class _Run:
 def _heights(h: Any, heights: Any) -> list[int]:
     if heights is None:
         return [h]
-    given: Any = heights
-    if isinstance(given, str):
-        given = [part.strip() for part in given.split(",")]
-        given = [int(part) if part.isascii() and part.isdigit() else part for part in given]
-    elif isinstance(given, int | np.integer) and not isinstance(given, bool):
-        given = list(range(1, int(given) + 1)) if 1 <= given <= MOST_LAYERS else []
-    valid = isinstance(given, Sequence | np.ndarray) and len(given) > 0
-    if not valid or not all(isinstance(k, int | np.integer) and not isinstance(k, bool) and 1 <= k <= MOST_LAYERS for k in given):
+    numbers: Any = heights
+    if isinstance(numbers, str):
+        numbers = [part.strip() for part in numbers.split(",")]
+        numbers = [int(part) if part.isascii() and part.isdigit() else part for part in numbers]
+    elif isinstance(numbers, int | np.integer) and not isinstance(numbers, bool):
+        numbers = list(range(1, int(numbers) + 1)) if 1 <= numbers <= MOST_LAYERS else []
+    valid = isinstance(numbers, Sequence | np.ndarray) and len(numbers) > 0
+    if not valid or not all(isinstance(k, int | np.integer) and not isinstance(k, bool) and 1 <= k <= MOST_LAYERS for k in numbers):
         raise UsageError(f"heights must be a whole number from 1 to {MOST_LAYERS}, or a list of such, not {heights!r}")
-    return sorted({int(k) for k in given})
+    return sorted({int(k) for k in numbers})
 
 
 def _task(problem: BottleneckSATA | MaxMinLP) -> _Task:
-    if isinstance(problem, BottleneckSATA):
-        graph, scale, asked = problem.graph, None, problem
-    else:
-        from ...formulations.sata.single_packing import as_row_prices, as_sensing
-
-        graph, scale = as_sensing(problem)
-        asked = BottleneckSATA(graph, fractional=True)
-
-    def answer(shares: Floats, actions: NDArray[np.int32]) -> Any:
-        if not asked.fractional:
-            return Selection(tuple(actions.tolist()))
-        return shares if scale is None else shares / scale
-
-    def translate(evidence: Evidence) -> Evidence:
-        return evidence if scale is None else as_row_prices(graph, evidence)
-
-    return _Task(asked, graph, clean(graph), not asked.fractional, graph.unseen_targets, answer, translate)
+    robots = RobotsOf(problem)
+    graph = robots.graph
+    asked = problem if isinstance(problem, BottleneckSATA) else BottleneckSATA(graph, fractional=True)
+    return _Task(robots, asked, graph, clean(graph), not asked.fractional, graph.unseen_targets)
 
 
 def _run(task: _Task, h: int, messages: bool, options: dict[str, Any], ties: str, rng: np.random.Generator, stop: Stop) -> _Run:
@@ -201,8 +152,8 @@ def _run(task: _Task, h: int, messages: bool, options: dict[str, Any], ties: str
         shares, relative = talk.shares, talk.relative_eps
         counts = {"rounds": talk.rounds, "messages": talk.messages, "bytes": talk.bytes, "largest_message_bytes": talk.most_bytes}
     else:
-        found = local_shares(task.cleaned, h, stop=stop, **options)
-        shares, relative = found.shares, found.relative_eps
+        result = local_shares(task.cleaned, h, stop=stop, **options)
+        shares, relative = result.shares, result.relative_eps
     return _judged(task, h, shares, relative, counts, ties, rng)
 
 
@@ -266,8 +217,8 @@ def _bound(task: _Task, coverage: Floats, context: Context, stop: Stop) -> tuple
         return ()
     from ...solvers.bounds.sata.ball import ball_evidence
 
-    found = ball_evidence(task.problem, coverage, stop, context.linear)
-    return () if found is None else (task.translate(found),)
+    evidence = ball_evidence(task.graph, coverage, stop, context.linear)
+    return () if evidence is None else (task.robots.evidence(evidence),)
 
 
 def _statistics(task: _Task, best: _Run, runs: list[_Run]) -> dict[str, Any]:

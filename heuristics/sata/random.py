@@ -12,22 +12,11 @@ from .greedy_steps.limits import ANY_CONSTRAINT, ANY_FUNCTION, Limits, first_all
 
 
 def random(problem: SubmodularSelection | BottleneckSATA, context: Context) -> Outcome:
-    """A random maximal answer.
+    """A random maximal answer, without a guarantee.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection or BottleneckSATA
-    context : Context
-        Its generator draws.
+    Robots: each takes one of its actions, all alike. Cardinality limit and partition matroid: all full sets are alike. Others: the elements
+    come in a random order, and each is taken that is still allowed.
 
-    Returns
-    -------
-    Outcome
-        Robots: each takes one of its actions, all alike. Cardinality limit and partition matroid: all full sets are alike. Others:
-        the elements come in a random order, and each is taken that is still allowed. No guarantee.
-
-    Notes
-    -----
     Source: the baseline of Sung (2019), 3.5.1.
     """
     picks = np.array(first_allowed(problem, context.rng.permutation(problem.num_elements)), dtype=np.int64)

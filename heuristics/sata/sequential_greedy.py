@@ -14,9 +14,8 @@ from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...solvers.bounds.sata.growing_sets import empty_set
 from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
-from .greedy_steps.ending import concluded
-from .greedy_steps.guarantees import FNW, assumptions
 from .greedy_steps.limits import ANY_FUNCTION, Limits
+from .greedy_steps.outcomes import FNW, assumptions, concluded, sentences
 
 SOURCE = f"{FNW}; for winner takes all Sung (2019), Multi-Robot Coordination for Hazardous Environmental Monitoring, theorem 2"
 
@@ -24,30 +23,13 @@ SOURCE = f"{FNW}; for winner takes all Sung (2019), Multi-Robot Coordination for
 def sequential_greedy(problem: SubmodularSelection, context: Context, *, order: Sequence[int | str] | str | None = None) -> Outcome:
     """Each robot in its turn takes the action of largest gain over the actions taken so far, the first of equal ones.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection with a partition matroid
-        Winner takes all: the groups are the robots; a group with room for several elements picks them one after the other.
-    context : Context
-    order : sequence of int or str, optional
-        All groups, each once: by number from 0, or by name (text separated by commas counts as names). By default as numbered.
+    For partition matroids: the groups are the robots, and one with room for several elements picks them one after the other. ``order``
+    holds all groups, each once, by number from 0 or by name (text separated by commas counts as names); by default as numbered. Guaranteed
+    half of the optimum, whatever the order. The statistics count one communication round a robot: each tells the next what every target has
+    got so far.
 
-    Returns
-    -------
-    Outcome
-        Guaranteed half of the optimum, whatever the order. The statistics count one communication round a robot: each tells the next
-        what every target has got so far.
-
-    Raises
-    ------
-    UsageError
-        If ``order`` is no permutation of the groups.
-
-    Notes
-    -----
-    Algorithm 3 and theorem 2 of Sung (2019), corrected (docs/formulations/winner-takes-all.md#errata): the credit goes to the robot that
-    brings most, and to nobody where that is nothing. In general the locally greedy heuristic of Fisher, Nemhauser and Wolsey (1978). With
-    picks g_i in turn and the optimum's o_i: F(O) <= F(G) + sum_i [F(G_i-1 + o_i) - F(G_i-1)] <= F(G) + sum_i [F(G_i) - F(G_i-1)] = 2 F(G).
+    Source: algorithm 3 and theorem 2 of Sung (2019), corrected and proved in docs/formulations/winner-takes-all.md#sequential-greedy; in
+    general the locally greedy heuristic of Fisher, Nemhauser and Wolsey (1978).
     """
     stop, limits = context.begin(), Limits.of(problem)
     turns = _turns(problem, order, len(limits.room))
@@ -63,7 +45,7 @@ def sequential_greedy(problem: SubmodularSelection, context: Context, *, order: 
     holds, message = assumptions(problem)
     guarantee: Guarantee | None = None
     if not whole:
-        message = "; ".join(m for m in (message, f"ended with {len(picks)} elements: {CUT_SHORT}") if m)
+        message = sentences(message, f"ended with {len(picks)} elements: {CUT_SHORT}")
     elif holds:
         guarantee = Guarantee(2.0, "f(S) >= f(OPT) / 2, for every order", (*holds, "partition matroid"), SOURCE)
     statistics = {"evaluations": evaluations, "communication_rounds": len(turns)}
@@ -75,14 +57,14 @@ def _turns(problem: SubmodularSelection, order: Any, groups: int) -> NDArray[np.
         return np.arange(groups)
     partition = problem.constraint.as_partition(problem.num_elements)
     assert partition is not None
-    given = [part.strip() for part in order.split(",")] if isinstance(order, str) else order
-    if isinstance(given, int):  # a command line's only robot
-        given = [str(given)]
-    if isinstance(given, Sequence | np.ndarray) and all(isinstance(g, str | int | np.integer) and not isinstance(g, bool) for g in given):
-        number = {partition.group_label(g): g for g in range(groups)} if any(isinstance(g, str) for g in given) else {}
-        found = [number.get(g, -1) if isinstance(g, str) else int(g) for g in given]
-        if sorted(found) == list(range(groups)):
-            return np.array(found, dtype=np.int64)
+    names = [part.strip() for part in order.split(",")] if isinstance(order, str) else order
+    if isinstance(names, int):  # a command line's only robot
+        names = [str(names)]
+    if isinstance(names, Sequence | np.ndarray) and all(isinstance(g, str | int | np.integer) and not isinstance(g, bool) for g in names):
+        number = {partition.group_label(g): g for g in range(groups)} if any(isinstance(g, str) for g in names) else {}
+        numbers = [number.get(g, -1) if isinstance(g, str) else int(g) for g in names]
+        if sorted(numbers) == list(range(groups)):
+            return np.array(numbers, dtype=np.int64)
     what = f"all {groups} {partition.thing}s"
     raise UsageError(f"order must be a permutation of {what}, by number from 0 or by name, not {str(order)[:80]!r}")
 
@@ -92,16 +74,16 @@ def _valued(problem: SubmodularSelection, limits: Limits, turns: NDArray[np.int6
     picks: list[int] = []
     starts, members = limits.members()
     for g in turns.tolist():
-        left = members[starts[g] : starts[g + 1]]
+        open_ = members[starts[g] : starts[g + 1]]
         for _ in range(int(limits.room[g])):
-            element, gain = chosen.best_of(left, stop)
+            element, gain = chosen.best_of(open_, stop)
             if element < 0:
                 return picks, chosen.evaluations, False
             if gain < 0:
                 break  # a function that is not monotone: rather nothing
             chosen.take(element, gain)
             picks.append(element)
-            left = left[left != element]
+            open_ = open_[open_ != element]
     return picks, chosen.evaluations, True
 
 

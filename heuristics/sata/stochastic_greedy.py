@@ -11,38 +11,17 @@ from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
 from ...solvers.bounds.sata.growing_sets import empty_set
 from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
-from .greedy_steps.ending import concluded
-from .greedy_steps.guarantees import assumptions, rounded_down
 from .greedy_steps.limits import ANY_FUNCTION, Limits
+from .greedy_steps.outcomes import assumptions, concluded, rounded_down, sentences
 
 SOURCE = "Mirzasoleiman, Badanidiyuru, Karbasi, Vondrák and Krause (2015), Lazier than lazy greedy"
 
 
 def stochastic_greedy(problem: SubmodularSelection, context: Context, *, eps: float = 0.1) -> Outcome:
-    """In each of k rounds, take the best of ``(n / k) ln(1 / eps)`` elements drawn from those that are left.
+    """In each of k rounds, take the best of ``(n / k) ln(1 / eps)`` elements drawn from those that are left, with 0 < eps < 1 - 1/e.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection
-        With a cardinality limit k.
-    context : Context
-        Its generator draws the samples.
-    eps : float, 0 < eps < 1 - 1/e
-        What may be lost in expectation.
-
-    Returns
-    -------
-    Outcome
-        Guaranteed 1 - 1/e - eps in expectation over the samples: a single answer may be worse.
-
-    Raises
-    ------
-    UsageError
-        If eps is out of range.
-
-    Notes
-    -----
-    Mirzasoleiman et al. (2015): n ln(1 / eps) evaluations whatever k is. Ties go to the smallest index.
+    Guaranteed 1 - 1/e - eps in expectation over the samples, so that a single answer may be worse, with n ln(1 / eps) evaluations whatever
+    the cardinality limit k is (Mirzasoleiman et al. 2015). Ties go to the smallest index.
     """
     most = 1.0 - math.exp(-1.0)
     if isinstance(eps, bool) or not isinstance(eps, int | float) or not 0.0 < eps < most:
@@ -51,11 +30,11 @@ def stochastic_greedy(problem: SubmodularSelection, context: Context, *, eps: fl
     n, k = problem.num_elements, limits.most
     size = math.ceil(-n / max(k, 1) * math.log(eps))  # 1 / eps may overflow
     chosen, picks = empty_set(problem.function), []
-    # The first ``left`` places hold what is not chosen; a chosen element changes places with the last of these.
-    order, place, left = np.arange(n), np.arange(n), n
+    # The first ``unchosen`` places hold what is not chosen; a chosen element changes places with the last of these.
+    order, place, unchosen = np.arange(n), np.arange(n), n
     stop, rounds = context.begin(), 0
     while rounds < k and not (rounds and stop.reached()):
-        drawn = order[:left] if size >= left else order[context.rng.choice(left, size, replace=False)]
+        drawn = order[:unchosen] if size >= unchosen else order[context.rng.choice(unchosen, size, replace=False)]
         element, gain = chosen.best_of(np.sort(drawn), stop)
         if element < 0:
             break
@@ -64,13 +43,13 @@ def stochastic_greedy(problem: SubmodularSelection, context: Context, *, eps: fl
             continue  # a user's function that is not monotone
         chosen.take(element, gain)
         picks.append(element)
-        left -= 1
-        other, at = order[left], place[element]
-        order[at], order[left], place[other], place[element] = other, element, at, left
+        unchosen -= 1
+        other, at = order[unchosen], place[element]
+        order[at], order[unchosen], place[other], place[element] = other, element, at, unchosen
     holds, message = assumptions(problem)
     guarantee: Guarantee | None = None
     if rounds < k:
-        message = "; ".join(m for m in (message, f"ended with {len(picks)} elements: {CUT_SHORT}") if m)
+        message = sentences(message, f"ended with {len(picks)} elements: {CUT_SHORT}")
     elif holds:
         statement = f"E[f(S)] >= (1 - 1/e - {eps:g}) f(OPT), that is {rounded_down(most - eps)} f(OPT), in expectation over the samples"
         guarantee = Guarantee(1.0 / (most - eps), statement, (*holds, f"at most k = {k} elements, {size} drawn a round"), SOURCE)

@@ -1,4 +1,4 @@
-"""``check_submodular``: does a set function have diminishing returns? Sampled, with a counterexample where it has not."""
+"""``check_submodular``: samples for diminishing returns of a set function, with a counterexample where it has none."""
 
 from __future__ import annotations
 
@@ -14,9 +14,8 @@ from ...formulations.sata.feasibility import CHUNK, allowed
 from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
 from ...instances.sata.constraints import Constraint
-from ...instances.sata.set_functions import SetFunction, UserFunction
+from ...instances.sata.set_functions import Floats, SetFunction, UserFunction
 
-Floats = NDArray[np.float64]
 Masks = NDArray[np.bool_]
 
 TOLERANCE = 1e-9
@@ -28,17 +27,9 @@ MOST_AT_ONCE = 1_000_000
 
 @dataclass(frozen=True)
 class SubmodularityViolation:
-    """Sets A within B and an element outside of B whose gains break a property.
+    """Sets A within B and an element outside of B whose gains ``f(A + e) - f(A)`` and ``f(B + e) - f(B)`` break a property.
 
-    Parameters
-    ----------
-    property : str
-        ``submodular``: the gain over B is larger than that over A; ``monotone``: the gain over B is negative.
-    a, b : tuple of int
-        Elements, from 0.
-    element : int
-    gain_a, gain_b : float
-        ``f(A + e) - f(A)`` and ``f(B + e) - f(B)``.
+    ``submodular``: the gain over B is larger than that over A; ``monotone``: the gain over B is negative. Elements are counted from 0.
     """
 
     property: str
@@ -59,16 +50,10 @@ class SubmodularityViolation:
 
 @dataclass(frozen=True)
 class SubmodularityReport:
-    """What ``check_submodular`` found; true where nothing speaks against either property.
+    """The result of ``check_submodular``; true where nothing speaks against either property.
 
-    Parameters
-    ----------
-    samples : int
-        Triples (A, B, e) that were looked at.
-    exhaustive : bool
-        Whether these were all that matter: then both properties are proved, but for rounding.
-    violations : tuple of SubmodularityViolation
-        The worst one of each property that is broken.
+    ``samples`` are the triples (A, B, e) that were looked at, and ``exhaustive`` tells that these were all that matter: then both
+    properties are proved, but for rounding. ``violations`` holds the worst one of each property that is broken.
     """
 
     samples: int
@@ -77,12 +62,12 @@ class SubmodularityReport:
 
     @property
     def submodular(self) -> bool:
-        """Whether no triple shows growing returns."""
+        """True if no triple shows growing returns."""
         return all(v.property != "submodular" for v in self.violations)
 
     @property
     def monotone(self) -> bool:
-        """Whether no triple shows a loss."""
+        """True if no triple shows a loss."""
         return all(v.property != "monotone" for v in self.violations)
 
     def __bool__(self) -> bool:
@@ -164,8 +149,8 @@ def check_submodular(
                 shown = _members((a if at_a else b)[k])
                 gain = float((gain_a if at_a else gain_b)[k])
                 worst[name] = float(excess[k]), SubmodularityViolation(name, _members(a[k]), shown, int(e[k]), float(gain_a[k]), gain)
-    found = tuple(violation for excess, violation in worst.values() if excess > TOLERANCE * largest)
-    return SubmodularityReport(looked, everything, found)
+    violations = tuple(violation for excess, violation in worst.values() if excess > TOLERANCE * largest)
+    return SubmodularityReport(looked, everything, violations)
 
 
 def _values_of(f: Any, elements: int | None) -> tuple[Callable[[Masks], Floats], int]:
@@ -206,7 +191,7 @@ def _triples(n: int, samples: int, rng: np.random.Generator, constraint: Constra
 
 
 def _allowed(place: NDArray[np.int64], constraint: Constraint) -> NDArray[np.int64]:
-    """How many of the first elements of each order, given by their places in it, the constraint allows together: by bisection."""
+    """Number of the first elements of each order, given by their places in it, that the constraint allows together: by bisection."""
     low, high = np.zeros(len(place), dtype=np.int64), np.full(len(place), place.shape[1])
     while (low < high).any():
         middle = (low + high + 1) // 2
@@ -216,7 +201,7 @@ def _allowed(place: NDArray[np.int64], constraint: Constraint) -> NDArray[np.int
 
 
 def _all_adjacent(n: int) -> tuple[Masks, Masks, NDArray[np.int64]]:
-    """Every A, e outside of it, and B = A + one more element; with one element or none, what there is."""
+    """Every A, e outside of it, and B = A + one more element; with one element or none, the only triple there is."""
     if n < 2:
         return np.zeros((n, n), dtype=bool), np.zeros((n, n), dtype=bool), np.zeros(n, dtype=np.int64)
     bits = np.arange(1 << n)

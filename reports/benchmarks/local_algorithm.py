@@ -24,7 +24,7 @@ from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.instances.generating import generate
 from waybound.instances.sata.sensing_graph import SensingGraph
 from waybound.solvers.backend import BACKENDS, Control, Options
-from waybound.solvers.engines.sata.local_max_min.arrays import local_shares
+from waybound.solvers.engines.sata.local_max_min.shares import local_shares
 from waybound.solvers.program_backend import ProgramBackend
 
 SLOPE = 1.15

@@ -85,10 +85,10 @@ def test_table_3_1_ends_well(run):
 
 
 def test_table_3_1_ends_with_5_when_an_entry_differs(run, monkeypatch, tmp_path):
-    from waybound.reports.ratios.studies.sata import table_3_1
+    from waybound.reports.ratios.studies.sata import local
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setitem(table_3_1.PRINTED, 10, (0.5, 0.5, 0.7592, 0.2409, 0.2409, 0.7591))
+    monkeypatch.setitem(local.PRINTED, 10, (0.5, 0.5, 0.7592, 0.2409, 0.2409, 0.7591))
     told = run("ratio", "table-3-1", "-q")
     assert told.exit_code == 5
     assert "p3" in told.stderr

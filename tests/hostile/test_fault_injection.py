@@ -216,7 +216,7 @@ def test_a_guarantee_that_fails_leaves_the_heuristics_answer(fault: Any, words: 
 def test_evidence_that_a_heuristic_cannot_make_leaves_its_answer(heuristic: str, part: str, monkeypatch: pytest.MonkeyPatch) -> None:
     problem = PROBLEMS[2][0]
     whole = wb.solve(problem, heuristic=heuristic, bound_time=0)
-    monkeypatch.setattr(f"waybound.heuristics.sata.greedy_steps.ending.{part}", failing(MemoryError))
+    monkeypatch.setattr(f"waybound.heuristics.sata.greedy_steps.outcomes.{part}", failing(MemoryError))
     found = wb.solve(problem, heuristic=heuristic, bound_time=0)
     assert found.objective == whole.objective
     assert found.certificate.guarantee == whole.certificate.guarantee

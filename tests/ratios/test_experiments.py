@@ -11,7 +11,7 @@ import math
 import numpy as np
 import pytest
 
-from waybound.reports.ratios.studies.sata._experiment import sensing_graph
+from waybound.reports.ratios.studies.sata.experiments import sensing_graph
 from waybound.reports.ratios.study import STUDIES, StudySetting
 
 # (targets, phi, robots): mean and deviation of exact, greedy and random; means of ILP, LP and the local algorithm (h = 2, step 0.1).

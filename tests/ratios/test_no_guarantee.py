@@ -58,7 +58,7 @@ def test_rounding_the_local_algorithm_states_no_guarantee_and_has_none():
 @pytest.mark.parametrize("name", ["random", "lp-rounding"])
 def test_baselines_state_no_guarantee(name):
     for k in range(20):
-        run(random.random_assignments().case(k, 3).problem, name)
+        run(random.RANDOM_ASSIGNMENTS.case(k, 3).problem, name)
 
 
 def test_no_layers_at_all_are_refused():

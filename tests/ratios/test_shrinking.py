@@ -13,9 +13,8 @@ from ratio_strategies import assignments, bottlenecks, selections
 
 from waybound.reports.ratios.judging import judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
-from waybound.reports.ratios.studies.sata.greedy import greedy_ratio
-from waybound.reports.ratios.studies.sata.knapsack_greedy import SHARES
 from waybound.reports.ratios.studies.sata.local import degrees
+from waybound.reports.ratios.studies.sata.selections import SHARES, greedy_ratio
 from waybound.reports.ratios.violations import instance_text
 
 SHORT = settings(max_examples=draws(80))

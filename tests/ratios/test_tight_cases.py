@@ -25,9 +25,9 @@ def value(problem, name, **options):
 @pytest.mark.parametrize(
     "family",
     [
-        *(traps.geometric_covers(rule) for rule in ("cardinality", "partition", "knapsack")), traps.halves(), traps.order_matters(),
-        traps.density_traps(), traps.half_traps(), traps.shut_outs(), traps.free_elements(), graphs.references(), graphs.tight(),
-        graphs.private(), graphs.cycles(), graphs.regular_trees(),
+        *(traps.geometric_covers(rule) for rule in ("cardinality", "partition", "knapsack")), traps.HALVES, traps.ORDER_MATTERS,
+        traps.DENSITY_TRAPS, traps.HALF_TRAPS, traps.SHUT_OUTS, traps.FREE_ELEMENTS, graphs.REFERENCE_GRAPHS, graphs.TIGHT,
+        graphs.PRIVATE, graphs.CYCLES, graphs.REGULAR_TREES,
     ],
     ids=lambda family: family.name,
 )  # fmt: skip
@@ -67,7 +67,7 @@ def test_sequential_greedy_takes_half_where_the_first_robot_takes_what_the_secon
 
 @pytest.mark.parametrize(("order", "expected"), [([0, 1, 2], 9), ([2, 1, 0], 14)])
 def test_the_order_of_the_robots_decides_without_any_tie(order, expected):
-    problem = traps.order_matters().case(0, 1).problem
+    problem = traps.ORDER_MATTERS.case(0, 1).problem
     assert value(problem, "sequential-greedy", order=order) == expected
     assert value(problem, "greedy") == 9
 

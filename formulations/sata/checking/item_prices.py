@@ -16,17 +16,14 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ....instances.sata.set_functions import AT_ITEM, IN_MATRIX
+from ....instances.sata.set_functions import AT_ITEM, IN_MATRIX, Floats
 from ...checking.evidence_numbers import numbers
 from ...checking.granularity import Grain, grain, lift
 from ...evidence import CHECKERS
 from ...tolerance import room
-from .decided import contradicted, spent, split
-
-Floats = NDArray[np.float64]
+from .decided_elements import best_of_groups, budgets, contradicted, spent, split
 
 _EPS = float(np.finfo(np.float64).eps)
 _TINY = 5e-324
@@ -38,27 +35,12 @@ _STRIP = 2**22
 def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
     """Upper bound on a coverage or facility-location problem that any prices of its items prove.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection
-    data : dict
-        ``prices``: one number an item. Negative ones count as 0. Under several budgets ``multipliers``, if there are any: one number a
-        row, for a budget that they make of all.
+    ``data`` holds ``prices``, one number an item, of which negative ones count as 0, and under several budgets possibly ``multipliers``,
+    one number a row, for a budget that they make of all. The bound is infinite where the sums overflow, and minus infinity where decided
+    elements leave no answer. All sums are of nonnegative terms, and are rounded upwards.
 
-    Returns
-    -------
-    float
-        Infinite where the sums overflow; minus infinity where decided elements leave no answer.
-
-    Raises
-    ------
-    InputError
-        If the list is missing, of the wrong length, or holds anything but finite numbers, or the function has no items.
-
-    Notes
-    -----
     Source: linear programming duality for the facility-location problem (Cornuéjols, Fisher, Nemhauser 1977);
-    docs/formulations/winner-takes-all.md#item-prices. All sums are of nonnegative terms, and are rounded upwards.
+    docs/formulations/winner-takes-all.md#item-prices.
     """
     weights = problem.function.as_item_weights() if problem.family == "selection" else None  # data: each layout is added up here
     if weights is None:
@@ -68,8 +50,8 @@ def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
         return -math.inf
     with np.errstate(over="ignore", invalid="ignore"):
         worth, longest = _worths(weights, p, problem.num_elements)
-        fixed, left = split(problem, worth)
-        parts = np.concatenate([fixed, _best(problem, left, data)])
+        fixed, undecided = split(problem, worth)
+        parts = np.concatenate([fixed, _best(problem, undecided, data)])
         if not (np.isfinite(worth).all() and np.isfinite(parts).all()):
             return math.inf
         try:
@@ -80,52 +62,43 @@ def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
 
 
 def _worths(weights: Any, p: Floats, n: int) -> tuple[Floats, int]:
-    """What each element gives beyond the prices, and the number of terms in the longest of these sums."""
+    """Worth of each element beyond the prices, and the number of terms in the longest of these sums."""
     if weights.layout == IN_MATRIX:
         parts = [np.maximum(strip - p, 0.0).sum(axis=1) for strip in _strips(weights.matrix)]
         return np.concatenate([np.zeros(0), *parts]), weights.num_items
     counts = np.diff(weights.indptr)
     element = np.repeat(np.arange(n), counts)
-    given = weights.weights[weights.indices] if weights.layout == AT_ITEM else weights.weights
-    beyond = np.maximum(given - p[weights.indices], 0.0)
+    of_edge = weights.weights[weights.indices] if weights.layout == AT_ITEM else weights.weights
+    beyond = np.maximum(of_edge - p[weights.indices], 0.0)
     return np.bincount(element, beyond, minlength=n).astype(np.float64), int(counts.max(initial=0))
 
 
 def _strips(matrix: Any) -> Iterator[Floats]:
-    """Some rows after the other, in full precision."""
+    """Blocks of rows in full precision, one after the other."""
     step = max(1, _STRIP // max(1, matrix.shape[1]))
     for first in range(0, matrix.shape[0], step):
         yield matrix[first : first + step].astype(np.float64)
 
 
 def _best(problem: Any, worth: Floats, data: Mapping[str, Any]) -> Floats:
-    """Terms whose sum no set of undecided elements exceeds that is allowed beside the taken ones, each counting for itself; all where
-    nothing is known of the constraint."""
-    constraint = problem.constraint
-    partition, rows = constraint.as_partition(len(worth)), constraint.rows(len(worth))
-    if partition is not None:
-        limits = partition.limits - np.bincount(partition.groups[problem.taken], minlength=len(partition.limits))
-        order = np.lexsort((-worth, partition.groups))
-        groups = partition.groups[order]
-        rank = np.arange(len(order)) - np.searchsorted(groups, groups)
-        return np.asarray(worth[order[rank < limits[groups]]], dtype=np.float64)
+    """Terms whose sum no set of undecided elements exceeds that is allowed beside the taken ones; all terms where nothing is known of
+    the constraint."""
+    groups = best_of_groups(problem, worth)
+    if groups is not None:
+        return groups
+    rows = budgets(problem)
     if rows is None:
         return worth
-    budgets = []
-    for row, limit in enumerate(rows.limit.tolist()):
-        costs, mine = np.zeros(len(worth)), rows.row == row
-        costs[rows.element[mine]] = rows.coefficient[mine]
-        budgets.append((costs, limit))
     if "multipliers" in data:  # what the rows allow, so does their sum, each times a number >= 0
-        y = np.maximum(numbers(data, "multipliers", len(budgets)), 0.0)
-        total = math.fsum(factor * room(costs, limit) for factor, (costs, limit) in zip(y, budgets, strict=True))
-        together = sum((factor * costs for factor, (costs, _) in zip(y, budgets, strict=True)), np.zeros(len(worth)))
-        budgets.append((together, total * (1.0 + (len(budgets) + 4) * _EPS)))
-    return min([worth, *(_fractional_knapsack(costs, limit, worth, spent(problem, costs)) for costs, limit in budgets)], key=np.sum)
+        y = np.maximum(numbers(data, "multipliers", len(rows)), 0.0)
+        total = math.fsum(factor * room(costs, limit) for factor, (costs, limit) in zip(y, rows, strict=True))
+        together = sum((factor * costs for factor, (costs, _) in zip(y, rows, strict=True)), np.zeros(len(worth)))
+        rows.append((together, total * (1.0 + (len(rows) + 4) * _EPS)))
+    return min([worth, *(_fractional_knapsack(costs, limit, worth, spent(problem, costs)) for costs, limit in rows)], key=np.sum)
 
 
 def _fractional_knapsack(costs: Floats, budget: float, worth: Floats, used: float) -> Floats:
-    """For any rate q >= 0 of worth for cost, q budget and what the elements are worth beyond q times their cost.
+    """The terms, for a rate q >= 0 of worth for cost, of q budget and the worth of the elements beyond q times their cost.
 
     The best q is the ratio at which the budget runs out; no other needs to be right for the bound to hold.
     """
@@ -146,6 +119,7 @@ def _fractional_knapsack(costs: Floats, budget: float, worth: Floats, used: floa
 
 
 def value_grain(function: Any) -> Grain | None:
-    """Of what every value of a function with weights at items or entries is a multiple; None for full matrices and other functions."""
+    """The number of which every value of a function with weights at items or entries is a multiple; None for full matrices and other
+    functions."""
     weights = function.as_item_weights()
     return None if weights is None or weights.layout == IN_MATRIX else grain(weights.weights)

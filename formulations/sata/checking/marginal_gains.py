@@ -19,14 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ....instances.sata.set_functions import AT_ITEM, IN_MATRIX
+from ....instances.sata.set_functions import AT_ITEM, IN_MATRIX, Floats
 from ...checking.granularity import lift
 from ...evidence import CHECKERS
 from ...tolerance import EQUAL, room
-from .decided import contradicted, spent, split
+from .decided_elements import best_of_groups, budgets, contradicted, spent, split
 from .item_prices import value_grain
-
-Floats = NDArray[np.float64]
 
 _EPS = float(np.finfo(np.float64).eps)
 _ENTRIES = 1 << 21
@@ -37,28 +35,12 @@ _ENTRIES = 1 << 21
 def check_marginal_gains(problem: Any, data: Mapping[str, Any]) -> float:
     """Upper bound on the value of every feasible selection that a set of elements proves.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection
-    data : dict
-        ``prefix``: the elements of S, numbered from 0, none twice; it may be empty, and need not be feasible.
+    ``data`` holds ``prefix``: the elements of S, numbered from 0, none twice; it may be empty, and need not be feasible. The bound is minus
+    infinity where decided elements leave no answer, and infinity for a function known by its values that is not declared monotone and
+    submodular, or whose values contradict it. An answer may exceed a budget by the tolerance of the check, so the bound counts with that
+    much more.
 
-    Returns
-    -------
-    float
-        Minus infinity where decided elements leave no answer; infinity for a function known by its values that is not declared monotone
-        and submodular, or is seen not to be.
-
-    Raises
-    ------
-    InputError
-        If the list is missing, or names what does not exist.
-
-    Notes
-    -----
-    Source: Nemhauser, Wolsey and Fisher (1978); docs/selection.md#bounds. Sums are rounded upwards. An answer may exceed a budget by the
-    tolerance of the check, so the bound counts with that much more. A user's function is taken at its word, unless the values that are
-    needed here contradict what is declared of it.
+    Source: Nemhauser, Wolsey and Fisher (1978); docs/selection.md#bounds. Sums are rounded upwards.
     """
     if problem.family != "selection":
         raise InputError("marginal gains are evidence for selection problems", found=problem.problem)
@@ -75,9 +57,9 @@ def check_marginal_gains(problem: Any, data: Mapping[str, Any]) -> float:
     if math.isinf(value):
         return math.inf
     gains[chosen] = 0.0
-    fixed, left = split(problem, gains)
+    fixed, undecided = split(problem, gains)
     # Both parts are sums of terms of one sign, rounded correctly; each term is exact up to a few roundings of its own.
-    return lift((math.fsum([value, *fixed]) + _best_sum(problem, left)) * (1.0 + 8 * _EPS), "max", value_grain(problem.function))
+    return lift((math.fsum([value, *fixed]) + _best_sum(problem, undecided)) * (1.0 + 8 * _EPS), "max", value_grain(problem.function))
 
 
 def _value_and_gains(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, Floats]:
@@ -97,20 +79,21 @@ def _value_and_gains(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, 
         longest = weights.num_items
     else:
         counts = np.diff(weights.indptr)
-        given = weights.weights[weights.indices] if weights.layout == AT_ITEM else weights.weights
+        of_edge = weights.weights[weights.indices] if weights.layout == AT_ITEM else weights.weights
         inside = np.zeros(n, dtype=bool)
         inside[chosen] = True
         mine = np.repeat(inside, counts)
-        np.maximum.at(best, weights.indices[mine], given[mine])
+        np.maximum.at(best, weights.indices[mine], of_edge[mine])
         owner = np.repeat(np.arange(n), counts)
-        gains = np.bincount(owner, np.maximum(given - best[weights.indices], 0.0), minlength=n).astype(np.float64)
+        gains = np.bincount(owner, np.maximum(of_edge - best[weights.indices], 0.0), minlength=n).astype(np.float64)
         longest = int(counts.max(initial=0))
     # A running sum of m terms of one sign is off by less than m roundings.
     return math.fsum(best), gains * (1.0 + (longest + 2) * _EPS)
 
 
 def _of_values(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, Floats]:
-    """Value and gains; infinite where they contradict the declaration: a loss, or a gain over S, or of all, above that over nothing."""
+    """Value and gains by whole values; infinite where these contradict the declaration: a loss, or a gain over S, or of all, above that
+    over nothing."""
     inside = np.zeros(n, dtype=bool)
     alone = _after_each(f, inside)
     inside[chosen] = True
@@ -123,34 +106,24 @@ def _of_values(f: Any, chosen: NDArray[np.int64], n: int) -> tuple[float, Floats
 
 
 def _after_each(f: Any, inside: NDArray[np.bool_]) -> Floats:
-    """f of the set with each of the elements added to it."""
+    """Values of the set with each of the elements added to it."""
     n = len(inside)
-    found = np.empty(n)
+    values = np.empty(n)
     step = max(1, _ENTRIES // max(1, n))
     for first in range(0, n, step):
         masks = np.repeat(inside[None, :], min(step, n - first), axis=0)
         masks[np.arange(len(masks)), np.arange(first, first + len(masks))] = True
-        found[first : first + len(masks)] = f.values(masks)
-    return found
+        values[first : first + len(masks)] = f.values(masks)
+    return values
 
 
 def _best_sum(problem: Any, gains: Floats) -> float:
-    """At least the largest sum of ``gains`` over the undecided elements of an answer that passes the check."""
-    constraint = problem.constraint
-    partition, rows = constraint.as_partition(len(gains)), constraint.rows(len(gains))
-    if partition is not None:
-        limits = partition.limits - np.bincount(partition.groups[problem.taken], minlength=len(partition.limits))
-        order = np.lexsort((-gains, partition.groups))
-        group = partition.groups[order]
-        starts = np.concatenate([[True], group[1:] != group[:-1]]) if len(group) else np.zeros(0, dtype=bool)
-        place = np.arange(len(group)) - np.maximum.accumulate(np.where(starts, np.arange(len(group)), 0))
-        return math.fsum(gains[order][place < limits[group]])
-    best = math.fsum(gains)  # where nothing is known of the constraint
-    for row in range(0 if rows is None else len(rows.limit)):
-        costs, mine = np.zeros(len(gains)), rows.row == row
-        costs[rows.element[mine]] = rows.coefficient[mine]
-        best = min(best, _within(costs, float(rows.limit[row]), gains, spent(problem, costs)))
-    return best
+    """Upper bound on the sum of ``gains`` over the undecided elements of an answer that passes the check."""
+    groups = best_of_groups(problem, gains)
+    if groups is not None:
+        return math.fsum(groups)
+    # All gains together bound the sum where nothing is known of the constraint.
+    return min([math.fsum(gains), *(_within(costs, limit, gains, spent(problem, costs)) for costs, limit in budgets(problem) or ())])
 
 
 def _within(costs: Floats, budget: float, gains: Floats, used: float) -> float:

@@ -31,26 +31,11 @@ _TINY = 5e-324
 def check_packing_covering_duals(problem: Any, data: Mapping[str, Any]) -> float:
     """Bound on a max-min or min-max linear program that any prices of its rows prove.
 
-    Parameters
-    ----------
-    problem : MaxMinLP
-    data : dict
-        ``covering``: y, one number a row of C; ``packing``: z, one number a row of A. Negative ones count as 0.
+    ``data`` holds ``covering``, y, one number a row of C, and ``packing``, z, one number a row of A; negative ones count as 0. The bound is
+    infinity (``max``) or minus infinity (``min``) where nothing is proved. All sums are of nonnegative terms, so that their relative error
+    is that of their roundings; what falls below the smallest number counts against the bound.
 
-    Returns
-    -------
-    float
-        Infinity (``max``) or minus infinity (``min``) where nothing is proved.
-
-    Raises
-    ------
-    InputError
-        If the lists are missing, differ in length from the matrices, or hold anything but finite numbers.
-
-    Notes
-    -----
-    Source: linear programming duality; docs/formulations/bottleneck.md#packing-covering-duals. All sums are of nonnegative terms, so that
-    their relative error is that of their roundings; what falls below the smallest number counts against the bound.
+    Source: linear programming duality; docs/formulations/bottleneck.md#packing-covering-duals.
     """
     if problem.family != "max-min" or getattr(problem, "packing", None) is None:
         raise InputError("prices of packing and covering rows are evidence for max-min LPs", found=problem.problem)
@@ -74,11 +59,11 @@ def check_packing_covering_duals(problem: Any, data: Mapping[str, Any]) -> float
 
 
 def _scaled(values: Floats) -> Floats:
-    """Nonnegative, the largest 1: guards the products against overflow."""
-    made = np.maximum(values, 0.0)
-    largest = float(made.max(initial=0.0))
+    """Nonnegative prices of which the largest is 1, which guards the products against overflow."""
+    prices = np.maximum(values, 0.0)
+    largest = float(prices.max(initial=0.0))
     with np.errstate(over="ignore", under="ignore"):
-        return made / largest if largest > 0 else made
+        return prices / largest if largest > 0 else prices
 
 
 def _transposed(matrix: Any, prices: Floats) -> tuple[Floats, NDArray[np.int64]]:

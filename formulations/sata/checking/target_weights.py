@@ -33,35 +33,19 @@ _SMALLEST = 1e-290
 def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
     """Upper bound on the bottleneck value, whole actions or shares, that any weights of targets prove.
 
-    Parameters
-    ----------
-    problem : BottleneckSATA
-    data : dict
-        ``targets``: numbers of targets from 0, none twice; ``weights``: one each. Negative ones count as 0.
+    ``data`` holds ``targets``, numbers from 0, none twice, and ``weights``, one each, of which negative ones count as 0. The bound is
+    infinite where no weight is positive, and minus infinity where decided actions leave no answer. The sums are rounded upwards.
 
-    Returns
-    -------
-    float
-        Infinity where no weight is positive; minus infinity where decided actions leave no answer.
-
-    Raises
-    ------
-    InputError
-        If the lists are missing, differ in length, or name what does not exist.
-
-    Notes
-    -----
-    Source: linear programming duality for (3.5) of Sung (2019); docs/formulations/bottleneck.md#target-weights. The sums are rounded
-    upwards.
+    Source: linear programming duality for (3.5) of Sung (2019); docs/formulations/bottleneck.md#target-weights.
     """
     graph = getattr(problem, "graph", None)
     if problem.family != "max-min" or graph is None:
         raise InputError("weights of targets are evidence for bottleneck problems", found=problem.problem)
-    given = data["targets"]
-    whole = isinstance(given, list | tuple) and not any(isinstance(t, bool) or not isinstance(t, int) for t in given)
-    if not whole or (isinstance(data["weights"], list | tuple) and len(data["weights"]) != len(given)):
+    named = data["targets"]
+    whole = isinstance(named, list | tuple) and not any(isinstance(t, bool) or not isinstance(t, int) for t in named)
+    if not whole or (isinstance(data["weights"], list | tuple) and len(data["weights"]) != len(named)):
         raise InputError("targets and weights must be lists of one length, the targets whole numbers")
-    targets, weights = np.array(given, dtype=np.int64), numbers(data, "weights", len(given))
+    targets, weights = np.array(named, dtype=np.int64), numbers(data, "weights", len(named))
     if targets.size and (targets.min() < 0 or targets.max() >= graph.num_targets or len(np.unique(targets)) != len(targets)):
         raise InputError("a target does not exist or stands twice", expected=f"0 to {graph.num_targets - 1}")
     if problem.decided and _contradicted(problem):
@@ -92,7 +76,7 @@ def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
 
 
 def _contradicted(problem: Any) -> bool:
-    """Whether an action is both taken and dropped, or a robot takes two."""
+    """True if an action is both taken and dropped, or a robot takes two."""
     robots = problem.graph.robot_of_action[problem.taken]
     return len(np.intersect1d(problem.taken, problem.dropped)) > 0 or len(np.unique(robots)) < len(robots)
 
@@ -100,7 +84,7 @@ def _contradicted(problem: Any) -> bool:
 def _open(problem: Any) -> NDArray[np.bool_]:
     """Actions that an answer may use: of a robot whose action is taken that one alone, else all that are not dropped."""
     owner = problem.graph.robot_of_action
-    found: NDArray[np.bool_] = ~np.isin(owner, owner[problem.taken])
-    found[problem.taken] = True
-    found[problem.dropped] = False
-    return found
+    usable: NDArray[np.bool_] = ~np.isin(owner, owner[problem.taken])
+    usable[problem.taken] = True
+    usable[problem.dropped] = False
+    return usable

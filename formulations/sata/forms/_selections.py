@@ -1,4 +1,4 @@
-"""What the forms over elements and actions share: names on demand, constraints, and the way between vectors and selections."""
+"""Parts of the forms over elements and actions: names on demand, constraints, and the way between vectors and selections."""
 
 from __future__ import annotations
 
@@ -60,32 +60,15 @@ def chosen(x: Floats) -> Selection:
     return Selection(tuple(np.nonzero(whole == 1)[0].tolist()))
 
 
-def indicator(answer: Selection, size: int) -> Floats:
-    """1 for each chosen element, else 0; raises InputError where one does not exist."""
-    x = np.zeros(size)
-    elements = np.asarray(answer.elements, dtype=np.int64)
-    if ((elements < 0) | (elements >= size)).any():
-        raise InputError("the start chooses an element that does not exist", expected=f"0 to {size - 1}")
-    x[elements] = 1.0
-    return x
-
-
 def proved(problem: Problem, kind: str, source: str, data: dict[str, Any]) -> Evidence:
     """Evidence with the value that its checker derives."""
-    made = Evidence(kind, source, 0.0, data)
-    return replace(made, value=verified_bound(problem, made))
+    evidence = Evidence(kind, source, 0.0, data)
+    return replace(evidence, value=verified_bound(problem, evidence))
 
 
 @dataclass(frozen=True, eq=False)
 class Edges:
-    """The pairs of element and item of positive weight, by element and then by item.
-
-    Parameters
-    ----------
-    element, item, weight : arrays of shape (edges,)
-    elements, items : int
-    names, item_names : Labels
-    """
+    """The pairs of element and item of positive weight, by element and then by item; arrays of shape (edges,)."""
 
     element: Ints
     item: Ints
@@ -104,8 +87,8 @@ class Edges:
         mine = np.nonzero(x[self.element] > 0.5)[0]
         order = mine[np.lexsort((mine, -self.weight[mine], self.item[mine]))]
         first = np.append(True, self.item[order][1:] != self.item[order][:-1]) if len(order) else np.zeros(0, dtype=bool)
-        found: Ints = order[first]
-        return found
+        best: Ints = order[first]
+        return best
 
 
 def edges_of(problem: SubmodularSelection) -> Edges:
@@ -120,7 +103,8 @@ def edges_of(problem: SubmodularSelection) -> Edges:
 
 
 def edges_size(problem: SubmodularSelection, each: tuple[float, float, float, float]) -> ProgramSize:
-    """Size of a program with this many columns and rows for each edge, rows an item, and entries an edge, beside the choice of elements."""
+    """Size of a program that has ``each`` = columns an edge, rows an edge, rows an item and entries an edge, beside the choice of
+    elements."""
     weights = problem.function.as_item_weights()
     assert weights is not None
     edges = float(len(weights.indices) or np.count_nonzero(weights.matrix))
@@ -140,7 +124,7 @@ def choice(edges: Edges) -> Variables:
 
 
 def constraint_rows(problem: SubmodularSelection) -> Rows:
-    """What may be chosen together: ``cardinality``, ``budget``, or a row a group (a robot)."""
+    """The constraint's rows: ``cardinality``, ``budget``, or a row a group (a robot)."""
     limits = problem.constraint.rows(problem.num_elements)
     assert limits is not None  # no form takes a constraint that is known by what it allows only
     size, parts = len(limits.limit), [(limits.row, limits.element, limits.coefficient)]
@@ -153,12 +137,7 @@ def constraint_rows(problem: SubmodularSelection) -> Rows:
 class Credits:
     """The pairs of creditor and item that an edge joins; a creditor is a set of elements of which at most one is chosen.
 
-    Parameters
-    ----------
-    creditor, item : arrays of shape (pairs,)
-    of_edge : array of shape (edges,)
-        The pair that each edge belongs to.
-    labels : names of creditors and items
+    ``creditor`` and ``item`` have shape (pairs,), ``labels`` names them, and ``of_edge``, of shape (edges,), is the pair of each edge.
     """
 
     creditor: Ints
@@ -194,13 +173,15 @@ def prices_evidence(prices: Floats, limits: Floats, source: str, problem: Any) -
 
 
 def decided(column: int, most: int) -> Decision:
-    """What a bound on the binary column of an element says of a selection."""
+    """The statement on a selection that a bound on the binary column of an element makes."""
     return {"chosen": column}, most >= 1
 
 
 def decisions(problem: SubmodularSelection) -> dict[str, Any]:
-    """Fields of a ``Compiled`` whose first columns are elements. No more than decisions can make its relaxation infeasible, which any
-    evidence shows."""
+    """Fields of a ``Compiled`` whose first columns are elements.
+
+    Only decisions can make its relaxation infeasible, which any evidence shows.
+    """
     items = edges_of(problem).items
 
     def ray_evidence(ray: Floats) -> Evidence:
@@ -210,5 +191,5 @@ def decisions(problem: SubmodularSelection) -> dict[str, Any]:
 
 
 def at_most(limit: float = 0.0) -> dict[str, float]:
-    """Sides of rows ``<= limit``."""
+    """Lower and upper sides of rows ``<= limit``."""
     return {"lower": -math.inf, "upper": limit}

@@ -35,14 +35,16 @@ from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import INTEGERS, LINEAR, Floats, Indices, Program, Rows, Variables
 from ...programs.size import ProgramSize
-from ..selections import Selection
-from ._selections import Labels, chosen, decided, indicator, proved
+from ..selections import Selection, indicator
+from ._selections import Labels, chosen, decided, proved
 
 if TYPE_CHECKING:
     from ....instances.sata.max_min_lp import SparseMatrix
     from ...problem import Problem
     from ..bottleneck_sata import BottleneckSATA
     from ..max_min_lp import MaxMinLP
+
+Csr = tuple[Indices, Indices, Floats]
 
 NEGLIGIBLE = 1e-9
 """Weights below this share of the largest one are left out of evidence: they are what an interior point leaves of zeros."""
@@ -64,12 +66,9 @@ def _of_graph(problem: BottleneckSATA) -> Compiled:
     names = Labels(g.num_robots, g.robot_name), Labels(n, g.action_name), Labels(g.num_targets, g.target_name)
     x = Variables("x", (np.arange(n),), (names[1],), lower=np.zeros(n), upper=np.ones(n), cost=np.zeros(n), integer=not problem.fractional)
     starts, actions = g.by_robot
-    robots = Rows(
-        "robot", (np.arange(g.num_robots),), (names[0],), indptr=starts, indices=actions, data=np.ones(n),
-        lower=np.full(g.num_robots, -math.inf), upper=np.ones(g.num_robots),
-    )  # fmt: skip
+    robots = _rows("robot", names[0], (starts, actions, np.ones(n)), -math.inf, 1.0)
     seen = g.by_target
-    targets = _less_w("target", names[2], seen.indptr, seen.indices, seen.weights, n, 0.0, math.inf)
+    targets = _rows("target", names[2], _less_w((seen.indptr, seen.indices, seen.weights), n), 0.0, math.inf)
 
     def encode(answer: Any) -> Floats:
         if isinstance(answer, Selection):
@@ -96,8 +95,8 @@ def _of_graph(problem: BottleneckSATA) -> Compiled:
     def ray_evidence(ray: Floats) -> Evidence:
         return Evidence("target-weights", "actions that are decided", -math.inf, {"targets": [0], "weights": [1.0]})
 
-    made = Compiled(Program("max-min", "max", (x, _w("max")), (robots, targets)), problem, decode, encode, dual_evidence)
-    return made if problem.fractional else replace(made, ray_evidence=ray_evidence, at_most=decided)
+    compiled = Compiled(Program("max-min", "max", (x, _w()), (robots, targets)), problem, decode, encode, dual_evidence)
+    return compiled if problem.fractional else replace(compiled, ray_evidence=ray_evidence, at_most=decided)
 
 
 # -- packing and covering rows ----------------------------------------------------------------------------------------
@@ -109,12 +108,13 @@ def _of_matrices(problem: MaxMinLP) -> Compiled:
     x = Variables(
         "x", (np.arange(n),), (Labels(n, problem.variable_name),), lower=np.zeros(n), upper=np.full(n, math.inf), cost=np.zeros(n)
     )
+    packed, covered = (a.indptr, a.indices, a.data), (c.indptr, c.indices, c.data)
     if maximise:
-        packing = _plain("packing", a, -math.inf, 1.0)
-        covering = _less_w("covering", _numbers(c.rows), c.indptr, c.indices, c.data, n, 0.0, math.inf)
+        packing = _rows("packing", _numbers(a.rows), packed, -math.inf, 1.0)
+        covering = _rows("covering", _numbers(c.rows), _less_w(covered, n), 0.0, math.inf)
     else:
-        packing = _less_w("packing", _numbers(a.rows), a.indptr, a.indices, a.data, n, -math.inf, 0.0)
-        covering = _plain("covering", c, 1.0, math.inf)
+        packing = _rows("packing", _numbers(a.rows), _less_w(packed, n), -math.inf, 0.0)
+        covering = _rows("covering", _numbers(c.rows), covered, 1.0, math.inf)
 
     def encode(answer: Any) -> Floats:
         values = np.asarray(answer, dtype=np.float64)
@@ -138,7 +138,7 @@ def _of_matrices(problem: MaxMinLP) -> Compiled:
         source = "duals of the max-min LP" if maximise else "duals of the min-max LP"
         return proved(problem, "packing-covering-duals", source, {"covering": y.tolist(), "packing": z.tolist()})
 
-    program = Program("max-min", problem.sense, (x, _w(problem.sense)), (packing, covering))
+    program = Program("max-min", problem.sense, (x, _w()), (packing, covering))
     return Compiled(program, problem, decode, encode, dual_evidence)
 
 
@@ -173,7 +173,7 @@ def _lowered(c: SparseMatrix, price: Floats, y: Floats) -> Floats:
 # -- parts ------------------------------------------------------------------------------------------------------------
 
 
-def _w(sense: str) -> Variables:
+def _w() -> Variables:
     return Variables("w", lower=np.zeros(1), upper=np.full(1, math.inf), cost=np.ones(1))
 
 
@@ -181,26 +181,24 @@ def _numbers(size: int) -> Labels:
     return Labels(size, lambda k: str(k + 1))
 
 
-def _plain(name: str, matrix: SparseMatrix, lower: float, upper: float) -> Rows:
-    m = matrix.rows
-    return Rows(
-        name, (np.arange(m),), (_numbers(m),), indptr=matrix.indptr, indices=matrix.indices, data=matrix.data,
-        lower=np.full(m, lower), upper=np.full(m, upper),
-    )  # fmt: skip
+def _rows(name: str, labels: Labels, matrix: Csr, lower: float, upper: float) -> Rows:
+    """Rows with the same sides all, from the start of each row, the columns and the coefficients."""
+    indptr, indices, data = matrix
+    m = len(indptr) - 1
+    sides = {"lower": np.full(m, lower), "upper": np.full(m, upper)}
+    return Rows(name, (np.arange(m),), (labels,), indptr=indptr, indices=indices, data=data, **sides)
 
 
-def _less_w(name: str, labels: Labels, indptr: Indices, indices: Indices, data: Floats, w: int, lower: float, upper: float) -> Rows:
-    """The rows of a CSR matrix, each less the variable in column ``w``."""
+def _less_w(matrix: Csr, w: int) -> Csr:
+    """The rows of a matrix, each less the variable in column ``w``."""
+    indptr, indices, data = matrix
     m = len(indptr) - 1
     starts = indptr + np.arange(m + 1, dtype=np.int32)
     own = np.ones(len(indices) + m, dtype=bool)
     own[starts[1:] - 1] = False
     columns, values = np.full(len(own), w, dtype=np.int32), np.full(len(own), -1.0)
     columns[own], values[own] = indices, data
-    return Rows(
-        name, (np.arange(m),), (labels,), indptr=starts.astype(np.int32), indices=columns, data=values,
-        lower=np.full(m, lower), upper=np.full(m, upper),
-    )  # fmt: skip
+    return starts.astype(np.int32), columns, values
 
 
 def _clean(duals: Floats) -> Floats:
@@ -224,14 +222,4 @@ def _makes(problem: BottleneckSATA | MaxMinLP) -> frozenset[str]:
 
 
 FEATURES = frozenset({"sensing", "whole-actions", "packing-covering", "min-max", "several-packing-rows"})
-FORMS.add(
-    "max-min",
-    Form(
-        "max-min",
-        "max-min",
-        FEATURES,
-        build,
-        size=_size,
-        makes=lambda problem: INTEGERS if "whole-actions" in problem.features() else LINEAR,
-    ),
-)
+FORMS.add("max-min", Form("max-min", "max-min", FEATURES, build, size=_size, makes=_makes))

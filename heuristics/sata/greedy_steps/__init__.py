@@ -1,3 +1,3 @@
-"""What heuristics for selection problems share: evaluation, compiled loops, guarantees, evidence."""
+"""Parts of the heuristics for selection problems: evaluation, compiled loops, guarantees, evidence."""
 
 from .... import _guard as _guard

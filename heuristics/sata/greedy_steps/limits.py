@@ -25,14 +25,7 @@ ANY_CONSTRAINT = FORMULATED | ASKED
 
 @dataclass(frozen=True, eq=False)
 class Limits:
-    """At most ``room[g]`` elements of group g; a cardinality limit is one group.
-
-    Parameters
-    ----------
-    groups : array of shape (elements,)
-    room : array of shape (groups,)
-        No larger than the group: what can be chosen from it.
-    """
+    """At most ``room[g]`` elements of group g, out of no more than it has; a cardinality limit is one group."""
 
     groups: NDArray[np.int32]
     room: NDArray[np.int64]
@@ -40,14 +33,14 @@ class Limits:
     @classmethod
     def of(cls, problem: SubmodularSelection | BottleneckSATA) -> Limits:
         """The limits of a problem whose constraint is a partition; raises TypeError for another."""
-        found = cls.if_any(problem)
-        if found is None:
+        limits = cls.if_any(problem)
+        if limits is None:
             raise TypeError(f"the constraint {problem.constraint.name} is no limit for each group")
-        return found
+        return limits
 
     @classmethod
     def if_any(cls, problem: SubmodularSelection | BottleneckSATA) -> Limits | None:
-        """The same, or None."""
+        """The limits, or None where the constraint is no partition."""
         partition = problem.constraint.as_partition(problem.num_elements)
         if partition is None:
             return None
@@ -73,30 +66,24 @@ class Limits:
         return order[np.sort(by_group[place < self.room[member]])]
 
     def without(self, chosen: Sequence[int]) -> NDArray[np.int64]:
-        """Room that is left beside ``chosen``.
-
-        Raises
-        ------
-        UsageError
-            If there is not enough room for them.
-        """
-        left = self.room - np.bincount(self.groups[list(chosen)], minlength=len(self.room))
-        if (left < 0).any():
+        """Room that is left beside ``chosen``; raises UsageError where they do not fit."""
+        spare = self.room - np.bincount(self.groups[list(chosen)], minlength=len(self.room))
+        if (spare < 0).any():
             raise UsageError("the elements of base break the constraint already")
-        return left
+        return spare
 
     def plain_evaluations(self, picks: Sequence[int], base: Sequence[int] = ()) -> int:
         """Gains that a plain greedy evaluates on the way to ``picks``: in each round those of all elements that could be taken."""
-        left = self.without(base)
+        spare = self.without(base)
         free = np.bincount(self.groups, minlength=len(self.room)) - np.bincount(self.groups[list(base)], minlength=len(self.room))
-        open_ = int(free[left > 0].sum())
+        open_ = int(free[spare > 0].sum())
         total = 0
         for e in picks:
             total += open_
             g = self.groups[e]
-            left[g] -= 1
+            spare[g] -= 1
             free[g] -= 1
-            open_ -= 1 + (int(free[g]) if left[g] == 0 else 0)
+            open_ -= 1 + (int(free[g]) if spare[g] == 0 else 0)
         return total
 
 
@@ -109,24 +96,21 @@ def first_allowed(problem: SubmodularSelection | BottleneckSATA, order: NDArray[
 
 
 def not_whole(problem: Problem) -> frozenset[str]:
-    """Why a heuristic for whole actions cannot take a max-min problem: it is another than the bottleneck."""
+    """The reason why a heuristic for whole actions cannot take a max-min problem, if it is another than the bottleneck."""
     return frozenset({f"{problem.problem} problems"}) if problem.family == "max-min" and problem.problem != "bottleneck" else frozenset()
 
 
-def chosen_elements(what: str, given: object, problem: SubmodularSelection) -> list[int]:
-    """Different element numbers from 0, from a list of them, or from a text of names that are separated by commas.
-
-    Raises
-    ------
-    UsageError
-        If it is no such list.
-    """
+def chosen_elements(what: str, elements: object, problem: SubmodularSelection) -> list[int]:
+    """Different element numbers from 0, from a list of them or a text of names separated by commas; raises UsageError for anything else."""
     size = problem.num_elements
-    if isinstance(given, str):
+    if isinstance(elements, str):
         number = {problem.element_name(e): e for e in range(size)}
-        found = [number.get(part.strip(), -1) for part in given.split(",") if part.strip()]
+        numbers = [number.get(part.strip(), -1) for part in elements.split(",") if part.strip()]
     else:
-        found = list(given) if isinstance(given, Sequence | np.ndarray) and not isinstance(given, bytes) else [-1]
-    if any(isinstance(e, bool) or not isinstance(e, int | np.integer) or not 0 <= e < size for e in found) or len(set(found)) < len(found):
-        raise UsageError(f"{what} must be a list of different element numbers from 0 to {size - 1}, or of names, not {str(given)[:80]!r}")
-    return [int(e) for e in found]
+        numbers = list(elements) if isinstance(elements, Sequence | np.ndarray) and not isinstance(elements, bytes) else [-1]
+    known = all(isinstance(e, int | np.integer) and not isinstance(e, bool) and 0 <= e < size for e in numbers)
+    if not known or len(set(numbers)) < len(numbers):
+        raise UsageError(
+            f"{what} must be a list of different element numbers from 0 to {size - 1}, or of names, not {str(elements)[:80]!r}"
+        )
+    return [int(e) for e in numbers]

@@ -1,9 +1,9 @@
 """Greedy loops over coverage and facility location, compiled.
 
-All of them pick the largest gain, the smallest index among equal ones, until each group has as many elements as it has room for
-(a cardinality limit is one group), ``most`` are picked, the gain is below ``eps``, or the ``flag`` of a ``Stop`` is set: then what was
-picked so far is a prefix of the whole. They return ``(picks, gains, evaluations)``.
-A function comes as the arrays of its ``ItemWeights``, and a set as ``best``, which is raised in place.
+All of them pick the largest gain, the smallest index among equal ones, until each group has as many elements as it has room for (a
+cardinality limit is one group), ``most`` are picked, the gain is below ``eps``, or the ``flag`` of a ``Stop`` is set: then the picks so far
+are a prefix of the whole. They return ``(picks, gains, evaluations)``. A function comes as the arrays of its ``ItemWeights``, and a set as
+``best``, which is raised in place.
 """
 
 from __future__ import annotations

@@ -26,19 +26,10 @@ THIN = 0.5
 
 @dataclass(frozen=True)
 class Picked:
-    """What a greedy took, and how it went.
+    """The picks of a greedy in the order of choice, and how it went.
 
-    Parameters
-    ----------
-    elements : list of int
-        In the order of choice.
-    gains : list of float
-    evaluations, plain_evaluations : int
-        Gains evaluated, and those that a plain greedy evaluates on the way to these picks.
-    evaluation : str
-        ``plain, lazy`` or ``incremental``.
-    ended : str
-        ``full`` (no room is left), ``eps`` (what is left gains less) or ``stopped``.
+    ``plain_evaluations`` are those that a plain greedy takes on the way to these picks; ``evaluation`` is ``plain``, ``lazy`` or
+    ``incremental``; ``ended`` is ``full`` (no room is left), ``eps`` (what is left gains less) or ``stopped``.
     """
 
     elements: list[int]
@@ -50,25 +41,17 @@ class Picked:
 
 
 def check_threshold(eps: Any) -> None:
-    """Raise UsageError unless ``eps`` is a gain that a greedy may stop at."""
+    """Raise UsageError unless ``eps`` is a finite number of at least 0."""
     if isinstance(eps, bool) or not isinstance(eps, int | float) or not (eps >= 0 and math.isfinite(eps)):
         raise UsageError(f"eps must be a finite number of at least 0, not {eps!r}")
 
 
 def pick(problem: SubmodularSelection, stop: Stop, *, evaluation: str = "auto", eps: float = 0.0, base: Sequence[int] = ()) -> Picked:
-    """The best element that there is room for, again and again; ties go to the smallest index.
+    """The best element that there is room for, again and again, until the largest gain is below ``eps``; ties go to the smallest index.
 
-    Gains of functions that are known by their values only are differences, and tie where these differ by rounding.
-
-    Parameters
-    ----------
-    evaluation : str
-        ``plain`` (every gain in every round), ``lazy`` (only those that may be the largest, by their gains of earlier rounds),
-        ``incremental`` (all gains are kept up to date; coverage and sparse facility location), or ``auto``, the fastest of those.
-    eps : float
-        Ends where the largest gain is smaller.
-    base : sequence of int
-        Elements that are chosen already, and take room.
+    ``evaluation``: every gain in every round (``plain``), only those that may be the largest, by their gains of earlier rounds (``lazy``),
+    all gains kept up to date (``incremental``: coverage and sparse facility location), or ``auto``, the fastest of those. Gains of
+    functions that are known by their values only are differences, and tie where these differ by rounding.
     """
     weights, limits = problem.function.as_item_weights(), Limits.if_any(problem)
     compiled = weights is not None and limits is not None
@@ -108,13 +91,13 @@ def _compiled(weights: ItemWeights, how: str, state: tuple[Any, ...], base: Sequ
         return getattr(loops, how)(*state, chosen.best, *weights.arrays)  # type: ignore[no-any-return]
     # How often a gain can change: an item of a coverage once, one of a facility location with each pick.
     changes = int(np.diff(weights.indptr).max(initial=0)) * (1 if weights.layout == AT_ITEM else state[4])
-    given = weights.weights[:0] if weights.layout == AT_ITEM else weights.weights
-    items = transpose(state[0], weights.num_items, weights.indptr, weights.indices, given)
+    of_entry = weights.weights[:0] if weights.layout == AT_ITEM else weights.weights
+    items = transpose(state[0], weights.num_items, weights.indptr, weights.indices, of_entry)
     return loops.incremental(*state, chosen.best, *items, changes, *weights.arrays)  # type: ignore[no-any-return]
 
 
 def _asked(problem: SubmodularSelection, how: str, eps: float, base: Sequence[int], stop: Stop) -> Picked:
-    """For any function and constraint: in each round the constraint is asked what is open, and the function for gains."""
+    """Picks for any function and constraint: in each round the constraint is asked what is open, and the function for gains."""
     chosen, openings = empty_set(problem.function), Openings(problem.constraint, problem.num_elements)
     if len(openings.take_in_order(base)) < len(base):
         raise UsageError("the elements of base break the constraint already")
@@ -123,12 +106,12 @@ def _asked(problem: SubmodularSelection, how: str, eps: float, base: Sequence[in
     picks: list[int] = []
     gains: list[float] = []
     known, plain, ended = np.full(problem.num_elements, np.inf), 0, "full"
-    while len(left := openings.open()):
-        element, gain = _lazy_round(chosen, left, known, stop) if how == "lazy" else chosen.best_of(left, stop)
+    while len(open_ := openings.open()):
+        element, gain = _lazy_round(chosen, open_, known, stop) if how == "lazy" else chosen.best_of(open_, stop)
         if element < 0 or gain < eps - rounding(chosen.value, 0.0):
             ended = "stopped" if element < 0 else "eps"
             break
-        plain += len(left)
+        plain += len(open_)
         chosen.take(element, gain)
         openings.take(element)
         picks.append(element)
@@ -136,9 +119,9 @@ def _asked(problem: SubmodularSelection, how: str, eps: float, base: Sequence[in
     return Picked(picks, gains, chosen.evaluations, plain, how, ended)
 
 
-def _lazy_round(chosen: GrowingSet, left: NDArray[np.int64], known: NDArray[np.float64], stop: Stop) -> tuple[int, float]:
+def _lazy_round(chosen: GrowingSet, elements: NDArray[np.int64], known: NDArray[np.float64], stop: Stop) -> tuple[int, float]:
     """The best of ``left``, whose gains are at most ``known``; in calls of 1, 2, 4, ... sets, so that few do where many must be asked."""
-    rest = left[np.lexsort((left, -known[left]))]
+    rest = elements[np.lexsort((elements, -known[elements]))]
     size = 1 if np.isfinite(known[rest[0]]) else len(rest)
     asked = rest[:0]
     best, gain = -1, -np.inf

@@ -20,20 +20,10 @@ STILL = 1e-9
 class ForceRules:
     """Breakpoints of the two forces, as multiples of the sensing range.
 
-    The defaults are this package's: the source names the breakpoints and not their values.
-
-    Parameters
-    ----------
-    do1, do2 : float
-        A target pushes off below ``do1``, and draws with full force from ``do2`` on.
-    do3 : float
-        Up to here it draws with full force; the sensing range itself.
-    predictive : float
-        From here on it does not draw: as far as targets seen by others are followed.
-    dr1, dr2 : float
-        A robot pushes off with full force below ``dr1``, and not at all from ``dr2`` on.
-    shared : float
-        Weight of a target that another robot sees, too.
+    A target pushes off below ``do1``, draws with full force from ``do2`` to ``do3``, the sensing range itself, and not at all from
+    ``predictive`` on, as far as targets seen by others are followed. A robot pushes off with full force below ``dr1``, and not at all from
+    ``dr2`` on. ``shared`` is the weight of a target that another robot sees, too. The defaults are this package's: the source names the
+    breakpoints and not their values.
     """
 
     do1: float = 0.15
@@ -62,18 +52,11 @@ def repulsion(distance: ArrayLike, dr1: float, dr2: float) -> Floats:
 def forces(observation: TrackingObservation, rules: ForceRules | None = None) -> Floats:
     """Sum of the forces on each robot, shape (robots, 2).
 
-    A robot feels the robots that it can hear, directly or relayed, and the targets that it or they see, each where those who see
-    it measure it on average.
+    A robot feels the robots that it can hear, directly or relayed, and the targets that it or they see, each where those who see it measure
+    it on average. Two things at one place exert no force on each other: they have no direction.
 
-    Parameters
-    ----------
-    observation : TrackingObservation
-    rules : ForceRules, optional
-
-    Notes
-    -----
-    Source: Parker (2002), "Distributed algorithms for multi-robot observation of multiple moving targets", Autonomous Robots 12,
-    in formulas: docs/missions.md#force-vectors. Two things at one place exert no force on each other: they have no direction.
+    Source: Parker (2002), "Distributed algorithms for multi-robot observation of multiple moving targets", Autonomous Robots 12, in
+    formulas: docs/missions.md#force-vectors.
     """
     r, o = rules or ForceRules(), observation
     s = o.rules.sensing
@@ -101,7 +84,7 @@ def _along(sizes: Floats, ways: Floats, lengths: Floats) -> Floats:
 
 
 def moves(observation: TrackingObservation, rules: ForceRules | None = None) -> dict[int, Floats]:
-    """Where each robot goes: along the sum of its forces as far as it can in one step, and no farther than the wall."""
+    """The place where each robot goes: along the sum of its forces as far as it can in one step, and no farther than the wall."""
     o, pull = observation, forces(observation, rules)
     size = np.sqrt((pull**2).sum(axis=1))
     going = size > STILL

@@ -38,14 +38,11 @@ PRESETS: dict[str, dict[str, Any]] = {
 class Tracking(Mission):
     """Keep moving targets in the sight of a team of robots.
 
-    In each step a robot predicts the targets that it sees (they go on as they last moved), and lays out its motion primitives: places
-    where it may be next, staying among them. A primitive sees a predicted target within the sensing range. Which primitives
-    the robots take is the problem, one for each team: robots that can hear each other and share a target. A robot without an
-    action of its own, because it sees nothing, no target is credited to it or its team's problem has no answer, does what the setting
-    ``idle`` says.
+    In each step a robot predicts the targets that it sees (they go on as they last moved), and lays out its motion primitives: places where
+    it may be next, staying among them. A primitive sees a predicted target within the sensing range. Which primitives the robots take is
+    the problem, one for each team: robots that can hear each other and share a target. A robot without an action of its own, because it
+    sees nothing, no target is credited to it or its team's problem has no answer, does what the setting ``idle`` says.
 
-    Notes
-    -----
     Source: Sung (2019), chapter 3. Readings of what it leaves open: docs/missions.md#tracking.
     """
 
@@ -67,11 +64,11 @@ class Tracking(Mission):
         values = scenario_values(setting_values(self.name, self.settings, settings))
         preset = PRESETS[values["scenario"]]
         self.values = {key: preset[key] if value is None else value for key, value in values.items()}
-        made = make_world("tracking", seed, **{key: values[key] for key in WORLDS["tracking"].settings})
-        assert isinstance(made, TrackingWorld)
+        world = make_world("tracking", seed, **{key: values[key] for key in WORLDS["tracking"].settings})
+        assert isinstance(world, TrackingWorld)
         self._assigned = list[tuple[int, int]]()
         self._draw = Draw(np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, 1]))))
-        return made
+        return world
 
     def teams(self, observation: TrackingObservation) -> Sequence[TrackingObservation]:
         """Robots that hear each other, directly or relayed, and share targets, directly or through others of them."""
@@ -137,18 +134,18 @@ class Tracking(Mission):
         return math.fsum(values) if self.values["problem"] == "winner-takes-all" else min(values)
 
     def measures(self, decisions: Sequence[Decision], world: World) -> dict[str, float]:
-        """What was predicted of the step beside what came true.
+        """Predicted measures of the step beside those that came true.
 
-        ``candidates``: different targets in the teams' problems; ``estimated_targets``: those that the chosen primitives were
-        predicted to see; ``actual_targets``: candidates that robots see after the step; ``estimated_value``: the value of the
-        chosen primitives as predicted; ``actual_value``: the same of the robots' and targets' true places, each robot credited with
-        the targets that it had predicted alone. Values are NaN where no team has an answer.
+        ``candidates``: different targets in the teams' problems; ``estimated_targets``: those that the chosen primitives were predicted to
+        see; ``actual_targets``: candidates that robots see after the step; ``estimated_value``: the value of the chosen primitives as
+        predicted; ``actual_value``: the same of the robots' and targets' true places, each robot credited with the targets that it had
+        predicted alone. Values are NaN where no team has an answer.
         """
         assert isinstance(world, TrackingWorld)
         solved = [d for d in decisions if d.problem is not None]
         answered = [d for d in solved if d.answer is not None]
         candidates = {t for d in solved for t in _targets(d.problem)}
-        estimated = {t for d in answered for t in _seen(d)}
+        estimated = {target for d in answered for _, target in _sights(cast(Problem, d.problem), d.answer)}
         observed = world.observe().seen_by_any
         values = np.array([self._values(d, world) for d in answered], dtype=np.float64).reshape(-1, 2)
         whole = [self.total(column) if len(values) else math.nan for column in values.T.tolist()] if len(values) else [math.nan] * 2
@@ -167,7 +164,7 @@ class Tracking(Mission):
     # ------------------------------------------------------------------------------------------------------------------
 
     def _primitives(self, o: TrackingObservation) -> Floats:
-        """Where each robot may be next, shape (robots, primitives, 2), where it is included; no farther than the wall."""
+        """Places where each robot may be next, its own included, no farther than the wall; shape (robots, primitives, 2)."""
         count, step = int(self.values["primitives"]) - 1, o.rules.robot_step
         shape = (len(o.ids), count)
         if self.values["motion"] == "around":
@@ -216,13 +213,18 @@ def chosen_actions(problem: Problem, answer: Any) -> list[int]:
 
 def assigned(problem: Problem, answer: Any) -> list[tuple[int, int]]:
     """Robots of a problem, and targets by their numbers in the world: whom each target is credited to, or who is predicted to see it."""
-    graph, targets = _graph(problem), _targets(problem)
-    chosen = chosen_actions(problem, answer)
     if isinstance(problem, WinnerTakesAllSATA):
+        targets, chosen = _targets(problem), chosen_actions(problem, answer)
         winners = problem.winners(tuple(chosen))[0] if answer.winners is None else np.asarray(answer.winners)
         return [(int(robot), targets[t]) for t, robot in enumerate(winners.tolist()) if robot >= 0]
-    edges = [(int(graph.robot_of_action[a]), graph.indices[graph.indptr[a] : graph.indptr[a + 1]].tolist()) for a in chosen]
-    return [(robot, targets[t]) for robot, seen in edges for t in seen]
+    return _sights(problem, answer)
+
+
+def _sights(problem: Problem, answer: Any) -> list[tuple[int, int]]:
+    """Robots of a problem, and targets by their numbers in the world that their chosen actions are predicted to see."""
+    graph, targets = _graph(problem), _targets(problem)
+    seen = [(int(graph.robot_of_action[a]), graph.indices[graph.indptr[a] : graph.indptr[a + 1]]) for a in chosen_actions(problem, answer)]
+    return [(robot, targets[t]) for robot, own in seen for t in own.tolist()]
 
 
 def _graph(problem: Problem | None) -> SensingGraph:
@@ -235,14 +237,6 @@ def _targets(problem: Problem | None) -> list[int]:
     """The targets' numbers in the world."""
     graph = _graph(problem)
     return [int(graph.target_name(t)) - 1 for t in range(graph.num_targets)]
-
-
-def _seen(decision: Decision) -> set[int]:
-    """Targets, by their numbers in the world, that the chosen actions are predicted to see."""
-    problem = cast(Problem, decision.problem)
-    graph, targets = _graph(problem), _targets(problem)
-    actions = chosen_actions(problem, decision.answer)
-    return {targets[t] for a in actions for t in graph.indices[graph.indptr[a] : graph.indptr[a + 1]].tolist()}
 
 
 MISSIONS.add("tracking", Tracking)

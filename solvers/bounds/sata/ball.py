@@ -1,9 +1,5 @@
-"""Bound ``ball``: the linear program over a part of a sensing graph, which bounds the whole from above.
-
-Take any set S of targets, the robots that see some of them, and of those robots' actions what they see of S. Any division of all
-robots covers the worst target of S no better than these robots can, so the optimum of the small program is an upper bound on the
-whole one's, whatever S is. It is sharp where S holds what keeps the whole optimum down, which is usually a small cluster of
-targets: S is a ball, the targets within some hops of the worst-covered ones.
+"""Bound ``ball``: the linear program over a part of a sensing graph, which bounds the whole from above
+(docs/formulations/bottleneck.md#balls).
 
 Source: linear programming duality for (3.5) of Sung (2019): the dual weights of the small program, and zeros elsewhere, are feasible for
 the dual of the whole.
@@ -19,6 +15,7 @@ import numpy as np
 from ....formulations.evidence import Evidence
 from ....formulations.sata.balls import Floats, Indices, ball_graph, even_shares, grown, near_one, num_edges
 from ....formulations.sata.balls import coverage as covered_by
+from ....formulations.sata.max_min_lp import RobotsOf
 from ....formulations.stop import NEVER, Stop
 from ....instances.errors import InputError
 from ....instances.sata.sensing_graph import SensingGraph
@@ -27,7 +24,6 @@ from .. import BOUNDS, BoundMethod
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
-    from ....formulations.sata.bottleneck_sata import BottleneckSATA
 
 SEEDS = 3
 """Worst-covered targets that the first ball is grown around."""
@@ -42,7 +38,7 @@ STILL = 1e-7
 """Relative improvement below which a bound stands still."""
 
 TIME_SHARE = 0.5
-"""Of a budget for all bounds; the rest is for the linear program over the whole graph."""
+"""Share of a budget for all bounds; the rest is for the linear program over the whole graph."""
 
 SIMPLEX = {"highs": {"solver": "simplex"}}
 SIMPLEX_EDGES = 8_000
@@ -50,38 +46,27 @@ SIMPLEX_EDGES = 8_000
 
 
 def ball_weights(graph: SensingGraph, targets: Indices, stop: Stop, linear: LinearPrograms) -> tuple[float, Indices, Floats] | None:
-    """Solve the linear program over the ball of ``targets``.
+    """Solve the linear program over the ball of ``targets`` (ascending, none twice).
 
-    Parameters
-    ----------
-    graph : SensingGraph
-    targets : integer array
-        Ascending, none twice.
-    stop : Stop
-    linear : LinearPrograms
-
-    Returns
-    -------
-    (bound, targets, weights) or None
-        The bound, and the targets of positive dual weight; None if the program was not solved.
+    Returns the bound, the targets of positive dual weight and their weights; None if the program was not solved.
     """
     from ....formulations.sata.bottleneck_sata import BottleneckSATA
 
     part = ball_graph(graph, targets)
     part, unit = near_one(part)
     problem = BottleneckSATA(part, fractional=True)
-    made = problem.compile("max-min")
+    compiled = problem.compile("max-min")
     try:
-        duals = linear.duals(made.program, stop, SIMPLEX if part.num_edges <= SIMPLEX_EDGES else None)
+        duals = linear.duals(compiled.program, stop, SIMPLEX if part.num_edges <= SIMPLEX_EDGES else None)
     except InputError:  # weights of sizes that the solver does not take
         return None
-    if duals is None or made.dual_evidence is None:
+    if duals is None or compiled.dual_evidence is None:
         return None
-    found = made.dual_evidence(duals)
-    if not math.isfinite(found.value):
+    evidence = compiled.dual_evidence(duals)
+    if not math.isfinite(evidence.value):
         return None
-    priced = targets[np.asarray(found.data["targets"], dtype=np.int64)].astype(np.int64)
-    return found.value / unit, priced, np.asarray(found.data["weights"], dtype=np.float64)
+    priced = targets[np.asarray(evidence.data["targets"], dtype=np.int64)].astype(np.int64)
+    return evidence.value / unit, priced, np.asarray(evidence.data["weights"], dtype=np.float64)
 
 
 def weights_evidence(targets: Indices, weights: Floats, bound: float, source: str) -> Evidence:
@@ -89,8 +74,14 @@ def weights_evidence(targets: Indices, weights: Floats, bound: float, source: st
     return Evidence("target-weights", source, bound, {"targets": targets.tolist(), "weights": weights.tolist()})
 
 
+def unseen_evidence(graph: SensingGraph) -> Evidence:
+    """Evidence that nothing more than 0 can be had, from a target that no action sees."""
+    name = graph.target_name(int(graph.unseen_targets[0]))
+    return weights_evidence(graph.unseen_targets[:1], np.ones(1), 0.0, f"target {name}, which no action sees")
+
+
 def ball_evidence(
-    problem: BottleneckSATA,
+    graph: SensingGraph,
     coverage: Floats | None,
     stop: Stop = NEVER,
     linear: LinearPrograms | None = None,
@@ -98,48 +89,27 @@ def ball_evidence(
     seeds: int = SEEDS,
     most_edges: int = MOST_EDGES,
 ) -> Evidence | None:
-    """Evidence from linear programs over balls around the worst-covered targets.
+    """Evidence ``target-weights`` from linear programs over balls around the worst-covered targets; None where none was solved in time.
 
-    A ball grows, to at least twice its edges at a time, until its bound stands still; then others are grown around four times as many
-    seeds, as long as some target is covered worse than the bound found so far.
-
-    Parameters
-    ----------
-    problem : BottleneckSATA
-        For whole actions, this is a bound of its relaxation.
-    coverage : array of shape (targets,), optional
-        Coverage by the best answer known; by default that of robots that divide themselves evenly among their actions.
-    stop : Stop
-    linear : LinearPrograms, optional
-    seeds : int
-        Targets that the first ball is grown around.
-    most_edges : int
-        Largest ball.
-
-    Returns
-    -------
-    Evidence or None
-        Of kind ``target-weights``; None where no program was solved in time.
-
-    Notes
-    -----
-    Source: linear programming duality; docs/formulations/bottleneck.md#balls.
+    A ball grows, to at least twice its edges at a time and ``most_edges`` at most, until its bound stands still; the first is grown around
+    ``seeds`` targets, others around four times as many, as long as some target is covered worse than the best bound so far. ``coverage``,
+    of shape (targets,), is that of the best answer known; by default that of robots that divide themselves evenly among their actions. For
+    whole actions this is a bound of their relaxation.
     """
-    graph, linear = problem.graph, linear or LinearPrograms()
+    linear = linear or LinearPrograms()
     if len(graph.unseen_targets):
-        name = graph.target_name(int(graph.unseen_targets[0]))
-        return weights_evidence(graph.unseen_targets[:1], np.ones(1), 0.0, f"target {name}, which no action sees")
+        return unseen_evidence(graph)
     if coverage is None:
         coverage = covered_by(graph, even_shares(graph))
     best: tuple[float, Indices, Floats] | None = None
     count = min(seeds, graph.num_targets)
     while True:
         worst = np.sort(np.argpartition(coverage, count - 1)[:count])
-        found = None if num_edges(graph, worst) > most_edges else _grown_weights(graph, worst, stop, linear, most_edges)
-        if found is None:
+        priced = None if num_edges(graph, worst) > most_edges else _grown_weights(graph, worst, stop, linear, most_edges)
+        if priced is None:
             break
-        if best is None or found[0] < best[0]:
-            best = found
+        if best is None or priced[0] < best[0]:
+            best = priced
         if count == graph.num_targets or np.partition(coverage, count)[count] >= best[0] * (1.0 - STILL):
             break
         count = min(MORE_SEEDS * count, graph.num_targets)
@@ -156,12 +126,12 @@ def _grown_weights(
     best: tuple[float, Indices, Floats] | None = None
     ball: Indices | None = seeds
     while ball is not None:
-        found = None if stop.reached() else ball_weights(graph, ball, stop, linear)
-        if found is None:
+        priced = None if stop.reached() else ball_weights(graph, ball, stop, linear)
+        if priced is None:
             break
-        standing = best is not None and found[0] >= best[0] * (1.0 - STILL)
-        if best is None or found[0] < best[0]:
-            best = found
+        standing = best is not None and priced[0] >= best[0] * (1.0 - STILL)
+        if best is None or priced[0] < best[0]:
+            best = priced
         ball = None if standing else grown(graph, ball, most_edges)
     return best
 
@@ -169,27 +139,13 @@ def _grown_weights(
 def ball_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from balls around the targets that robots who divide themselves evenly cover worst, in half of the time.
 
-    Parameters
-    ----------
-    problem : BottleneckSATA, or MaxMinLP with one packing row a variable
-    stop : Stop
-    linear : LinearPrograms, optional
-
-    Returns
-    -------
-    Evidence or None
-        Of kind ``target-weights``, for a ``MaxMinLP`` of kind ``packing-covering-duals``.
+    For bottleneck problems of kind ``target-weights``, for max-min programs with one packing row a variable of kind
+    ``packing-covering-duals``.
     """
-    from ....formulations.sata.bottleneck_sata import BottleneckSATA
-
     half = stop.within(TIME_SHARE * stop.seconds_left)
-    if isinstance(problem, BottleneckSATA):
-        return ball_evidence(problem, None, half, linear)
-    from ....formulations.sata.single_packing import as_row_prices, as_sensing
-
-    graph, _ = as_sensing(problem)  # type: ignore[arg-type]
-    found = ball_evidence(BottleneckSATA(graph, fractional=True), None, half, linear)
-    return None if found is None else as_row_prices(graph, found)
+    robots = RobotsOf(problem)  # type: ignore[arg-type]
+    evidence = ball_evidence(robots.graph, None, half, linear)
+    return None if evidence is None else robots.evidence(evidence)
 
 
 def _missing(problem: Problem) -> frozenset[str]:

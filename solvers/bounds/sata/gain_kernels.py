@@ -36,7 +36,7 @@ def _gain_of_row(matrix, e, best):  # type: ignore[no-untyped-def] # pragma: no 
 
 @inner
 def gain(e, best, layout, indptr, indices, weights, matrix, single):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """What element ``e`` adds to the set that ``best`` stands for."""
+    """Gain of element ``e`` over the set that ``best`` stands for."""
     if layout == IN_MATRIX:
         return _gain_of_row(matrix, e, best) if len(matrix) > 0 else _gain_of_row(single, e, best)
     total = 0.0

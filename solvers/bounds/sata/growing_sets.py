@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 from ....formulations.sata.feasibility import with_each
 from ....formulations.stop import NEVER, Stop
 from ....formulations.tolerance import LIMIT
-from ....instances.sata.set_functions import ItemWeights, SetFunction
+from ....instances.sata.set_functions import Floats, ItemWeights, SetFunction
 
-Floats = NDArray[np.float64]
 Elements = NDArray[np.int64]
 
 
 def rounding(value: float, gain: float) -> float:
-    """By how much a gain may be off that is the difference of ``value`` and another: sums depend on how many sets are valued at once."""
+    """Rounding error of a gain that is the difference of ``value`` and another: sums depend on how many sets are valued at once."""
     return LIMIT * (abs(value) + abs(gain))
 
 
@@ -30,22 +29,14 @@ def first_of_largest(elements: Elements, gains: Floats, value: float) -> tuple[i
 
 
 class GrowingSet(ABC):
-    """The set chosen so far.
-
-    Attributes
-    ----------
-    value : float
-        f of the set.
-    evaluations : int
-        Gains evaluated so far.
-    """
+    """The set chosen so far: its value, and how many gains were evaluated."""
 
     value: float
     evaluations = 0
 
     @abstractmethod
     def gains(self, elements: Elements, stop: Stop = NEVER) -> Floats:
-        """What each of ``elements`` would add; 0 for those that were not asked for before it had to end."""
+        """Gain of each of ``elements``; 0 for those that were not asked for before it had to end."""
 
     @abstractmethod
     def take(self, element: int, gain: float) -> None:
@@ -56,15 +47,15 @@ class GrowingSet(ABC):
         """Add elements whose gains are not known."""
 
     def best_of(self, elements: Elements, stop: Stop = NEVER) -> tuple[int, float]:
-        """As ``first_of_largest``; -1 once it has to end."""
-        found = self.gains(elements, stop)
+        """The element of ``first_of_largest`` and its gain; -1 once it has to end."""
+        gains = self.gains(elements, stop)
         if stop.reached():
             return -1, 0.0
-        return first_of_largest(elements, found, self.value)
+        return first_of_largest(elements, gains, self.value)
 
 
 class WeightedSet(GrowingSet):
-    """For functions given by the weights of items, compiled."""
+    """A set for functions given by the weights of items, compiled."""
 
     def __init__(self, weights: ItemWeights) -> None:
         from .gain_kernels import gains_of, take
@@ -78,8 +69,8 @@ class WeightedSet(GrowingSet):
 
     def gains(self, elements: Elements, stop: Stop = NEVER) -> Floats:
         self.evaluations += len(elements)
-        found: Floats = self._gains_of(stop.flag, elements, self.best, *self.arrays)
-        return found
+        gains: Floats = self._gains_of(stop.flag, elements, self.best, *self.arrays)
+        return gains
 
     def take(self, element: int, gain: float) -> None:
         self._take(element, self.best, *self.arrays)
@@ -90,7 +81,7 @@ class WeightedSet(GrowingSet):
 
 
 class ValuedSet(GrowingSet):
-    """For functions known by their values: many sets a call."""
+    """A set for functions known by their values: many sets a call."""
 
     def __init__(self, function: SetFunction) -> None:
         self.function = function
@@ -99,13 +90,13 @@ class ValuedSet(GrowingSet):
 
     def gains(self, elements: Elements, stop: Stop = NEVER) -> Floats:
         self.evaluations += len(elements)
-        found = np.zeros(len(elements))
+        gains = np.zeros(len(elements))
         for part, masks in with_each(self.inside, elements):
             if stop.reached():
                 break
-            found[part] = self.function.values(masks) - self.value
-        found[self.inside[elements]] = 0.0
-        return found
+            gains[part] = self.function.values(masks) - self.value
+        gains[self.inside[elements]] = 0.0
+        return gains
 
     def take(self, element: int, gain: float) -> None:
         self.inside[element] = True

@@ -7,14 +7,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.sata.feasibility import Openings, in_budgets
 from ....formulations.stop import NEVER, Stop
 from ....instances.sata.constraints import Knapsack, LimitRows, PartitionMatroid
-from ....instances.sata.set_functions import ItemWeights
+from ....instances.sata.set_functions import Floats, ItemWeights
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 from .growing_sets import WeightedSet, empty_set
@@ -23,33 +22,17 @@ if TYPE_CHECKING:
     from ....formulations.problem import Problem
     from ....formulations.sata.submodular_selection import SubmodularSelection
 
-Floats = NDArray[np.float64]
 
 WORK = 5_000_000
 """Entries of the function's data that are looked at in search of the best prefix (two prefixes at least): some milliseconds."""
 
 
 def best_prefix(problem: SubmodularSelection, picks: Sequence[int], stop: Stop = NEVER) -> tuple[Evidence | None, int]:
-    """The strongest evidence ``marginal-gains`` among prefixes of ``picks``, and how many gains were looked at.
+    """The strongest evidence ``marginal-gains`` among prefixes of ``picks``, and how many gains were looked at; docs/selection.md#bounds.
 
-    Parameters
-    ----------
-    problem : SubmodularSelection
-    picks : sequence of int
-        Elements in the order in which a method took them; they need not be feasible.
-    stop : Stop
-
-    Returns
-    -------
-    (Evidence or None, int)
-        No evidence for a user's function that is not declared monotone and submodular, or where the time was up before the first prefix.
-
-    Notes
-    -----
-    For monotone submodular f, any set S and any feasible O: f(O) <= f(S u O) <= f(S) + sum of the gains of O's elements over S
-    (Nemhauser, Wolsey and Fisher 1978). The sum is bounded by the best one that the constraint allows: the largest gains under a
-    cardinality limit, the largest of each group under a partition matroid, the fractional filling of a knapsack. The empty prefix and
-    the whole are always tried, others, evenly spaced, as far as ``WORK`` goes.
+    ``picks`` stand in the order in which a method took them, and need not be feasible. The empty prefix and the whole are always tried,
+    others, evenly spaced, as far as ``WORK`` goes. There is no evidence for a user's function that is not declared monotone and submodular,
+    or where the time was up before the first prefix.
     """
     f, n = problem.function, problem.num_elements
     if not (f.monotone and f.submodular):
@@ -75,13 +58,13 @@ def best_prefix(problem: SubmodularSelection, picks: Sequence[int], stop: Stop =
     chosen = [int(e) for e in picks[: best[1]]]
     over = "the empty set" if not chosen else f"{len(chosen)} chosen element{'s' if len(chosen) > 1 else ''}"
     by_user = "; the function is monotone and submodular as declared by the user" if weights is None else ""
-    made = Evidence("marginal-gains", f"marginal gains over {over}{by_user}", best[0], {"prefix": chosen})
-    return replace(made, value=verified_bound(problem, made)), looked
+    evidence = Evidence("marginal-gains", f"marginal gains over {over}{by_user}", best[0], {"prefix": chosen})
+    return replace(evidence, value=verified_bound(problem, evidence)), looked
 
 
 def best_sum(partition: PartitionMatroid | None, rows: LimitRows | None, gains: Floats) -> float:
-    """At least the best sum of ``gains`` that a constraint allows: the best itself for a partition, else that of the linear relaxation of
-    the tightest row."""
+    """Upper bound on the sums of ``gains`` that a constraint allows: the best sum itself for a partition, else that of the linear
+    relaxation of the tightest row."""
     g = np.maximum(gains, 0.0)
     if partition is not None:
         limits, groups = partition.limits, partition.groups
@@ -112,23 +95,8 @@ def _fractional(costs: Floats, budget: float, gains: Floats) -> float:
 
 
 def marginal_gains_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
-    """Evidence from a set picked almost greedily.
-
-    Parameters
-    ----------
-    problem : SubmodularSelection
-    stop : Stop
-    linear : unused
-        No program is solved.
-
-    Returns
-    -------
-    Evidence or None
-
-    Notes
-    -----
-    The set is picked with a falling threshold (Badanidiyuru and Vondrák 2014). A user's function, one call a round, is picked plainly.
-    """
+    """Evidence from a set picked almost greedily, with a falling threshold (Badanidiyuru and Vondrák 2014); of a user's function
+    plainly, one call a round."""
     selection: SubmodularSelection = problem  # type: ignore[assignment]
     half = stop.within(0.5 * stop.seconds_left)
     weights, c = selection.function.as_item_weights(), selection.constraint
@@ -162,17 +130,17 @@ def _swept(weights: ItemWeights, n: int, partition: PartitionMatroid | None, kna
 
 
 def _picked(problem: SubmodularSelection, stop: Stop) -> list[int]:
-    """Plain greedy, by gain per cost where there are costs, as far as the time goes."""
+    """Picks of a plain greedy, by gain per cost where there are costs, as far as the time goes."""
     c, n = problem.constraint, problem.num_elements
     chosen, openings, knapsack = empty_set(problem.function), Openings(c, n), c.as_knapsack()
     costs = np.ones(n) if knapsack is None else np.maximum(knapsack.costs, 1e-300)
     picks: list[int] = []
-    while len(left := openings.open()):
-        gains = chosen.gains(left, stop)
-        at = int(np.argmax(gains / costs[left]))
+    while len(open_ := openings.open()):
+        gains = chosen.gains(open_, stop)
+        at = int(np.argmax(gains / costs[open_]))
         if stop.reached() or not gains[at] > 0:
             break
-        picks.append(int(left[at]))
+        picks.append(int(open_[at]))
         chosen.take(picks[-1], float(gains[at]))
         openings.take(picks[-1])
     return picks

@@ -12,26 +12,25 @@ import numpy as np
 from ....formulations.evidence import Evidence
 from ....formulations.problem import Problem
 from ....formulations.sata.balls import Floats, coverage, even_shares, near_one
-from ....formulations.sata.bottleneck_sata import BottleneckSATA
+from ....formulations.sata.max_min_lp import RobotsOf
 from ....formulations.stop import Stop, Stopped
 from ....instances.errors import UnsupportedError, UsageError
 from ....instances.sata.sensing_graph import SensingGraph
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
-from ...bounds.sata.ball import weights_evidence
+from ...bounds.sata.ball import unseen_evidence, weights_evidence
 from ...linear_programs import LinearPrograms
-from .saddle_steps.game import Game, Limits, Record
+from .saddle_steps.game import Game, Limits, Record, RegretMatching
 from .saddle_steps.programs import Programs
 from .saddle_steps.refinement import refine
-from .saddle_steps.regret import RegretMatching
 
 LEAST_GAP = 5e-7
-"""Where a smaller gap is asked for, this is what ends a search: half of what is told apart from an optimum."""
+"""Gap that ends a search for which a smaller one is asked: half of the gap that is told apart from an optimum."""
 
 FIRST_PASSES, FIRST_WORK = 16.0, 1e6
 """Passes over the graph, and edges, that the work on single clusters may read before the whole game is played."""
 
 REFINE_SHARE = 0.25
-"""What refining the mean answer may read, as a share of what regret matching has read so far."""
+"""Edges that refining the mean answer may read, as a share of those that regret matching has read so far."""
 
 FEW, LEAST_FEW = 0.02, 100
 """The mean answer is refined when at most this share, or this number, of the targets falls short of the value wanted."""
@@ -77,35 +76,25 @@ class Saddle(Engine):
 
 
 class _Task:
-    """The problem as one of robots, with weights near 1.
-
-    Parameters
-    ----------
-    problem : BottleneckSATA or MaxMinLP
-    """
+    """The problem as one of robots, with weights near 1."""
 
     def __init__(self, problem: Problem) -> None:
-        self.scale: Floats | None = None
-        if isinstance(problem, BottleneckSATA):
-            self.graph: SensingGraph = problem.graph
-        else:
-            from ....formulations.sata.single_packing import as_sensing
-
-            self.graph, self.scale = as_sensing(problem)  # type: ignore[arg-type]
+        self.robots = RobotsOf(problem)  # type: ignore[arg-type]
+        self.graph, self.scale = self.robots.graph, self.robots.scale
         self.scaled, self.unit = near_one(self.graph)
 
     def answer(self, shares: Floats) -> Floats:
         """The problem's answer, from shares."""
         load = np.bincount(self.graph.robot_of_action, shares, minlength=self.graph.num_robots)
         shares = shares / np.maximum(load, 1.0)[self.graph.robot_of_action]
-        return shares if self.scale is None else shares / self.scale
+        return self.robots.answer(shares)
 
     def shares(self, answer: Any) -> Floats | None:
         """Shares from an answer to start with, all robots used up; None where it is none."""
-        given = np.asarray(answer, dtype=np.float64)
-        if given.shape != (self.graph.num_actions,) or not np.isfinite(given).all():
+        values = np.asarray(answer, dtype=np.float64)
+        if values.shape != (self.graph.num_actions,) or not np.isfinite(values).all():
             return None
-        shares = np.maximum(given, 0.0)
+        shares = np.maximum(values, 0.0)
         if self.scale is not None:
             shares = np.where(np.isfinite(self.scale), shares * np.where(np.isfinite(self.scale), self.scale, 0.0), 0.0)
         return self.used_up(shares)
@@ -122,28 +111,20 @@ class _Task:
         return record.bound / self.unit
 
     def evidence(self, record: Record) -> tuple[Evidence, ...]:
-        """What proves the record's bound, in the problem's own terms."""
+        """Evidence of the record's bound, in the problem's own terms."""
         if not np.isfinite(record.bound):
             return ()
         count = len(record.targets)
         source = f"prices of {count} target{'' if count == 1 else 's'}"
-        return (self._translated(weights_evidence(record.targets, record.weights, self.bound(record), source)),)
-
-    def _translated(self, evidence: Evidence) -> Evidence:
-        if self.scale is None:
-            return evidence
-        from ....formulations.sata.single_packing import as_row_prices
-
-        return as_row_prices(self.graph, evidence)
+        return (self.robots.evidence(weights_evidence(record.targets, record.weights, self.bound(record), source)),)
 
     def unseen(self, options: Options) -> RawResult:
         """The result where nobody sees some target: the value is 0 whatever is done."""
-        given = None if options.start is None else self.shares(options.start)
-        name = self.graph.target_name(int(self.graph.unseen_targets[0]))
-        proof = weights_evidence(self.graph.unseen_targets[:1], np.ones(1), 0.0, f"target {name}, which no action sees")
-        answer = self.answer(even_shares(self.graph) if given is None else given)
+        start = None if options.start is None else self.shares(options.start)
+        proof = self.robots.evidence(unseen_evidence(self.graph))
+        answer = self.answer(even_shares(self.graph) if start is None else start)
         message = f"no action sees {len(self.graph.unseen_targets)} of the targets, so the value is 0 whatever is done"
-        return RawResult("optimal", "none", answer, 0.0, 0.0, message=message, evidence=(self._translated(proof),))
+        return RawResult("optimal", "none", answer, 0.0, 0.0, message=message, evidence=(proof,))
 
 
 def _search(task: _Task, h: int, options: Options, control: Control) -> RawResult:
@@ -166,7 +147,7 @@ def _search(task: _Task, h: int, options: Options, control: Control) -> RawResul
     if shares is None:
         shares = even_shares(graph)
         if h and not limits.reached():
-            from .local_max_min.arrays import local_shares
+            from .local_max_min.shares import local_shares
 
             record.offer(shares)  # before it takes its time
             with contextlib.suppress(Stopped):

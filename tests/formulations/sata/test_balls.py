@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from random_sensing import chain_graph, random_graph
+from sata_cases import dense_weights
 
 from waybound.formulations.sata.balls import (  # fmt: skip
     actions_of,
@@ -26,15 +27,8 @@ def graph():
     return random_graph(1)
 
 
-def dense(graph):
-    """Weights of shape (actions, targets)."""
-    made = np.zeros((graph.num_actions, graph.num_targets))
-    made[graph.action_of_edge, graph.indices] = graph.weights
-    return made
-
-
 def test_neighbours_are_those_of_the_dense_matrix(graph):
-    weights, targets = dense(graph), np.array([0, 7, 11])
+    weights, targets = dense_weights(graph), np.array([0, 7, 11])
     seeing = np.unique(graph.robot_of_action[weights[:, targets].any(axis=1)])
     assert robots_seeing(graph, targets).tolist() == seeing.tolist()
     actions = np.nonzero(np.isin(graph.robot_of_action, seeing))[0]
@@ -43,10 +37,10 @@ def test_neighbours_are_those_of_the_dense_matrix(graph):
 
 
 def test_a_ball_has_the_edges_of_its_targets_and_no_others(graph):
-    weights, targets = dense(graph), np.array([2, 3, 17])
+    weights, targets = dense_weights(graph), np.array([2, 3, 17])
     ball = ball_graph(graph, targets)
     actions = np.nonzero(weights[:, targets].any(axis=1))[0]
-    assert np.array_equal(dense(ball), weights[np.ix_(actions, targets)])
+    assert np.array_equal(dense_weights(ball), weights[np.ix_(actions, targets)])
     robots = np.unique(graph.robot_of_action[actions])
     assert robots[ball.robot_of_action].tolist() == graph.robot_of_action[actions].tolist()
     assert (ball.num_robots, ball.num_edges) == (len(robots), num_edges(graph, targets))
@@ -75,7 +69,7 @@ def test_a_ball_stops_growing_when_it_is_whole_or_would_be_too_large():
 def test_weights_bound_is_the_best_weighted_sum_over_the_sum_of_weights(graph):
     rng = np.random.default_rng(3)
     targets, y = np.array([1, 4, 5, 9]), rng.random(4)
-    worth = dense(graph)[:, targets] @ y
+    worth = dense_weights(graph)[:, targets] @ y
     best = sum(worth[graph.robot_of_action == i].max() for i in range(graph.num_robots))
     assert weights_bound(graph, targets, y) == pytest.approx(best / y.sum(), rel=1e-12)
 
@@ -83,7 +77,7 @@ def test_weights_bound_is_the_best_weighted_sum_over_the_sum_of_weights(graph):
 def test_even_shares_and_their_coverage(graph):
     shares = even_shares(graph)
     assert np.bincount(graph.robot_of_action, shares) == pytest.approx(np.ones(graph.num_robots))
-    assert coverage(graph, shares) == pytest.approx(shares @ dense(graph))
+    assert coverage(graph, shares) == pytest.approx(shares @ dense_weights(graph))
 
 
 @pytest.mark.parametrize("size", [1e-250, 1e-3, 1.0, 1e9])

@@ -1,4 +1,4 @@
-"""Answers of selection problems, and what judges them."""
+"""Answers of selection and assignment problems: what judges them, and robots' actions as JSON."""
 
 from __future__ import annotations
 
@@ -7,8 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waybound.formulations.sata.selections import Selection, judge_elements
+import waybound as wb
+from waybound.formulations.problem import problem_from_instance
+from waybound.formulations.sata.selections import Selection, action_index, actions_from_json, actions_to_json, judge_elements
 from waybound.instances.errors import UsageError
+from waybound.instances.sata.sensing_graph import graph_of_edges
+
+GRAPH = graph_of_edges([1, 0, 1], [0, 1, 2], [0, 0, 1], robots=["a", "b"], problem="selection", problems=("selection", "bottleneck"))
 
 
 def test_any_whole_numbers_make_a_selection():
@@ -30,3 +35,20 @@ def test_elements_that_exist_and_stand_once_pass(elements):
     bad = sum(not 0 <= e < 5 for e in elements) + sum(elements[:k].count(e) > 0 for k, e in enumerate(elements) if 0 <= e < 5)
     assert len(faults) == bad
     assert (check.passed, check.tested) == (bad == 0, len(elements))
+
+
+def test_actions_are_written_with_their_robots_and_read_back_in_their_order():
+    answer = wb.Selection.of([2, 1])
+    data = actions_to_json(GRAPH, answer)
+    assert data == [{"robot": "b", "action": "b.2"}, {"robot": "a", "action": "a.1"}]
+    assert actions_from_json(GRAPH, {"kind": "assignment", "actions": data}) == answer
+    assert actions_from_json(GRAPH, {"kind": "assignment", "actions": [{"action": "b.1"}]}) == wb.Selection.of([0])
+    assert action_index(GRAPH) == {"b.1": 0, "a.1": 1, "b.2": 2}
+
+
+def test_a_graph_is_asked_only_what_it_allows():
+    assert isinstance(problem_from_instance(GRAPH), wb.SubmodularSelection)
+    assert isinstance(problem_from_instance(GRAPH, "bottleneck"), wb.BottleneckSATA)
+    for problem in ("bottleneck-lp", "winner-takes-all"):
+        with pytest.raises(wb.UsageError, match=f"cannot be read as {problem}; it allows selection, bottleneck"):
+            problem_from_instance(GRAPH, problem)

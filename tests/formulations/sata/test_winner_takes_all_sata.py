@@ -10,19 +10,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sata_cases import CASES, dense_weights, random_graph, relabelled, selections
+from sata_cases import CASES, dense_weights, random_graph, relabelled, selections, value
 
 import waybound as wb
 from waybound.formulations.sata.selections import Selection
 
 seeds = st.integers(0, 2**32 - 1)
 FIGURE = CASES["S1"].graph
-
-
-def value(problem, answer):
-    judged = problem.evaluate(answer)
-    assert judged.feasible, judged.violations
-    return judged.values[0]
 
 
 @pytest.mark.parametrize("name", CASES)

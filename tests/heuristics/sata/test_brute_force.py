@@ -10,15 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from selection_problems import CONSTRAINTS, KINDS, optimum, random_problem, run, value
 
-from waybound.api import solve
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound import BottleneckSATA, MaxMinLP, SensingGraph, SubmodularSelection, UsageError, WinnerTakesAllSATA, solve
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import UsageError
 from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
-from waybound.instances.sata.sensing_graph import SensingGraph
 from waybound.instances.sata.set_functions import Coverage, UserFunction
 
 

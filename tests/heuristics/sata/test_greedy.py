@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sata_cases import graph_of_rows
 from selection_problems import (
     KINDS,
     context,
     cover_30,
-    cover_30_sets,
     cover_tight,
     greedy_by_hand,
     half_tight,
@@ -22,22 +22,14 @@ from selection_problems import (
     random_problem,
     run,
     value,
+    weight_of_cover_30,
 )
 
+from waybound import BottleneckSATA, Cardinality, InputError, Knapsack, PartitionMatroid, SubmodularSelection, UsageError
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import InputError, UsageError
-from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
-from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
+from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
-
-
-def weight_of_cover_30(sets: list[int]) -> int:
-    covered = set().union(*(cover_30_sets()[s] for s in sets)) if sets else set()
-    return sum(1 + (e * e) % 5 for e in covered)
 
 
 def test_cover_30_with_every_evaluation() -> None:
@@ -63,8 +55,7 @@ def test_cover_tight_comes_close_to_the_bound() -> None:
     outcome = run("greedy", cover_tight())
     assert value(cover_tight(), outcome) == 62
     assert optimum(cover_tight()) == 80
-    assert outcome.guarantee is not None
-    assert outcome.guarantee.ratio == pytest.approx(1 / 0.75)
+    assert outcome.guarantee is not None and outcome.guarantee.ratio == pytest.approx(1 / 0.75)
     assert "(1 - (1 - 1/2)^2)" in outcome.guarantee.statement
 
 
@@ -81,8 +72,7 @@ def test_every_evaluation_picks_alike_and_keeps_its_guarantee(seed: int, kind: s
             assert other.statistics["evaluations"] <= plain.statistics["evaluations"]
     assert plain.statistics["evaluations"] == plain.statistics["plain_evaluations"]
     best = optimum(problem)
-    assert plain.guarantee is not None
-    assert value(problem, plain) * plain.guarantee.ratio >= best * (1 - 1e-9)
+    assert plain.guarantee is not None and value(problem, plain) * plain.guarantee.ratio >= best * (1 - 1e-9)
     assert verified_bound(problem, only_evidence(plain)) >= best * (1 - 1e-12)
 
 
@@ -172,8 +162,7 @@ def test_a_users_function_is_asked_for_many_sets_at_once() -> None:
     assert len(asked) < 60
     assert max(rows for rows, _ in asked) >= 50
     assert "as declared by the user" in only_evidence(outcome).source
-    assert outcome.guarantee is not None
-    assert any("declared by the user" in a for a in outcome.guarantee.assumptions)
+    assert outcome.guarantee is not None and any("declared by the user" in a for a in outcome.guarantee.assumptions)
 
 
 @pytest.mark.parametrize(("monotone", "submodular"), [(False, False), (True, False), (False, True)])
@@ -209,46 +198,17 @@ def test_what_a_users_function_returns_is_checked(heuristic: str, bad: object) -
         run(heuristic, SubmodularSelection(function, Cardinality(2)))
 
 
-@pytest.mark.parametrize("eps", [-1.0, math.nan, math.inf, "small", True])
-@pytest.mark.parametrize("heuristic", ["greedy", "lazy-greedy"])
-def test_an_eps_out_of_range_is_refused(heuristic: str, eps: object) -> None:
-    with pytest.raises(UsageError, match="eps must be"):
-        run(heuristic, cover_tight(), eps=eps)
-
-
-def test_an_unknown_evaluation_is_refused() -> None:
-    with pytest.raises(UsageError, match="plain, lazy, incremental"):
-        run("greedy", cover_tight(), evaluation="eager")
-    with pytest.raises(UsageError, match="incremental evaluation is for coverage"):
-        run("greedy", SubmodularSelection(DenseFacilityLocation(np.ones((2, 2))), Cardinality(1)), evaluation="incremental")
-
-
-def test_what_it_cannot_take() -> None:
-    budget = SubmodularSelection(cover_tight().function, Knapsack(np.ones(4), 2.0))
-    assert HEURISTICS["greedy"].missing(budget) == {"constraint:knapsack"}
-    graph = SensingGraph.from_edges([0], [0], [0])
-    assert HEURISTICS["greedy"].missing(BottleneckSATA(graph, fractional=True)) == {"bottleneck-lp problems"}
-    assert HEURISTICS["greedy"].missing(MaxMinLP(np.eye(2), np.eye(2)))
-
-
 # -- bottleneck --------------------------------------------------------------------------------------------------------
-
-
-def bottleneck(*robots: list[tuple[float, ...]]) -> BottleneckSATA:
-    weights = np.array([row for robot in robots for row in robot])
-    owner = [i for i, robot in enumerate(robots) for _ in robot]
-    a, t = np.nonzero(weights)
-    return BottleneckSATA(SensingGraph.from_edges(owner, a, t, weights[a, t], robots=len(robots), targets=weights.shape[1]))
 
 
 def test_bottleneck_greedy_can_be_arbitrarily_bad_and_promises_nothing() -> None:
     for d in (0.1, 0.01):
-        problem = bottleneck([(d, d), (1, 0)], [(0, 1)])
+        problem = BottleneckSATA(graph_of_rows([(d, d), (1, 0)], [(0, 1)]))
         outcome = run("greedy", problem)
         assert value(problem, outcome) == pytest.approx(d)
         assert value(problem, run("brute-force", problem)) == 1.0
         assert outcome.guarantee is None
-    tied = bottleneck([(0, 1), (1, 0)], [(0, 1), (1, 0)], [(0, 0), (1, 0)], [(1, 0), (0, 0)])
+    tied = BottleneckSATA(graph_of_rows([(0, 1), (1, 0)], [(0, 1), (1, 0)], [(0, 0), (1, 0)], [(1, 0), (0, 0)]))
     assert value(tied, run("greedy", tied)) == 1.0
     assert value(tied, run("brute-force", tied)) == 2.0
 
@@ -275,7 +235,7 @@ def test_bottleneck_greedy_takes_the_best_worst_target_robot_by_robot(seed: int)
 
 def test_options_of_selections_are_refused_for_a_bottleneck() -> None:
     with pytest.raises(UsageError, match="a bottleneck has none"):
-        run("greedy", bottleneck([(1, 1)]), eps=0.5)
+        run("greedy", BottleneckSATA(graph_of_rows([(1, 1)])), eps=0.5)
 
 
 # -- users' functions that are slow, or lose --------------------------------------------------------------------------

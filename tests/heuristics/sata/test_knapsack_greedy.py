@@ -9,14 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from selection_problems import KINDS, context, cover_tight, only_evidence, optimum, random_problem, run, value
+from selection_problems import KINDS, context, only_evidence, optimum, random_problem, run, value
 
+from waybound import Coverage, Knapsack, SubmodularSelection, UserFunction
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import UsageError
-from waybound.instances.sata.constraints import Cardinality, Knapsack
-from waybound.instances.sata.set_functions import Coverage, UserFunction
 
 E = 1 - math.exp(-1)
 SHARES = {0: E / 2, 1: E / 2, 2: E, 3: E}
@@ -119,14 +116,3 @@ def test_before_the_first_filling_nothing_is_promised() -> None:
     outcome = HEURISTICS["knapsack-greedy"].run(problem, context(seconds=0.0))
     assert problem.evaluate(outcome.answer).feasible
     assert (outcome.guarantee, outcome.limit) == (None, "time")
-
-
-@pytest.mark.parametrize("depth", [-1, 4, 1.0, True, "all"])
-def test_a_depth_out_of_range_is_refused(depth: object) -> None:
-    with pytest.raises(UsageError, match="enumerate must be 0, 1, 2 or 3"):
-        run("knapsack-greedy", sums([1.0], [1.0], 1.0), enumerate=depth)
-
-
-def test_it_is_for_knapsacks() -> None:
-    assert HEURISTICS["knapsack-greedy"].missing(cover_tight()) == {"constraint:cardinality"}
-    assert isinstance(cover_tight().constraint, Cardinality)

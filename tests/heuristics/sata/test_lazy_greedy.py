@@ -6,17 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from selection_problems import KINDS, cover_30, cover_30_sets, greedy_by_hand, random_problem, run, value
+from selection_problems import KINDS, cover_30, greedy_by_hand, random_problem, run, value, weight_of_cover_30
 
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.instances.errors import UsageError
-from waybound.instances.sata.constraints import Cardinality, PartitionMatroid
-from waybound.instances.sata.set_functions import UserFunction
-
-
-def weight_of_cover_30(sets: list[int]) -> int:
-    covered = set().union(*(cover_30_sets()[s] for s in sets)) if sets else set()
-    return sum(1 + (e * e) % 5 for e in covered)
+from waybound import Cardinality, PartitionMatroid, SubmodularSelection, UsageError, UserFunction
 
 
 def test_cover_30_takes_less_than_half_of_the_evaluations() -> None:
@@ -73,12 +65,6 @@ def test_few_evaluations_on_many_elements() -> None:
     f = UserFunction(covered, 700, monotone=True, submodular=True)
     outcome = run("lazy-greedy", SubmodularSelection(f, Cardinality(10)))
     assert outcome.statistics["evaluations"] < 0.25 * outcome.statistics["plain_evaluations"]
-
-
-@pytest.mark.parametrize("base", [[0, 0], [30], [-1], "0", "1,1", 3, [0.5], [True], b"12"])
-def test_a_base_that_is_no_set_of_elements_is_refused(base: object) -> None:
-    with pytest.raises(UsageError, match="base must be a list of"):
-        run("lazy-greedy", cover_30(6), base=base)
 
 
 def test_a_base_that_breaks_the_constraint_is_refused() -> None:

@@ -5,19 +5,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from local_oracles import optimum, random_graph
+from local_oracles import random_graph
 from programs import AnsweredBy
-from sata_cases import CASES
+from random_sensing import optimum
+from sata_cases import CASES, matrices_of
 
-from waybound.api import solve
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.selections import Selection
+from waybound import BottleneckSATA, MaxMinLP, Selection, UnsupportedError, UsageError, solve
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS, Context, Outcome
-from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.instances.sata.sensing_graph import graph_of_edges
-from waybound.solvers.engines.sata.local_max_min.arrays import local_shares
+from waybound.solvers.engines.sata.local_max_min.shares import local_shares
 
 
 def run(problem: Any, published: list[Any] | None = None, stopped: bool = False, **options: Any) -> Outcome:
@@ -41,8 +38,7 @@ def test_the_answer_is_a_vector_of_shares_with_the_guarantee_that_was_checked() 
     outcome = run(problem, h=2)
     assert outcome.answer == pytest.approx(local_shares(problem.graph, 2).shares)
     guarantee = outcome.guarantee
-    assert guarantee is not None
-    assert guarantee.ratio == pytest.approx(2 * 1.1 * 1.5 * (1 - 1 / 3), rel=1e-8)
+    assert guarantee is not None and guarantee.ratio == pytest.approx(2 * 1.1 * 1.5 * (1 - 1 / 3), rel=1e-8)
     assert "OPT / value <= Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T)" in guarantee.statement
     assert any("every target" in a for a in guarantee.assumptions)
     assert "theorem 1" in guarantee.source
@@ -64,8 +60,7 @@ def test_the_stated_ratio_holds(search: str, messages: bool) -> None:
 def test_the_step_search_states_the_eps_that_its_step_amounts_to() -> None:
     fine, coarse = (run(shares_of("S1w"), search="step", step=step).guarantee for step in (0.01, 1.0))
     assert fine is not None
-    assert coarse is not None
-    assert fine.ratio < coarse.ratio
+    assert coarse is not None and fine.ratio < coarse.ratio
     assert any("the additive step amounts to" in a for a in coarse.assumptions)
 
 
@@ -76,8 +71,7 @@ def test_several_heights_keep_the_best_answer_and_the_best_guarantee() -> None:
     assert list(values) == ["2", "10", "30"]
     assert outcome.statistics["h"] == 10
     assert problem.evaluate(outcome.answer).values[0] == pytest.approx(max(values.values())) == pytest.approx(1.2498, abs=1e-4)
-    assert outcome.guarantee is not None
-    assert outcome.guarantee.ratio == pytest.approx(2 * (1 + 1 / 30) * (2 / 3), rel=1e-5)
+    assert outcome.guarantee is not None and outcome.guarantee.ratio == pytest.approx(2 * (1 + 1 / 30) * (2 / 3), rel=1e-5)
     assert len(published) == 2  # of 2 and of 10; 30 was no better
     assert list(run(problem, heights=3).statistics["values_by_height"]) == ["1", "2", "3"]
     assert run(problem, heights=[2]).statistics["h"] == 2
@@ -150,11 +144,8 @@ def test_nobody_sees_anything() -> None:
 
 def test_a_program_of_one_packing_row_a_variable_is_solved_as_one_of_robots() -> None:
     case = shares_of("S1w")
-    graph = case.graph
     scale = np.array([2.0, 0.5, 4.0, 1.0, 3.0, 0.25])
-    a, c = np.zeros((3, 6)), np.zeros((3, 6))
-    a[graph.robot_of_action, np.arange(6)] = 1.0
-    c[graph.indices, graph.action_of_edge] = graph.weights
+    a, c = matrices_of(case.graph)
     problem = MaxMinLP(a * scale, c * scale)
     solution = solve(problem, heuristic="local", h=5)
     assert solution.objective == pytest.approx(case.evaluate(run(case, h=5).answer).values[0], rel=1e-12)
@@ -181,13 +172,11 @@ def test_every_case_is_answered_with_a_bound_that_the_checker_confirms(name: str
     assert certificate.feasible
     assert certificate.bound == pytest.approx(case.lp, rel=1e-6)
     assert certificate.guarantee is not None
-    assert certificate.observed_ratio is not None
-    assert certificate.observed_ratio <= certificate.guarantee.ratio
+    assert certificate.observed_ratio is not None and certificate.observed_ratio <= certificate.guarantee.ratio
     whole = solve(BottleneckSATA(case.graph), heuristic="local", h=5, bound_time=0.0)
     assert whole.certificate.guarantee is None
     assert whole.objective <= case.bottleneck + 1e-9
-    assert whole.certificate.bound is not None
-    assert case.bottleneck - 1e-9 <= whole.certificate.bound <= case.lp * (1 + 1e-6)
+    assert whole.certificate.bound is not None and case.bottleneck - 1e-9 <= whole.certificate.bound <= case.lp * (1 + 1e-6)
     assert "guarantees nothing" in whole.message
 
 

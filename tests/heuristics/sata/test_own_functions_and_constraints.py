@@ -14,12 +14,10 @@ from numpy.typing import NDArray
 from selection_problems import CONSTRAINTS, KINDS, OWN_CONSTRAINTS, OWN_KINDS, Apart, Budgets, Roots, optimum, random_problem, run, value
 
 import waybound as wb
+from waybound import InputError, SelectionInstance, SubmodularSelection, UsageError
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import InputError, UsageError
 from waybound.instances.sata.constraints import LimitRows
-from waybound.instances.sata.selection import SelectionInstance
 from waybound.instances.sata.set_functions import AT_ENTRY, AT_ITEM, Coverage, ItemFunction, ItemWeights
 from waybound.instances.writing import write_instance
 from waybound.reports.tables.facts import facts, facts_table

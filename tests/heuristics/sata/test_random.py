@@ -10,13 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from selection_problems import CONSTRAINTS, KINDS, cover_30, random_problem, run
 
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.selections import Selection
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.instances.sata.constraints import Knapsack, PartitionMatroid
-from waybound.instances.sata.sensing_graph import SensingGraph
-from waybound.instances.sata.set_functions import Coverage
+from waybound import BottleneckSATA, Coverage, Knapsack, PartitionMatroid, Selection, SensingGraph, SubmodularSelection, WinnerTakesAllSATA
 
 
 @given(st.integers(0, 10**6), st.sampled_from(KINDS), st.sampled_from(CONSTRAINTS))

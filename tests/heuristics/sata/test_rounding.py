@@ -1,13 +1,79 @@
+"""Whole actions from the largest shares; of the linear relaxation with its bound, and no promise."""
+
 from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
+from sata_cases import CASES
+from selection_problems import CONSTRAINTS, KINDS, context, cover_30, optimum, random_problem
 
+from waybound import BottleneckSATA, Coverage, PartitionMatroid, SubmodularSelection, UsageError, WinnerTakesAllSATA, solve
+from waybound.heuristics.heuristic import HEURISTICS
 from waybound.heuristics.sata.rounding import largest_shares
-from waybound.instances.errors import UsageError
 from waybound.instances.sata.sensing_graph import graph_of_edges
+from waybound.solvers.backend import RawResult
+from waybound.solvers.linear_programs import LinearPrograms
 
 GRAPH = graph_of_edges([0, 0, 1, 1, 1, 2], [0, 1, 2, 3, 4], [0, 0, 0, 0, 0], robots=4, targets=1)
+
+
+@pytest.mark.parametrize(("name", "lp", "best"), [("S6", 1.2, 1.0), ("S7", 12 / 7, 1.0)])
+def test_the_rounded_bottleneck_can_be_zero(name: str, lp: float, best: float) -> None:
+    problem = BottleneckSATA(CASES[name].graph)
+    rounded = solve(problem, heuristic="lp-rounding", bound_time=0)
+    assert rounded.objective == 0
+    assert rounded.statistics["lp_value"] == pytest.approx(lp)
+    assert isinstance(rounded.bound, float) and rounded.bound_kind == "verified"
+    assert best - 1e-9 <= rounded.bound <= lp + 1e-6  # the checker may know that values are whole
+    assert rounded.certificate.guarantee is None
+    assert "guarantees nothing" in rounded.message
+    assert solve(problem, heuristic="brute-force", bound_time=0).objective == best
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_answers_are_feasible_and_the_lp_bounds_them(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    for kind in KINDS[:4]:
+        for constraint in CONSTRAINTS:
+            problem = random_problem(rng, kind, constraint)
+            rounded = solve(problem, heuristic="lp-rounding", bound_time=0)
+            best = optimum(problem)
+            assert isinstance(rounded.objective, float) and isinstance(rounded.bound, float)
+            assert rounded.objective <= best * (1 + 1e-9) <= rounded.bound * (1 + 1e-6) + 1e-6
+            assert rounded.certificate.guarantee is None
+
+
+def test_equal_shares_are_taken_from_the_end_or_the_beginning() -> None:
+    """One robot, two equal actions, and no way for the LP to prefer one."""
+    twins = SubmodularSelection(Coverage.from_sets([[0], [0], [0]], [0.0]), PartitionMatroid.of([0, 0, 0]))
+    for ties, expected in (("last", 2), ("first", 0)):
+        answer = solve(twins, heuristic="lp-rounding", ties=ties, bound_time=0).answer
+        shares = solve(twins, heuristic="lp-rounding", ties=ties, bound_time=0).statistics
+        assert shares["lp_value"] == 0
+        assert answer.elements == (expected,)
+
+
+def test_winner_takes_all_and_coverage_are_solved_where_the_lp_is_whole() -> None:
+    rounded = solve(WinnerTakesAllSATA(CASES["S7"].graph), heuristic="lp-rounding", bound_time=0)
+    assert rounded.objective == 6 and rounded.status == "optimal"
+    assert solve(cover_30(3), heuristic="lp-rounding", bound_time=0).statistics["form"] == "facility-location"
+
+
+def test_without_a_solved_lp_there_is_no_answer() -> None:
+    class Late(LinearPrograms):
+        def solve(self, *_: Any, **__: Any) -> RawResult:
+            return RawResult("unknown", limit="time", answer=np.zeros(91))
+
+    late = replace(context(), linear=Late())
+    outcome = HEURISTICS["lp-rounding"].run(cover_30(6), late)
+    assert outcome.answer is None and outcome.evidence == ()
+    assert "the LP was not solved in time" in outcome.message
+
+
+# -- largest shares ------------------------------------------------------------------------------------------------------
 
 
 def test_each_robot_takes_its_largest_share() -> None:

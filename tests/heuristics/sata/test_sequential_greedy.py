@@ -8,26 +8,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sata_cases import CASES
-from selection_problems import KINDS, cover_tight, half_tight, only_evidence, optimum, random_problem, run, value
+from sata_cases import CASES, graph_of_rows
+from selection_problems import KINDS, half_tight, only_evidence, optimum, random_problem, run, value
 
+from waybound import Coverage, PartitionMatroid, SensingGraph, SubmodularSelection, WinnerTakesAllSATA
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import UsageError
-from waybound.instances.sata.constraints import PartitionMatroid
-from waybound.instances.sata.sensing_graph import SensingGraph
-from waybound.instances.sata.set_functions import Coverage
 
 
 def winner_takes_all(*robots: list[tuple[float, ...]], names: tuple[str, ...] | None = None) -> WinnerTakesAllSATA:
-    weights = np.array([row for robot in robots for row in robot], dtype=float)
-    owner = [i for i, robot in enumerate(robots) for _ in robot]
-    a, t = np.nonzero(weights)
-    return WinnerTakesAllSATA(
-        SensingGraph.from_edges(owner, a, t, weights[a, t], robots=len(robots) if names is None else names, targets=weights.shape[1])
-    )
+    return WinnerTakesAllSATA(graph_of_rows(*robots, names=names))
 
 
 S2, S10 = CASES["S2"].robots, CASES["S10"].robots
@@ -112,21 +101,9 @@ def test_an_order_by_name_and_as_on_a_command_line() -> None:
     assert run("sequential-greedy", alone, order=1).answer.elements == (0,)
 
 
-@pytest.mark.parametrize(
-    "order", [[0, 1], [0, 1, 1], [0, 1, 3], [1, 2, 3], "1,2", "1,2,2", "a,b,c", 7, [0.0, 1.0, 2.0], [True, False, 2], {0, 1, 2}]
-)
-def test_an_order_that_is_no_permutation_is_refused(order: object) -> None:
-    with pytest.raises(UsageError, match="order must be a permutation of all 3 robots"):
-        run("sequential-greedy", winner_takes_all(*S10), order=order)
-
-
 def test_robots_without_actions_and_without_sight_are_passed_over() -> None:
     with pytest.warns(UserWarning, match="sees anything"):
         graph = SensingGraph.from_edges([0, 2], [0], [0], robots=3, targets=1)
     problem = WinnerTakesAllSATA(graph)
     assert run("sequential-greedy", problem).answer.elements == (0, 1)
     assert value(problem, run("sequential-greedy", problem, order=[1, 2, 0])) == 1
-
-
-def test_it_is_for_partition_matroids() -> None:
-    assert HEURISTICS["sequential-greedy"].missing(cover_tight()) == {"constraint:cardinality"}

@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from selection_problems import KINDS, cover_30, cover_tight, only_evidence, optimum, random_problem, run, value
 
 from waybound.formulations.certificate import verified_bound
-from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import UsageError
 
 
 @given(st.integers(0, 10**6), st.sampled_from(KINDS))
@@ -54,17 +51,6 @@ def test_samples_as_large_as_what_is_left_make_it_greedy() -> None:
     outcome = run("stochastic-greedy", cover_30(2), eps=0.1)
     assert outcome.statistics["sample"] >= 30
     assert outcome.answer == run("greedy", cover_30(2)).answer
-
-
-@pytest.mark.parametrize("eps", [0.0, -0.1, 0.64, 1.0, math.nan, "small", True])
-def test_an_eps_out_of_range_is_refused(eps: object) -> None:
-    with pytest.raises(UsageError, match=r"eps must lie between 0 and 1 - 1/e = 0\.6321"):
-        run("stochastic-greedy", cover_tight(), eps=eps)
-
-
-def test_it_is_for_cardinality_limits() -> None:
-    problem = random_problem(np.random.default_rng(1), "coverage", "partition")
-    assert HEURISTICS["stochastic-greedy"].missing(problem) == {"constraint:partition"}
 
 
 def test_the_smallest_eps_draws_everything() -> None:

@@ -12,11 +12,7 @@ from hypothesis import strategies as st
 from selection_problems import CONSTRAINTS, KINDS, cover_30, feasible_sets, random_constraint, random_function, run
 
 import waybound as wb
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.heuristics.sata.submodularity import check_submodular
-from waybound.instances.errors import InputError, UsageError
-from waybound.instances.sata.constraints import Cardinality
-from waybound.instances.sata.set_functions import Coverage, UserFunction
+from waybound import Cardinality, Coverage, InputError, SubmodularSelection, UsageError, UserFunction, check_submodular
 
 
 def csqmi(p: float, hit_occupied: float, hit_free: float, readings: int) -> UserFunction:

@@ -5,13 +5,12 @@ from __future__ import annotations
 import pytest
 
 from waybound.reports.ratios.studies.sata.families import max_min as graphs
-from waybound.reports.ratios.studies.sata.families import planted
 from waybound.reports.ratios.studies.sata.families import selection as random
 
 RANDOM = [
-    *(family for rule in random.CONSTRAINTS for family in random.random_families(rule)), random.random_assignments(),
-    planted.planted_covers("cardinality"), planted.planted_covers("knapsack"), planted.planted_assignments(), *graphs.random_families(),
-    graphs.random_programs(),
+    *(family for rule in random.CONSTRAINTS for family in random.random_families(rule)), random.RANDOM_ASSIGNMENTS,
+    random.planted_covers("cardinality"), random.planted_covers("knapsack"), random.PLANTED_ASSIGNMENTS, *graphs.RANDOM_FAMILIES,
+    graphs.RANDOM_PROGRAMS,
 ]  # fmt: skip
 
 

@@ -22,8 +22,8 @@ from waybound.reports.tables.table import Table
 @pytest.mark.parametrize("kind", ["bottleneck-lp", "winner-takes-all", "max-min-lp", "selection", "tsp", "cvrp"])
 def test_every_kind_of_instance_is_written_and_read_back(kind, tmp_path):
     problem = {
-        "bottleneck-lp": graphs.random_families()[3], "winner-takes-all": random.random_assignments(),
-        "max-min-lp": graphs.random_programs(),
+        "bottleneck-lp": graphs.RANDOM_FAMILIES[3], "winner-takes-all": random.RANDOM_ASSIGNMENTS,
+        "max-min-lp": graphs.RANDOM_PROGRAMS,
         "selection": random.random_families("knapsack")[2], "tsp": routes.random_families("salesman")[4],
         "cvrp": routes.random_families("shared")[0],
     }[kind].case(5, 1).problem  # fmt: skip

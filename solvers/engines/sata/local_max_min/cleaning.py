@@ -1,4 +1,4 @@
-"""What the local algorithm works on: a sensing graph without what cannot matter, laid out robot after robot."""
+"""Sensing graphs as the local algorithm works on them: without what cannot matter, laid out robot after robot."""
 
 from __future__ import annotations
 
@@ -23,16 +23,9 @@ LIGHTEST, HEAVIEST = 1e-100, 1e100
 class Layout(NamedTuple):
     """The arrays of a ``CleanGraph``, as kernels take them.
 
-    Parameters
-    ----------
-    first : array of shape (robots + 1,)
-        The actions of robot i are ``first[i]`` to ``first[i + 1] - 1``.
-    starts, targets, weights : arrays
-        CSR form of actions x targets with at least two viewers.
-    private : array of shape (actions,)
-        Least weight among the targets that no other action sees; 0 for none.
-    caps : array of shape (robots,)
-        Bound 2/n_i of each pair row of a robot with n_i actions.
+    The actions of robot i are ``first[i]`` to ``first[i + 1] - 1``; ``starts``, ``targets`` and ``weights`` are the CSR form of actions x
+    targets with at least two viewers; ``private`` is the least weight of each action among the targets that no other action sees, 0 for
+    none; ``caps`` is the bound 2/n_i of each pair row of a robot with n_i actions.
     """
 
     first: Indices
@@ -45,25 +38,10 @@ class Layout(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class CleanGraph:
-    """A cleaned sensing graph.
+    """A cleaned sensing graph, whose targets keep their numbers.
 
-    Parameters
-    ----------
-    layout : Layout
-    actions : array of shape (actions,)
-        Number of each action in the sensing graph; ascending within a robot.
-    num_targets : int
-        Of the sensing graph; its numbers are kept.
-    delta_r : int
-        Most actions of a robot, at least 2.
-    delta_t : int
-        Most actions that see one target, at least 2.
-    num_unseen : int
-        Targets that no action sees: the value of the whole problem is then 0.
-    num_graph_actions : int
-        Actions of the sensing graph, those that see nothing included.
-    whole : bool
-        Whether all of them are here, under their own numbers.
+    ``actions`` are the numbers of its actions in the sensing graph, ascending within a robot, ``whole`` if they are all of those, under
+    their own numbers. ``delta_r`` is the most actions of a robot, ``delta_t`` the most actions that see one target, both at least 2.
     """
 
     layout: Layout
@@ -95,25 +73,12 @@ class CleanGraph:
 def clean(graph: SensingGraph) -> CleanGraph:
     """Leave out actions that see nothing and robots without others; set apart targets with a single viewer.
 
-    Parameters
-    ----------
-    graph : SensingGraph
+    Shares arrays with ``graph`` where nothing had to be left out. A target that only action v sees asks ``c x_v >= w``; of several, the one
+    of least weight asks the most. Everything is decided by what a robot knows of its own actions and of who else sees their targets. Raises
+    InputError for weights below 1e-100 or above 1e100.
 
-    Returns
-    -------
-    CleanGraph
-        Shares arrays with ``graph`` where nothing had to be left out.
-
-    Raises
-    ------
-    InputError
-        If a weight is smaller than 1e-100 or larger than 1e100.
-
-    Notes
-    -----
-    A target that only action v sees asks ``c x_v >= w``; of several, the one of least weight asks the most. Everything is decided by
-    what a robot knows of its own actions and of who else sees their targets. Source: Floréen, Hassinen, Kaasinen, Kaski, Musto and
-    Suomela (2011); Sung (2019), section 3.4.1; docs/formulations/bottleneck.md#cleaning.
+    Source: Floréen, Hassinen, Kaasinen, Kaski, Musto and Suomela (2011); Sung (2019), section 3.4.1;
+    docs/formulations/bottleneck.md#cleaning.
     """
     owner, starts, seen = (np.ascontiguousarray(a, dtype=np.int32) for a in (graph.robot_of_action, graph.indptr, graph.indices))
     weights = np.ascontiguousarray(graph.weights, dtype=np.float64)

@@ -48,7 +48,7 @@ def least_of_others(starts, targets, v, near):  # type: ignore[no-untyped-def]
 
 @kernel(f"({GRAPH}, f8[::1], f8[::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[::1], f8[::1], f8[::1], b1, b1)", _nrt=False)
 def minima_layer(graph, start, floor, above, near, next_near, own, back, out, top, bottom):  # type: ignore[no-untyped-def]
-    """A layer of ``arrays.tree_minima``: ``out`` from what is noted at the targets in ``near`` and from the layer ``above``."""
+    """A layer of ``search.tree_minima``: ``out`` from what is noted at the targets in ``near`` and from the layer ``above``."""
     first, starts, targets, _, private, _ = graph
     for k in range(next_near.shape[0]):
         clear(next_near, k)

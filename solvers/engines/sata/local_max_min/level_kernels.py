@@ -122,7 +122,7 @@ def _least_below(starts, targets, private, v, least, near, noted):  # type: igno
 
 @inlined
 def _crossing(reds, v, levels, secant, slack, cap):  # type: ignore[no-untyped-def]
-    """Where R(v, d) falls below -slack: the root of the secant, or the number of the last lane before it; infinite for nowhere.
+    """The level where R(v, d) falls below -slack: the root of the secant, or the number of the last lane before it; infinite for nowhere.
 
     Then it is cut: how deep it falls decides nothing. A secant that ends below that has no root but the last level before it.
     """

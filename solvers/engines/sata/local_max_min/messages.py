@@ -20,31 +20,20 @@ import numpy as np
 
 from .....formulations.stop import NEVER, Stop
 from .....instances.sata.sensing_graph import SensingGraph
-from .arrays import check_options
 from .cleaning import Floats
-from .robot import Inbox, Orders, Outbox, Robot
+from .robot import CommonLevels, Inbox, Orders, Outbox, Robot, SteppedLevels
 from .search import MARGIN
-from .wanted_levels import CommonLevels, SteppedLevels
+from .shares import check_options
 
 BYTES_A_NUMBER = 8
 
 
 @dataclass(frozen=True, eq=False)
 class MessageRun:
-    """What the robots found, and what it took.
+    """Shares and levels that the robots settled on, and the rounds and messages that it took.
 
-    Parameters
-    ----------
-    shares, levels : arrays of shape (actions,)
-    relative_eps : float
-        As in ``LocalShares``; what the levels tell by themselves.
-    rounds : int
-    messages : int
-        One for each receiver.
-    bytes : int
-        Of all messages: 8 a number, nothing for structure, counted once for each receiver.
-    most_bytes : int
-        Largest message.
+    A message counts once for each receiver, with 8 bytes a number and nothing for structure. ``relative_eps`` is that of ``LocalShares``,
+    as far as the levels tell it by themselves.
     """
 
     shares: Floats
@@ -59,17 +48,8 @@ class MessageRun:
 class Network:
     """Carries messages between robots that share a target, and counts them.
 
-    Parameters
-    ----------
-    watchers : mapping of target to the robots that see it
-    stop : Stop
-        Looked at once a sender.
-
-    Raises
-    ------
-    Stopped
-    ValueError
-        If a robot speaks to one with which it shares no target: a fault of its programme.
+    ``watchers`` names the robots that see each target. Raises ValueError where a robot speaks to one with which it shares no target, a
+    fault of its programme, and Stopped.
     """
 
     def __init__(self, watchers: Mapping[int, Sequence[int]], stop: Stop = NEVER) -> None:
@@ -82,7 +62,7 @@ class Network:
         self.rounds = self.messages = self.bytes = self.most_bytes = 0
 
     def by_target(self, outboxes: Mapping[int, Outbox]) -> dict[int, dict[int, dict[int, Any]]]:
-        """The first round: what a robot says of a target reaches all others that see it."""
+        """The first round: the message of a robot on a target reaches all others that see it."""
         self.rounds += 1
         inboxes: dict[int, dict[int, dict[int, Any]]] = {i: {k: {} for k in outbox} for i, outbox in outboxes.items()}
         for i, outbox in outboxes.items():
@@ -125,22 +105,10 @@ def exchange(
     normalise: bool = True,
     stop: Stop = NEVER,
 ) -> MessageRun:
-    """Run the local algorithm by messages; the parameters are those of ``local_shares``.
+    """Run the local algorithm by messages, with the parameters, errors and shares of ``local_shares``.
 
-    Returns
-    -------
-    MessageRun
-        The shares are those of ``local_shares``. Robots of which no action sees a target take no part.
+    Robots of which no action sees a target take no part.
 
-    Raises
-    ------
-    UsageError
-        If an option is out of range.
-    Stopped
-        If it has to end before.
-
-    Notes
-    -----
     Source: Sung (2019), section 3.4.1, Algorithm 2 and Theorem 1; docs/local_algorithm.md#rounds.
     """
     check_options(h, eps, search, step, smoothing)

@@ -7,24 +7,155 @@ robots, as in the version over arrays, so that the two agree.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from .....instances.errors import UsageError
 from .cleaning import Floats
-from .search import MARGIN
-from .wanted_levels import Levels, Request, Tested
+from .search import DEEPEST, MARGIN, SLACK, LevelGrid
 
 Outbox = dict[int, Any]
 Inbox = Mapping[int, Any]
 Heard = dict[tuple[int, int], Any]
+Request = tuple[float, ...]
+
+MOST_LEVELS = 100_000
+"""Levels of one family that robots test at once."""
+
+
+# -- which levels are tested -------------------------------------------------------------------------------------------
+
+
+class Tested(NamedTuple):
+    """The recursion of one red copy at ascending levels: the level that limits its tree, the number of the first level, and the values."""
+
+    least: float
+    first: int
+    reds: Floats
+
+
+class Levels(ABC):
+    """A search: requests are tuples of numbers, and stand for families of levels."""
+
+    @abstractmethod
+    def wanted(self, ceilings: list[float]) -> Request:
+        """The request of roots with these ceilings."""
+
+    @abstractmethod
+    def join(self, requests: Iterable[Request]) -> Request:
+        """One request for all of ``requests``."""
+
+    @abstractmethod
+    def families(self, request: Request) -> dict[float, tuple[int, Floats]]:
+        """The number of the first level of each family, and its levels, ascending."""
+
+    @abstractmethod
+    def names(self, request: Request) -> Request:
+        """Names of the families, in their order."""
+
+    @abstractmethod
+    def crossing(self, reds: Floats, levels: Floats, cap: float) -> tuple[float, Floats]:
+        """The last level at which a red copy is not negative, infinite where it never is; and the copy, cut at ``DEEPEST``."""
+
+    @abstractmethod
+    def settle(self, ceiling: float, tested: Mapping[float, Tested]) -> float:
+        """The level of a root."""
+
+    def message(self, tested: Mapping[float, Tested]) -> tuple[tuple[float, int, tuple[float, ...]], ...]:
+        """The message on one action: for each family, in the order of the request, all numbers of ``Tested``."""
+        return tuple((t.least, t.first, tuple(t.reds.tolist())) for t in tested.values())
+
+    def read(self, request: Request, said: tuple[tuple[float, int, tuple[float, ...]], ...]) -> dict[float, Tested]:
+        """Inverse of ``message``, for a sender that was asked ``request``."""
+        return {f: Tested(least, first, np.array(reds)) for f, (least, first, reds) in zip(self.names(request), said, strict=True)}
+
+
+class CommonLevels(Levels):
+    """Levels of a ``LevelGrid``, the same for everybody: a request is the least and the largest j."""
+
+    def __init__(self, eps: float) -> None:
+        self._eps, self._grid = eps, LevelGrid(eps)
+
+    def wanted(self, ceilings: list[float]) -> Request:
+        low, high = (self._grid.number(c) for c in (min(ceilings) / 2, max(ceilings)))
+        return (math.floor(low) - 1, math.ceil(high) + 1)
+
+    def join(self, requests: Iterable[Request]) -> Request:
+        lows, highs = zip(*requests, strict=True)
+        return (min(lows), max(highs))
+
+    def families(self, request: Request) -> dict[float, tuple[int, Floats]]:
+        low, high = (int(j) for j in request)
+        _refuse(high - low, "eps", self._eps)
+        return {0.0: (low, np.array([self._grid.level(j) for j in range(low, high + 1)]))}
+
+    def names(self, request: Request) -> Request:
+        return (0.0,)
+
+    def crossing(self, reds: Floats, levels: Floats, cap: float) -> tuple[float, Floats]:
+        valid, cut = np.nonzero(reds >= 0.0)[0], np.maximum(reds, -DEEPEST * cap)
+        if not len(valid):
+            return float(levels[0]), cut
+        j = int(valid[-1])
+        if j + 1 == len(levels):
+            return math.inf, cut
+        if reds[j + 1] < cut[j + 1]:
+            return float(levels[j]), cut
+        return float(levels[j] + (levels[j + 1] - levels[j]) * (reds[j] / (reds[j] - reds[j + 1]))), cut
+
+    def settle(self, ceiling: float, tested: Mapping[float, Tested]) -> float:
+        return tested[0.0].least
+
+
+class SteppedLevels(Levels):
+    """Levels U, U - step, U - 2 step, ... down to U/2, for the ceiling U of each tree: a request is the ceilings."""
+
+    def __init__(self, step: float) -> None:
+        self._step = step
+
+    def wanted(self, ceilings: list[float]) -> Request:
+        return tuple(sorted(set(ceilings)))
+
+    def join(self, requests: Iterable[Request]) -> Request:
+        return tuple(sorted({ceiling for request in requests for ceiling in request}))
+
+    def families(self, request: Request) -> dict[float, tuple[int, Floats]]:
+        families: dict[float, tuple[int, Floats]] = {}
+        for ceiling in request:
+            _refuse(ceiling / (2 * self._step), "step", self._step)
+            steps = np.arange(math.ceil(ceiling / (2 * self._step)) + 1, -1, -1, dtype=np.float64)
+            families[ceiling] = (0, ceiling - steps * self._step)
+        return families
+
+    def names(self, request: Request) -> Request:
+        return request
+
+    def crossing(self, reds: Floats, levels: Floats, cap: float) -> tuple[float, Floats]:
+        valid, cut = np.nonzero(reds >= -SLACK * cap)[0], np.maximum(reds, -DEEPEST * cap)
+        if not len(valid):
+            return float(levels[0]), cut
+        return math.inf if valid[-1] + 1 == len(levels) else float(levels[valid[-1]]), cut
+
+    def settle(self, ceiling: float, tested: Mapping[float, Tested]) -> float:
+        return max(min(tested[ceiling].least, ceiling), ceiling / 2)
+
+
+def _refuse(number: float, option: str, value: float) -> None:
+    if number > MOST_LEVELS:
+        message = f"messages=true tests all levels at once, {number:.3g} of them with {option}={value:g}; the limit is {MOST_LEVELS}"
+        raise UsageError(message)
+
+
+# -- robots -------------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Orders:
-    """What all robots are told beforehand; see ``local_shares``."""
+    """The orders that all robots have beforehand; see ``local_shares``."""
 
     h: int
     levels: Levels
@@ -33,16 +164,7 @@ class Orders:
 
 
 class Robot:
-    """One robot.
-
-    Parameters
-    ----------
-    name : int
-        Tells it from others; the order of names is the order of sums.
-    actions : sequence of dict
-        For each action the weights of the targets that it sees.
-    orders : Orders
-    """
+    """One robot, which knows the weights of the targets that each of its actions sees. The order of names is the order of sums."""
 
     def __init__(self, name: int, actions: Sequence[Mapping[int, float]], orders: Orders) -> None:
         self.name, self._orders = name, orders
@@ -69,7 +191,8 @@ class Robot:
     # -- getting to know the neighbours ------------------------------------------------------------------------------
 
     def _meet(self, targets: list[int], inbox: Inbox) -> None:
-        """From what the viewers of each target said: (robot, action, weight, cap) in order; targets that only one action sees apart."""
+        """Note the viewers of each target, as (robot, action, weight, cap) in order, from what they said; targets that only one action
+        sees apart."""
         self._viewers: dict[int, list[tuple[int, int, float, float]]] = {}
         self._private = [0.0 for _ in self._own]
         known: dict[int, set[int]] = {}
@@ -135,7 +258,7 @@ class Robot:
     # -- the search --------------------------------------------------------------------------------------------------
 
     def _requests(self, ceilings: list[float]) -> Generator[Outbox, Inbox, list[Request]]:
-        """Entry d: which levels the roots within d hops want tested, in h - 1 rounds."""
+        """Entry d: the levels that the roots within d hops want tested, in h - 1 rounds."""
         reach = [self._orders.levels.wanted(ceilings)]
         while len(reach) < self._orders.h:
             inbox = yield dict.fromkeys(self._shown, reach[-1])

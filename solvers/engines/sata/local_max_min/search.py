@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 from .....formulations.stop import NEVER, Stop
 from .....instances.errors import UsageError
 from .cleaning import CleanGraph, Floats, Indices
-from .level_grid import LevelGrid
 
 MARGIN = 1e-9
 """Levels found are lowered by this part: z_R(t (1 - d)) >= (1 - d) z_R(t) + d cap, so rounding makes no red copy negative."""
 
 SLACK = MARGIN / 2
-"""How far below 0, in parts of the cap, a red copy may lie at a valid level of the additive search: less than the margin mends."""
+"""A red copy may lie so far below 0, in parts of the cap, at a valid level of the additive search: less than the margin mends."""
 
 DEEPEST = 1024.0
 """Red copies count as no further below 0 than this, in parts of the cap: a level at which one is negative is not valid, however much."""
@@ -83,14 +82,8 @@ def _scratch(clean: CleanGraph) -> Scratch:
 def tree_minima(clean: CleanGraph, start: Floats, floor: Floats, rows: int, h: int, stop: Stop) -> Floats:
     """Minima over trees: row l gets, per blue copy B(v, l), the least of ``start`` over the roots above it.
 
-    Parameters
-    ----------
-    start : array of shape (actions,)
-        One value a root.
-    floor : array of shape (actions,) or (0,)
-        Joined in at every layer.
-    rows : int
-        ``h``; or 1 for the last layer alone, l = h - 1.
+    ``start`` has one value a root; ``floor``, of shape (actions,) or (0,), is joined in at every layer; ``rows`` is ``h``, or 1 for the
+    last layer alone, l = h - 1.
     """
     from .layer_kernels import minima_layer
 
@@ -105,14 +98,14 @@ def tree_minima(clean: CleanGraph, start: Floats, floor: Floats, rows: int, h: i
 
 
 def sums_at_caps(clean: CleanGraph) -> Floats:
-    """What all viewers at their caps give each target."""
+    """Coverage of each target by all its viewers at their caps."""
     first, starts, targets, weights, _, caps = clean.layout
     given = weights * np.repeat(caps, np.diff(starts[first]))
     return np.bincount(targets, given, clean.num_targets).astype(np.float64)  # of nothing, numpy counts in whole numbers
 
 
 def _capacities(clean: CleanGraph) -> Floats:
-    """Of each action the least, over its targets, of what all viewers at their caps give."""
+    """The least coverage of each action's targets by all viewers at their caps."""
     first, starts, targets, _, private, caps = clean.layout
     sums = sums_at_caps(clean)
     lowest = np.where(private > 0.0, private * np.repeat(caps, np.diff(first)), math.inf)
@@ -123,7 +116,7 @@ def _capacities(clean: CleanGraph) -> Floats:
 
 
 def _reachable(clean: CleanGraph, stop: Stop) -> tuple[Sight, Lists, Indices]:
-    """What is needed to look at a part of the graph only: robots of a target, lists to fill, and the robot of each action."""
+    """Working arrays for a part of the graph: robots of a target, lists to fill, and the robot of each action."""
     from .....formulations.transpose_kernels import transpose
 
     graph = clean.layout
@@ -138,19 +131,32 @@ def _reachable(clean: CleanGraph, stop: Stop) -> tuple[Sight, Lists, Indices]:
     return sight, lists, owner
 
 
+class LevelGrid:
+    """Levels 2^(j / m) for whole j, with the least m that makes neighbours at most a factor 1 + eps apart, 0 < eps <= 1.
+
+    Weights times a power of two meet the same levels times that power; and nobody needs to know the weights of others for it.
+    """
+
+    def __init__(self, eps: float) -> None:
+        self.parts = math.ceil(math.log(2.0) / math.log1p(eps))
+
+    def number(self, level: float) -> float:
+        """The j of a level, not rounded."""
+        part, whole = math.frexp(level)
+        return whole * self.parts + math.log2(part) * self.parts
+
+    def level(self, j: int) -> float:
+        """Level number j."""
+        whole, part = divmod(j, self.parts)
+        return math.ldexp(2.0 ** (part / self.parts), whole)
+
+
 class SecantSearch:
     """Levels of a grid, the same for all robots wherever they are; between two neighbours the root of the secant.
 
-    A red copy is concave in the level, so the secant's root never lies beyond the true one, and it is at least the lower neighbour:
-    ``t* / (1 + eps) <= t <= t*``, the latter up to rounding: 2.1e-9 of it in the worst of 614 random graphs, which moved no share.
-    Which levels are looked at first depends on the whole graph, the result does not.
-
-    Parameters
-    ----------
-    clean : CleanGraph
-    h : int
-    eps : float
-    stop : Stop
+    A red copy is concave in the level, so the secant's root never lies beyond the true one, and it is at least the lower neighbour: ``t* /
+    (1 + eps) <= t <= t*``, the latter up to rounding: 2.1e-9 of it in the worst of 614 random graphs, which moved no share. Which levels
+    are looked at first depends on the whole graph, the result does not.
     """
 
     def __init__(self, clean: CleanGraph, h: int, eps: float, stop: Stop = NEVER) -> None:
@@ -162,7 +168,7 @@ class SecantSearch:
             np.arange(clean.num_robots, dtype=np.int32), np.arange(clean.num_targets, dtype=np.int32),
         )  # fmt: skip
         self._part: tuple[Sight, Lists, Indices] | None = None
-        self._found = np.full(clean.num_actions, np.nan)
+        self._settled = np.full(clean.num_actions, np.nan)
 
     def run(self) -> Floats:
         """The level of each action's root, shape (actions,); raises Stopped where it has to end before."""
@@ -175,7 +181,7 @@ class SecantSearch:
         everyone = np.arange(clean.num_actions, dtype=np.int32)
         guess = self._guess(low, high)
         self._settle([(everyone, low, high)] if guess is None else self._split(everyone, low, high, guess, 1))
-        return self._found
+        return self._settled
 
     def _settle(self, work: list[tuple[Indices, int, int]]) -> None:
         """Find the levels of all roots in ``work``, each set with the numbers between which its levels lie."""
@@ -185,7 +191,8 @@ class SecantSearch:
             work += self._split(roots, low, high, low, stride)
 
     def _guess(self, low: int, high: int) -> int | None:
-        """Where to look first: the block that holds most results of a few robots, if their surroundings are a small part of the whole."""
+        """The level to look at first: the block that holds most results of a few robots, if their surroundings are a small part of the
+        whole."""
         clean = self._clean
         if high - low <= _INTERVALS or clean.num_robots < 64 * _SAMPLE[-1]:
             return None
@@ -197,25 +204,31 @@ class SecantSearch:
         else:
             return None
         self._settle([(roots, low, high)])
-        found = np.floor([self._grid.number(t) for t in self._found[roots]]).astype(np.int64)
-        self._found[roots] = np.nan
-        blocks = np.arange(found.min() - _INTERVALS + 1, found.max() + 1)
-        held = ((found >= blocks[:, None]) & (found < blocks[:, None] + _INTERVALS)).sum(axis=1)
+        numbers = np.floor([self._grid.number(t) for t in self._settled[roots]]).astype(np.int64)
+        self._settled[roots] = np.nan
+        blocks = np.arange(numbers.min() - _INTERVALS + 1, numbers.max() + 1)
+        held = ((numbers >= blocks[:, None]) & (numbers < blocks[:, None] + _INTERVALS)).sum(axis=1)
         best = blocks[held == held.max()]
         return int(best[len(best) // 2]) if 2 * held.max() >= len(roots) else None
 
-    def _reach(self, roots: Indices, limit: int) -> bool:
-        from . import level_kernels as kernels
+    def _placed(self, roots: Indices) -> Lists:
+        """The robots and targets within reach of ``roots``, marked until ``unplace`` undoes it."""
+        from .level_kernels import place
 
         if self._part is None:
             self._part = _reachable(self._clean, self._stop)
         sight, lists, owner = self._part
-        reached, seen = kernels.place(
-            self._stop.flag, self._clean.layout, sight, owner, roots, self._h, lists.distance, lists.marked, lists.robots, lists.targets
-        )
-        kernels.unplace(lists.distance, lists.marked, lists.robots[:reached], lists.targets[:seen])
+        reached, seen = place(self._stop.flag, self._clean.layout, sight, owner, roots, self._h, *lists)
+        return lists._replace(robots=lists.robots[:reached], targets=lists.targets[:seen])
+
+    def _reach(self, roots: Indices, limit: int) -> bool:
+        """True if at most ``limit`` robots are within reach of ``roots``."""
+        from .level_kernels import unplace
+
+        part = self._placed(roots)
+        unplace(*part)
         self._stop.check()
-        return bool(reached <= limit)
+        return len(part.robots) <= limit
 
     def _split(self, roots: Indices, low: int, high: int, start: int, stride: int) -> list[tuple[Indices, int, int]]:
         """Test the levels start, start + stride, ...: settle the roots whose level they tell, and return the others by interval."""
@@ -233,10 +246,10 @@ class SecantSearch:
             if start > low:
                 rest.append((roots[below], low, start))
             else:  # the lowest level is valid for all, so this is rounding
-                self._found[roots[below]] = levels[0, 0]
+                self._settled[roots[below]] = levels[0, 0]
         between = ~(above | below)
         if secant:
-            self._found[roots[between]] = limits[between]
+            self._settled[roots[between]] = limits[between]
             return rest
         for j in range(_INTERVALS):
             inside = limits == j
@@ -245,18 +258,12 @@ class SecantSearch:
         return rest
 
     def _limits(self, kernels: Any, roots: Indices, levels: Floats, secant: bool) -> Floats:
-        clean, h = self._clean, self._h
-        graph, flag = clean.layout, self._stop.flag
-        if 3 * len(roots) < clean.num_actions:
-            if self._part is None:
-                self._part = _reachable(clean, self._stop)
-            sight, lists, owner = self._part
-            reached, seen = kernels.place(flag, graph, sight, owner, roots, h, lists.distance, lists.marked, lists.robots, lists.targets)
-            robots, targets = lists.robots[:reached], lists.targets[:seen]
-            kernels.sweep(flag, graph, self._scratch, robots, targets, lists.distance, h, levels, secant, 0.0)
-            kernels.unplace(lists.distance, lists.marked, robots, targets)
-        else:
-            kernels.sweep(flag, graph, self._scratch, self._all.robots, self._all.targets, self._all.distance, h, levels, secant, 0.0)
+        some = 3 * len(roots) < self._clean.num_actions
+        part = self._placed(roots) if some else self._all
+        graph, flag = self._clean.layout, self._stop.flag
+        kernels.sweep(flag, graph, self._scratch, part.robots, part.targets, part.distance, self._h, levels, secant, 0.0)
+        if some:
+            kernels.unplace(*part)
         self._stop.check()
         return np.asarray(self._scratch.least[roots], dtype=np.float64)
 
@@ -265,18 +272,11 @@ def step_search(clean: CleanGraph, h: int, step: float, stop: Stop = NEVER) -> t
     """Levels U, U - step, U - 2 step, ... for each root from its own ceiling U: the first that is valid, never below U/2.
 
     U is the least value that a target in the root's tree has with all its viewers at their caps. The levels are not tried one by one:
-    validity is monotone, so the digits of their number are found, to base 8.
+    validity is monotone, so the digits of their number are found, to base 8. Returns the levels, of shape (actions,), and how far, at most,
+    the largest valid level lies above the one found, in parts of it: step / (t* - step) at most, which is no (1 + eps) for weights of
+    another size.
 
-    Returns
-    -------
-    levels : array of shape (actions,)
-    relative_eps : float
-        How far, at most, the largest valid level lies above the one found, in parts of it.
-
-    Notes
-    -----
-    This is the search whose output the thesis tabulates (Sung 2019, Table 3.1, step 0.1). Its relative error is step / (t* - step)
-    at most, which is no (1 + eps) for weights of another size.
+    Source: the search whose output the thesis tabulates (Sung 2019, Table 3.1, step 0.1).
     """
     from .level_kernels import step_groups
 

@@ -24,14 +24,9 @@ _EPS = float(np.finfo(np.float64).eps)
 class Layout(NamedTuple):
     """The arrays of a graph, as kernels take them.
 
-    Parameters
-    ----------
-    first, order : arrays
-        The actions of robot i are ``order[first[i]]`` to ``order[first[i + 1] - 1]``.
-    starts, targets, weights : arrays
-        CSR form of actions x targets.
-    viewer_starts, viewers : arrays
-        CSR form of targets x robots; a robot stands once for each of its actions that sees the target.
+    The actions of robot i are ``order[first[i]]`` to ``order[first[i + 1] - 1]``; ``starts``, ``targets`` and ``weights`` are the CSR form
+    of actions x targets; ``viewer_starts`` and ``viewers`` that of targets x robots, in which a robot stands once for each of its actions
+    that sees the target.
     """
 
     first: NDArray[np.int32]
@@ -47,8 +42,8 @@ class Layout(NamedTuple):
         """The layout of a graph."""
         first, order = graph.by_robot
         sight = graph.by_target
-        made = cls(first, order, graph.indptr, graph.indices, graph.weights, sight.indptr, graph.robot_of_action[sight.indices])
-        return cls(*(_read_only(array) for array in made))
+        arrays = cls(first, order, graph.indptr, graph.indices, graph.weights, sight.indptr, graph.robot_of_action[sight.indices])
+        return cls(*(_read_only(array) for array in arrays))
 
 
 LAYOUT = "named(Layout, read(i4[::1]), read(i4[::1]), read(i4[::1]), read(i4[::1]), read(f8[::1]), read(i4[::1]), read(i4[::1]))"
@@ -63,14 +58,7 @@ def _read_only(array: NDArray[Any]) -> NDArray[Any]:
 
 
 class Limits:
-    """When to end: time, work, the wish to stop.
-
-    Parameters
-    ----------
-    stop : Stop
-    most_work : float
-        Edges that the compiled loops may read.
-    """
+    """The limits of a search: its time and the wish to stop, and the edges that the compiled loops may read."""
 
     def __init__(self, stop: Stop, most_work: float = math.inf) -> None:
         self.stop = stop
@@ -82,30 +70,15 @@ class Limits:
         return self.stop.seconds_left
 
     def reached(self) -> str:
-        """Which limit is reached: ``interrupt``, ``time``, ``iterations``, or none (empty)."""
+        """Name of the limit that is reached: ``interrupt``, ``time``, ``iterations``, or none (empty)."""
         return self.stop.reached() or ("iterations" if self.work >= self.most_work else "")
 
 
 class Record:
-    """The best answer and the best bound so far.
+    """The best answer and the best bound so far, for a graph of which every target is seen.
 
-    Parameters
-    ----------
-    graph : SensingGraph
-        Every target is seen.
-    gap : float
-        Relative gap between them that is asked for.
-    news : callable
-        ``news(record, what)`` is called with ``answer`` or ``bound`` when there is a better one.
-
-    Attributes
-    ----------
-    shares : array of shape (actions,)
-    value : float
-    bound : float
-        What the checker makes of ``weights``, its rounding upwards included.
-    targets, weights : arrays
-        The weighted targets, ascending, and their weights.
+    ``gap`` is the relative one that is asked for between them; ``news(record, what)`` is called with ``answer`` or ``bound`` when there is
+    a better one. ``bound`` is what the checker makes of ``weights`` of ``targets`` (ascending), its rounding upwards included.
     """
 
     def __init__(self, graph: SensingGraph, gap: float, news: Callable[[Record, str], Any] = lambda record, what: None) -> None:
@@ -121,7 +94,7 @@ class Record:
         return self.bound / (1.0 + self.gap)
 
     def closed(self) -> bool:
-        """Whether the gap is as small as asked for."""
+        """True if the gap is as small as asked for."""
         return self.value >= self.wanted
 
     def offer(self, shares: Floats) -> Floats:
@@ -148,15 +121,7 @@ class Record:
 
 
 class Game:
-    """A graph, the best that is known of it, and what the methods need to work on it.
-
-    Parameters
-    ----------
-    graph : SensingGraph
-        Every target is seen.
-    record, limits, programs
-        See there.
-    """
+    """A graph of which every target is seen, the best that is known of it, and what the methods need to work on it."""
 
     def __init__(self, graph: SensingGraph, record: Record, limits: Limits, programs: Programs) -> None:
         self.graph, self.record, self.limits, self.programs = graph, record, limits, programs
@@ -172,45 +137,66 @@ class Game:
         return float(2 * self.graph.num_edges + self.graph.num_targets)
 
     def descend(self, shares: Floats, cover: Floats, level: float, negligible: float, end: float) -> bool:
-        """Move ``shares`` downhill on the squared deficits below ``level``, as long as ``limits.work`` is below ``end``.
+        """Move ``shares`` downhill on the squared deficits below ``level``, as long as ``limits.work`` is below ``end``; true if it came to
+        rest.
 
-        Parameters
-        ----------
-        shares, cover : arrays
-            Change in place.
-        level : float
-        negligible : float
-            Deficits up to this are left as they are.
-        end : float
-
-        Returns
-        -------
-        bool
-            Whether it came to rest.
+        ``shares`` and ``cover`` change in place. Deficits up to ``negligible`` are left as they are.
         """
         from .descent_kernels import descend
 
-        limits = self.limits
+        limits, queue, queued = self.limits, self._queue, self._queued
         waiting: Positions = robots_seeing(self.graph, np.nonzero(level - cover > negligible)[0])
-        self._queue[: len(waiting)] = waiting
-        self._queued[:] = False
-        self._queued[waiting] = True
+        queue[: len(waiting)] = waiting
+        queued[:] = False
+        queued[waiting] = True
         head, size = 0, len(waiting)
         while size > 0 and limits.work < end and not limits.reached():
             block = max(1.0, min(BLOCK, end - limits.work, limits.most_work - limits.work))
             head, size, work = descend(
-                limits.stop.flag,
-                self.layout,
-                self._scratch,
-                shares,
-                cover,
-                level,
-                negligible,
-                self._queue,
-                self._queued,
-                head,
-                size,
-                int(block),
+                limits.stop.flag, self.layout, self._scratch, shares, cover, level, negligible, queue, queued, head, size, int(block)
             )
             limits.work += work
         return bool(size == 0)
+
+
+class RegretMatching:
+    """Predictive regret matching on the whole game, for values that are no matter of some clusters.
+
+    Each side keeps its positive regrets and plays in proportion to these and the last payoff (predictive regret matching+), robots shares
+    and targets prices, the two in turn. The means of both sides' plays, step t with weight t^2, tend to an optimal answer and to weights
+    that prove it.
+
+    Source: Farina, Kroer and Sandholm (2021), Faster game solving via predictive Blackwell approachability: connecting regret matching and
+    mirror descent.
+    """
+
+    def __init__(self, game: Game) -> None:
+        n, m = game.graph.num_actions, game.graph.num_targets
+        self._game = game
+        self.steps = 0
+        self._shares, self._prices = even_shares(game.graph), np.full(m, 1.0 / m)
+        self._mean_shares, self._mean_prices = np.zeros(n), np.zeros(m)
+        self._regrets, self._grudges, self._cover = np.zeros(n), np.zeros(m), np.zeros(m)
+
+    def run(self, steps: int) -> None:
+        """Play ``steps`` times, or until a limit is reached."""
+        from .regret_kernels import play
+
+        limits, one = self._game.limits, self._game.pass_work
+        while steps > 0 and not limits.reached():
+            count = min(steps, max(1, int(min(BLOCK, limits.most_work - limits.work) / one)))
+            played = play(
+                limits.stop.flag, self._game.layout, self._shares, self._prices, self._regrets, self._grudges, self._mean_shares,
+                self._mean_prices, self._cover, self.steps + 1, count,
+            )  # fmt: skip
+            self.steps += played
+            steps -= count
+            limits.work += played * one
+
+    def conclude(self) -> tuple[Floats, Floats]:
+        """Offer the mean shares and prices to the record; returns a copy of the shares, and their coverage."""
+        record, shares = self._game.record, self._mean_shares.copy()
+        cover = record.offer(shares)
+        priced = np.nonzero(self._mean_prices > 0.0)[0]
+        record.prove(priced, self._mean_prices[priced])
+        return shares, cover

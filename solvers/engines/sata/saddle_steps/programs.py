@@ -22,7 +22,7 @@ from ....linear_programs import LinearPrograms, Suits
 SIMPLEX = {"highs": {"solver": "simplex"}}
 
 EDGES_PER_SECOND = 2e8
-"""What the compiled loops read, roughly: measured 1e8 to 3e8. Linear programs are charged in such edges, for their simplex
+"""Edges that the compiled loops read in a second: measured 1e8 to 3e8. Linear programs are charged in such edges, for their simplex
 iterations, so that budgets do not depend on the clock and a run can be repeated to the bit."""
 
 WORK_OF_PROGRAM, WORK_OF_ITERATION, WORK_OF_ENTRY = 2e5, 2e3, 1.5
@@ -37,19 +37,7 @@ SPARE_ITERATIONS = 500
 
 
 class Programs(LinearPrograms):
-    """Linear programs, solved within what time and work are left.
-
-    Parameters
-    ----------
-    stop : Stop
-    linear : LinearPrograms, optional
-
-    Attributes
-    ----------
-    solved : int
-    work : float
-        What they are charged so far, in edges.
-    """
+    """Linear programs, solved within the time and work that are left; ``work`` is their charge so far, in edges."""
 
     def __init__(self, stop: Stop, linear: LinearPrograms | None = None) -> None:
         linear = linear or LinearPrograms()
@@ -81,16 +69,8 @@ class Programs(LinearPrograms):
 
 @dataclass(frozen=True)
 class Lifted:
-    """New shares of some robots.
-
-    Parameters
-    ----------
-    actions : array
-    shares : array
-        One an action.
-    reached : array
-        Least coverage, over the targets of its part that could fall below the level asked for; one an action.
-    """
+    """New shares of some robots: one an action, and the least coverage over the targets of its part that could fall below the level
+    asked for."""
 
     actions: Indices
     shares: Floats
@@ -105,28 +85,15 @@ def lift_edges(graph: SensingGraph, ball: Indices) -> int:
 def lift(
     graph: SensingGraph, shares: Floats, cover: Floats, ball: Indices, level: float, run: Callable[[Program], RawResult]
 ) -> Lifted | None:
-    """Divide the robots that see ``ball`` anew, all others as they stand, so that the least coverage is largest, up to ``level``.
+    """Divide the robots that see ``ball`` (ascending) anew, all others as they stand, so that the least coverage is largest, up to
+    ``level``.
 
-    All that these robots see counts, so that nothing falls below what is reached. Parts that have nothing in common reach
-    levels of their own::
+    All that these robots see counts, so that nothing falls below what is reached. Parts that have nothing in common reach levels of their
+    own::
 
         max sum_p t_p,   sum_{m of i} x_m <= 1 for each robot i,   sum_m c_mj x_m + others_j >= t_p(j) for each target j,   t <= level
 
-    Parameters
-    ----------
-    graph : SensingGraph
-    shares, cover : arrays of shape (actions,) and (targets,)
-        What stands.
-    ball : integer array
-        Targets, ascending.
-    level : float
-    run : callable
-        Solves a program.
-
-    Returns
-    -------
-    Lifted or None
-        None if the program was not solved, or no target could be below ``level``.
+    None if ``run`` did not solve the program, or no target could be below ``level``.
     """
     actions = actions_of(graph, robots_seeing(graph, ball))
     edges, counts = entries_of(graph.indptr, actions)
@@ -158,13 +125,7 @@ def lift(
 
 
 def parts(rows: Indices, robots: Indices, num_rows: int, num_robots: int) -> tuple[NDArray[np.int64], NDArray[np.int64], int]:
-    """Connected parts of a graph of rows and robots.
-
-    Returns
-    -------
-    (part_of_row, part_of_robot, count)
-        -1 for what has no edge.
-    """
+    """Connected parts of a graph of rows and robots: the part of each row, of each robot (-1 for what has no edge), and their number."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 

@@ -1,12 +1,10 @@
-"""From an answer to a better one and a bound, by work on the targets that fall short alone.
+"""Improvement of an answer and a bound by work on the targets that fall short alone; docs/saddle.md#what-the-engine-does.
 
-Once a bound U is proved, only targets below U matter: what is above may be lowered as far as U for nothing. So shares are
-moved downhill on the sum of squared deficits max(0, level - cover)^2, at a level just below U, robot by robot, beginning with those
-that see a target that falls short (``descent_kernels``). Where this comes to rest below the level, the deficits are weights that prove a
-bound below the level: with d = max(0, level - cover), rest means that no shares do better on sum_j d_j cover_j, so that the optimum
-is at most sum_j d_j cover_j / sum_j d_j = level - |d|^2 / sum_j d_j. They mark the cluster that keeps the value down, and a linear program
-over the ball around it tells its price exactly. With that lower bound the other deficits usually vanish; the last few targets are lifted
-by linear programs over the robots around them.
+Shares are moved downhill on the sum of squared deficits max(0, level - cover)^2, at a level just below the bound, robot by robot
+(``descent_kernels``). Where this comes to rest, the deficits are weights that prove a bound below the level: with d = max(0, level -
+cover), rest means that no shares do better on sum_j d_j cover_j, so that the optimum is at most sum_j d_j cover_j / sum_j d_j = level -
+|d|^2 / sum_j d_j. They mark the cluster that keeps the value down, whose price a linear program over the ball around it tells exactly; the
+last few targets are lifted by linear programs over the robots around them.
 """
 
 from __future__ import annotations
@@ -22,13 +20,13 @@ FEW, LEAST_FEW = 1 / 64, 16
 """Targets that may fall short of a level to begin with, as a share and a number. While the bound is far off, levels rise step by step."""
 
 RISE = 0.5
-"""What the level rises in a step at least, as a share of what is left to rise."""
+"""Least rise of the level in a step, as a share of what is left to rise."""
 
 NEAR = 0.95
 """From this share of the bound on, the level is the one that is aimed at."""
 
 MANY, LEAST_MANY = 0.2, 1_000
-"""Where more targets than this share and this number fall short at a rest, the value is no matter of some clusters."""
+"""If more targets than this share and this number fall short at a rest, the value is no matter of some clusters."""
 
 STILL = 0.05
 """Improvement of a bound that counts, as a share of the gap asked for."""
@@ -46,12 +44,7 @@ SEEDS = 3
 def refine(game: Game, shares: Floats, most_work: float) -> None:
     """Improve answer and bound from ``shares``, which change in place, until the gap is closed or this brings nothing more.
 
-    Parameters
-    ----------
-    game : Game
-    shares : array of shape (actions,)
-    most_work : float
-        Edges that the descent may read.
+    ``most_work``: edges that the descent may read.
     """
     record, limits = game.record, game.limits
     end = limits.work + most_work
@@ -89,7 +82,7 @@ def refine(game: Game, shares: Floats, most_work: float) -> None:
 
 
 def _first_bound(game: Game, cover: Floats) -> None:
-    """A bound to begin with: of even prices, and of the worst-covered targets."""
+    """Bounds to begin with: by even prices, and by the worst-covered targets."""
     n = len(cover)
     game.record.prove(np.arange(n), np.ones(n))
     count = min(SEEDS, n)
@@ -128,10 +121,10 @@ def _price_ball(game: Game, targets: Indices) -> None:
     record, limits, last = game.record, game.limits, np.inf
     ball: Indices | None = targets
     while ball is not None and not limits.reached():
-        found = ball_weights(game.graph, ball, limits.stop, game.programs)
-        if found is None:
+        ball_price = ball_weights(game.graph, ball, limits.stop, game.programs)
+        if ball_price is None:
             return
-        bound, priced, weights = found
+        bound, priced, weights = ball_price
         record.prove(priced, weights, bound)
         if bound > last * (1.0 - STILL * record.gap):
             return
@@ -140,7 +133,7 @@ def _price_ball(game: Game, targets: Indices) -> None:
 
 
 def _lift(game: Game, shares: Floats, cover: Floats, level: float, wanted: float) -> bool:
-    """Lift the targets below ``wanted`` by linear programs over growing balls; whether all were lifted."""
+    """Lift the targets below ``wanted`` by linear programs over growing balls; true if all were lifted."""
     record, limits, doublings = game.record, game.limits, 0
     while not limits.reached():
         ball: Indices | None = np.nonzero(cover < wanted)[0]
@@ -151,11 +144,11 @@ def _lift(game: Game, shares: Floats, cover: Floats, level: float, wanted: float
             ball = None if ball is None else grown(game.graph, ball, room)
         if ball is None or lift_edges(game.graph, ball) > room:
             return False
-        found = lift(game.graph, shares, cover, ball, level, game.programs.solve)
-        if found is None:
+        lifted = lift(game.graph, shares, cover, ball, level, game.programs.solve)
+        if lifted is None:
             return False
-        done = found.reached >= wanted
-        shares[found.actions[done]] = found.shares[done]
+        done = lifted.reached >= wanted
+        shares[lifted.actions[done]] = lifted.shares[done]
         cover[:] = record.offer(shares)
         doublings += 1
     return False

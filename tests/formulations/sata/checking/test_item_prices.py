@@ -12,15 +12,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from selection_problems import CONSTRAINTS, cover_30, half_tight, optimum, random_problem
 
+from waybound import Coverage, DenseFacilityLocation, InputError, MaxMinLP, Selection, SubmodularSelection
 from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.sata.checking.item_prices import value_grain
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.selections import Selection
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.formulations.tolerance import LIMIT
-from waybound.instances.errors import InputError
 from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
-from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation
 
 KIND = "item-prices"
 FUNCTIONS = ("coverage", "facility-location", "dense", "dense32")

@@ -10,16 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from selection_problems import CONSTRAINTS, KINDS, cover_30, cover_tight, feasible_sets, optimum, random_problem
 
+from waybound import BottleneckSATA, Evidence, InputError, Selection, SensingGraph, SubmodularSelection
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.formulations.sata.checking.marginal_gains import check_marginal_gains
-from waybound.formulations.sata.selections import Selection
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.formulations.tolerance import LIMIT
-from waybound.instances.errors import InputError
 from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
-from waybound.instances.sata.sensing_graph import SensingGraph
 from waybound.instances.sata.set_functions import Coverage, FacilityLocation, UserFunction
 
 

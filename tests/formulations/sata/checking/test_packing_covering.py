@@ -9,12 +9,10 @@ import pytest
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import linprog
+from sata_cases import best_value
 
+from waybound import BottleneckSATA, InputError, MaxMinLP
 from waybound.formulations.evidence import CHECKERS
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.instances.errors import InputError
 from waybound.instances.sata.sensing_graph import graph_of_edges
 
 KIND = "packing-covering-duals"
@@ -34,28 +32,13 @@ def random_problem(rng: np.random.Generator, sense: str) -> MaxMinLP:
     return MaxMinLP(a, c, sense=sense)
 
 
-def optimum(problem: MaxMinLP) -> float:
-    """By SciPy's LP solver, with the least or largest as the last variable."""
-    a, c = problem.packing.scipy.toarray(), problem.covering.scipy.toarray()
-    n, sign = problem.num_variables, -1.0 if problem.sense == "max" else 1.0
-    if problem.sense == "max":
-        left = np.block([[a, np.zeros((len(a), 1))], [-c, np.ones((len(c), 1))]])
-        right = np.concatenate([np.ones(len(a)), np.zeros(len(c))])
-    else:
-        left = np.block([[a, -np.ones((len(a), 1))], [-c, np.zeros((len(c), 1))]])
-        right = np.concatenate([np.zeros(len(a)), -np.ones(len(c))])
-    found = linprog(np.append(np.zeros(n), sign), left, right, bounds=[(0, None)] * (n + 1), method="highs")
-    assert found.status == 0
-    return float(sign * found.fun)
-
-
 @settings(max_examples=draws(300), deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from(["max", "min"]), st.data())
 def test_any_prices_prove_a_bound_that_holds(seed, sense, data):
     problem = random_problem(np.random.default_rng(seed), sense)
     y = data.draw(st.lists(ANY, min_size=problem.covering.rows, max_size=problem.covering.rows))
     z = data.draw(st.lists(ANY, min_size=problem.packing.rows, max_size=problem.packing.rows))
-    bound, best = CHECKERS[KIND](problem, {"covering": y, "packing": z}), optimum(problem)
+    bound, best = CHECKERS[KIND](problem, {"covering": y, "packing": z}), best_value(problem)
     slack = 1e-7 * max(1.0, abs(best))
     assert bound >= best - slack if sense == "max" else bound <= best + slack
 
@@ -69,7 +52,7 @@ def test_optimal_prices_prove_the_optimum(seed, sense):
     made = problem.compile()
     result = BACKENDS["highs"]().run(made.program, Options(), Control())
     evidence = made.dual_evidence(result.row_duals)
-    best = optimum(problem)
+    best = best_value(problem)
     if best > 1e-9 or sense == "max":  # that nothing is needed is proved by no price
         assert CHECKERS[KIND](problem, evidence.data) == pytest.approx(best, abs=1e-7)
 

@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 from sata_cases import CASES, random_graph, selections
 
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+from waybound import BottleneckSATA, InputError, MaxMinLP
 from waybound.formulations.sata.checking.target_weights import check_target_weights
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.instances.errors import InputError
 
 
 def bound(case: str, targets: list[int], weights: list[float], *, fractional: bool = True) -> float:

@@ -5,16 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from program_text import expected, written
-from sata_cases import CASES, dense_weights, random_graph, selections
-from scipy.optimize import linprog
+from random_sensing import optimum
+from sata_cases import CASES, best_value, dense_weights, random_graph, selections
 
+from waybound import BottleneckSATA, Exactness, InputError, MaxMinLP, Selection, UnsupportedError, UsageError
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.programs.program import LINEAR
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.selections import Selection
-from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.solvers.backend import BACKENDS, Control, Options
 
@@ -25,26 +21,16 @@ def solved(program, **extra):
     return result
 
 
-def lp_value(graph) -> float:
-    """The max-min LP by SciPy, from a dense matrix."""
-    c, n = dense_weights(graph), graph.num_actions
-    robots = np.zeros((graph.num_robots, n))
-    robots[graph.robot_of_action, np.arange(n)] = 1.0
-    left = np.block([[robots, np.zeros((graph.num_robots, 1))], [-c.T, np.ones((graph.num_targets, 1))]])
-    right = np.concatenate([np.ones(graph.num_robots), np.zeros(graph.num_targets)])
-    return -float(linprog(np.append(np.zeros(n), -1.0), left, right, bounds=[(0, None)] * (n + 1), method="highs").fun)
-
-
 @pytest.mark.slow
 def test_whole_actions_agree_with_enumeration_on_random_graphs():
     rng = np.random.default_rng(0)
     for _ in range(200):
         problem = BottleneckSATA(random_graph(rng))
-        made = problem.compile()
+        compiled = problem.compile()
         best = max(problem.evaluate(s).values[0] for s in selections(problem.graph))
-        result = solved(made.program)
+        result = solved(compiled.program)
         assert result.objective == pytest.approx(best, abs=1e-6)
-        assert problem.evaluate(made.decode(result.answer)).values[0] == pytest.approx(best, abs=1e-6)
+        assert problem.evaluate(compiled.decode(result.answer)).values[0] == pytest.approx(best, abs=1e-6)
 
 
 @pytest.mark.share(3)
@@ -54,12 +40,12 @@ def test_shares_agree_with_scipy_and_their_duals_prove_it(algorithm):
     for _ in range(60):
         graph = random_graph(rng, robots=4, actions=9, targets=5)
         problem = BottleneckSATA(graph, fractional=True)
-        made, known = problem.compile(), lp_value(graph)
-        result = BACKENDS["highs"]().run(made.program, Options(extra=algorithm), Control())
-        judged = problem.evaluate(made.decode(result.answer))
+        compiled, known = problem.compile(), optimum(graph)
+        result = BACKENDS["highs"]().run(compiled.program, Options(extra=algorithm), Control())
+        judged = problem.evaluate(compiled.decode(result.answer))
         assert judged.feasible
         assert judged.values[0] == pytest.approx(known, abs=1e-6)
-        evidence = made.dual_evidence(result.row_duals)
+        evidence = compiled.dual_evidence(result.row_duals)
         assert known - 1e-9 <= verified_bound(problem, evidence) <= known + 1e-6
         assert evidence.kind == "target-weights"
         assert all(w > 0 for w in evidence.data["weights"])
@@ -76,9 +62,9 @@ def test_evidence_of_shares_bounds_whole_actions_too():
 
 
 def test_negated_duals_are_the_same_evidence():
-    made = BottleneckSATA(CASES["S7"].graph, fractional=True).compile()
-    duals = solved(made.program).row_duals
-    one, other = made.dual_evidence(duals), made.dual_evidence(-duals)
+    compiled = BottleneckSATA(CASES["S7"].graph, fractional=True).compile()
+    duals = solved(compiled.program).row_duals
+    one, other = compiled.dual_evidence(duals), compiled.dual_evidence(-duals)
     assert one.data["targets"] == other.data["targets"]
     assert one.data["weights"] == pytest.approx(other.data["weights"])
 
@@ -88,15 +74,15 @@ def test_nonsense_duals_prove_nothing_false():
     for _ in range(50):
         graph = random_graph(rng)
         problem = BottleneckSATA(graph, fractional=True)
-        made = problem.compile()
-        value = made.dual_evidence(rng.normal(size=made.program.num_rows)).value
-        assert value >= lp_value(graph) - 1e-9
+        compiled = problem.compile()
+        value = compiled.dual_evidence(rng.normal(size=compiled.program.num_rows)).value
+        assert value >= optimum(graph) - 1e-9
 
 
 def test_a_relaxed_point_is_no_selection():
-    made = BottleneckSATA(CASES["S6"].graph).compile(relax=True)
+    compiled = BottleneckSATA(CASES["S6"].graph).compile(relax=True)
     with pytest.raises(InputError, match="fractional"):
-        made.decode(solved(made.program).answer)
+        compiled.decode(solved(compiled.program).answer)
 
 
 @pytest.mark.parametrize("fractional", [False, True])
@@ -105,16 +91,16 @@ def test_answers_become_points_of_their_value_and_come_back(fractional):
     for _ in range(20):
         graph = random_graph(rng)
         problem = BottleneckSATA(graph, fractional=fractional)
-        made = problem.compile()
-        program = made.program
+        compiled = problem.compile()
+        program = compiled.program
         for answer in list(selections(graph))[:20]:
             shares = np.zeros(graph.num_actions)
             shares[list(answer.elements)] = 1.0
             given = shares if fractional else answer
-            point = made.encode(given)
+            point = compiled.encode(given)
             assert program.residual(point) <= 1e-9
             assert program.value(point) == pytest.approx(problem.evaluate(given).values[0])
-            back = made.decode(point)
+            back = compiled.decode(point)
             assert (back == shares).all() if fractional else set(back.elements) == set(answer.elements)
 
 
@@ -140,13 +126,13 @@ def test_idle_robots_and_unseen_targets_make_the_value_zero():
     graph = graph_of_edges([0, 2], [0, 0], [0, 2], robots=4, targets=4)
     for fractional in (False, True):
         problem = BottleneckSATA(graph, fractional=fractional)
-        made = problem.compile()
-        program = made.program
+        compiled = problem.compile()
+        program = compiled.program
         assert (program.num_rows, program.num_variables) == (8, 3)
         result = solved(program)
         assert result.objective == 0.0
         if fractional:
-            assert made.dual_evidence(result.row_duals).value == pytest.approx(0.0, abs=1e-9)
+            assert compiled.dual_evidence(result.row_duals).value == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_graph_without_actions_can_be_written_down():
@@ -190,19 +176,14 @@ def test_packing_and_covering_rows_agree_with_scipy_and_are_proved(sense, algori
         c = rng.uniform(0.2, 2, (targets, n)) * (rng.random((targets, n)) < 0.5)
         a[0, a.sum(axis=0) == 0], c[c.sum(axis=1) == 0, 0] = 1.0, 1.0
         problem = MaxMinLP(a, c, sense=sense)
-        made = problem.compile()
-        program = made.program
-        if sense == "max":
-            left, right = np.block([[a, np.zeros((rows, 1))], [-c, np.ones((targets, 1))]]), np.repeat([1.0, 0.0], [rows, targets])
-        else:
-            left, right = np.block([[a, -np.ones((rows, 1))], [-c, np.zeros((targets, 1))]]), np.repeat([0.0, -1.0], [rows, targets])
-        sign = -1.0 if sense == "max" else 1.0
-        known = sign * float(linprog(np.append(np.zeros(n), sign), left, right, bounds=[(0, None)] * (n + 1)).fun)
+        compiled = problem.compile()
+        program = compiled.program
+        known = best_value(problem)
         result = BACKENDS["highs"]().run(program, Options(extra=algorithm), Control())
-        judged = problem.evaluate(made.decode(result.answer))
+        judged = problem.evaluate(compiled.decode(result.answer))
         assert judged.feasible
         assert judged.values[0] == pytest.approx(known, abs=1e-6)
-        bound = verified_bound(problem, made.dual_evidence(result.row_duals))
+        bound = verified_bound(problem, compiled.dual_evidence(result.row_duals))
         assert bound == pytest.approx(known, abs=1e-5)
         assert bound >= known - 1e-9 if sense == "max" else bound <= known + 1e-9
 
@@ -211,12 +192,12 @@ def test_answers_of_packing_and_covering_become_points_of_their_value():
     a, c = np.array([[1.0, 2.0], [0.5, 0.0]]), np.array([[1.0, 0.0], [1.0, 3.0]])
     for sense, x in (("max", np.array([0.4, 0.3])), ("min", np.array([1.5, 0.2]))):
         problem = MaxMinLP(a, c, sense=sense)
-        made = problem.compile()
-        program = made.program
-        point = made.encode(x)
+        compiled = problem.compile()
+        program = compiled.program
+        point = compiled.encode(x)
         assert program.residual(point) <= 1e-12
         assert program.value(point) == pytest.approx(problem.evaluate(x).values[0])
-        assert made.decode(point) == pytest.approx(x)
+        assert compiled.decode(point) == pytest.approx(x)
 
 
 def test_there_is_one_form_and_no_other_family_takes_it():

@@ -11,15 +11,9 @@ from programs import AnsweredBy
 from sata_cases import CASES, random_graph, selections
 from selection_problems import CONSTRAINTS, cover_30, feasible_sets, optimum, random_problem
 
+from waybound import BottleneckSATA, Exactness, InputError, MaxMinLP, Selection, SubmodularSelection, WinnerTakesAllSATA
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.programs.exactness import Exactness
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.selections import Selection
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.formulations.stop import Stop
-from waybound.instances.errors import InputError
 from waybound.instances.sata.constraints import Cardinality, PartitionMatroid
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.instances.sata.set_functions import Coverage, FacilityLocation
@@ -46,11 +40,10 @@ def random_problems(count: int, seed: int):
 @pytest.mark.parametrize("form", LINEAR)
 def test_each_linear_form_agrees_with_enumeration_on_random_problems(form):
     for problem in random_problems(draws(200), seed=5):
-        made = problem.compile(form)
-        program = made.program
-        result = solved(program)
+        compiled = problem.compile(form)
+        result = solved(compiled.program)
         assert result.status == "optimal"
-        judged = problem.evaluate(made.decode(result.answer))
+        judged = problem.evaluate(compiled.decode(result.answer))
         assert judged.feasible
         assert judged.values[0] == pytest.approx(optimum(problem), abs=1e-6)
         assert result.objective == pytest.approx(judged.values[0], abs=1e-5)
@@ -58,11 +51,10 @@ def test_each_linear_form_agrees_with_enumeration_on_random_problems(form):
 
 def test_the_product_form_agrees_with_enumeration_on_random_problems():
     for problem in random_problems(draws(200), seed=6):
-        made = problem.compile("product")
-        program = made.program
-        result = solved(program, "cpsat")
+        compiled = problem.compile("product")
+        result = solved(compiled.program, "cpsat")
         assert result.status == "optimal", result
-        judged = problem.evaluate(made.decode(result.answer))
+        judged = problem.evaluate(compiled.decode(result.answer))
         assert judged.feasible
         assert judged.values[0] == pytest.approx(optimum(problem), abs=1e-6)
 
@@ -74,11 +66,10 @@ def test_robots_and_targets_agree_with_enumeration(form):
     rng = np.random.default_rng(7)
     for _ in range(50):
         problem = WinnerTakesAllSATA(random_graph(rng))
-        made = problem.compile(form)
-        program = made.program
-        result = solved(program, "cpsat" if form == "product" else "highs")
+        compiled = problem.compile(form)
+        result = solved(compiled.program, "cpsat" if form == "product" else "highs")
         best = max(problem.evaluate(s).values[0] for s in selections(problem.graph))
-        assert problem.evaluate(made.decode(result.answer)).values[0] == pytest.approx(best, abs=1e-6)
+        assert problem.evaluate(compiled.decode(result.answer)).values[0] == pytest.approx(best, abs=1e-6)
 
 
 @pytest.mark.slow
@@ -96,13 +87,13 @@ def test_the_relaxations_of_two_forms_are_equal_and_the_weak_one_is_no_better():
 def test_prices_from_each_form_prove_its_relaxation_or_more(extra):
     for problem in random_problems(60, seed=9):
         for form in LINEAR:
-            made = problem.compile(form, relax=True)
-            program = made.program
-            assert made.exactness is Exactness.RELAXATION
+            compiled = problem.compile(form, relax=True)
+            program = compiled.program
+            assert compiled.exactness is Exactness.RELAXATION
             result = solved(program, **extra)
             if result.row_duals is None:
                 continue
-            evidence = made.dual_evidence(result.row_duals)
+            evidence = compiled.dual_evidence(result.row_duals)
             assert evidence.kind == "item-prices"
             assert len(evidence.data["prices"]) == problem.function.num_items
             bound = verified_bound(problem, evidence)
@@ -114,11 +105,11 @@ def test_prices_from_each_form_prove_its_relaxation_or_more(extra):
 def test_duals_of_an_interior_point_without_crossover_prove_nothing_false():
     for problem in random_problems(40, seed=9):
         for form in LINEAR:
-            made = problem.compile(form, relax=True)
-            program = made.program
+            compiled = problem.compile(form, relax=True)
+            program = compiled.program
             duals = solved(program, solver="ipm", run_crossover="off").row_duals
             if duals is not None:
-                assert made.dual_evidence(duals).value >= optimum(problem) - 1e-9
+                assert compiled.dual_evidence(duals).value >= optimum(problem) - 1e-9
 
 
 def test_negated_and_nonsense_duals_prove_nothing_false():
@@ -126,22 +117,22 @@ def test_negated_and_nonsense_duals_prove_nothing_false():
     for problem in random_problems(40, seed=11):
         best = optimum(problem)
         for form in LINEAR:
-            made = problem.compile(form)
-            program = made.program
-            assert made.dual_evidence(rng.normal(size=program.num_rows)).value >= best - 1e-9
-            assert made.dual_evidence(np.zeros(program.num_rows)).value >= best - 1e-9
+            compiled = problem.compile(form)
+            program = compiled.program
+            assert compiled.dual_evidence(rng.normal(size=program.num_rows)).value >= best - 1e-9
+            assert compiled.dual_evidence(np.zeros(program.num_rows)).value >= best - 1e-9
 
 
 @pytest.mark.parametrize("form", [*LINEAR, "product"])
 def test_answers_become_points_of_their_value_and_come_back(form):
     for problem in random_problems(24, seed=12):
-        made = problem.compile(form)
-        program = made.program
+        compiled = problem.compile(form)
+        program = compiled.program
         for chosen in itertools.islice(feasible_sets(problem), 12):
-            point = made.encode(Selection(chosen))
+            point = compiled.encode(Selection(chosen))
             assert program.residual(point) <= 1e-6
             assert program.value(point) == pytest.approx(problem.value(chosen), abs=1e-9)
-            assert made.decode(point) == Selection(chosen)
+            assert compiled.decode(point) == Selection(chosen)
 
 
 def test_credit_goes_to_groups_only_where_one_element_is_chosen():
@@ -170,20 +161,19 @@ def test_items_that_nobody_serves_and_elements_that_serve_nothing_are_allowed():
     function = FacilityLocation(np.array([0, 0, 1], np.int32), np.array([1], np.int32), np.array([2.0]), 3)
     problem = SubmodularSelection(function, Cardinality(1))
     for form in (*LINEAR, "product"):
-        made = problem.compile(form)
-        program = made.program
-        result = solved(program, "cpsat" if form == "product" else "highs")
+        compiled = problem.compile(form)
+        result = solved(compiled.program, "cpsat" if form == "product" else "highs")
         assert result.objective == pytest.approx(2.0)
-        assert made.decode(result.answer).elements == (1,)
+        assert compiled.decode(result.answer).elements == (1,)
 
 
 def test_a_function_without_edges_is_zero():
     problem = SubmodularSelection(Coverage.from_sets([[], []], [1.0]), Cardinality(1))
     for form in LINEAR:
-        made = problem.compile(form)
-        program = made.program
+        compiled = problem.compile(form)
+        program = compiled.program
         assert solved(program).objective == pytest.approx(0.0)
-        assert made.dual_evidence(np.zeros(program.num_rows)).value >= 0.0
+        assert compiled.dual_evidence(np.zeros(program.num_rows)).value >= 0.0
 
 
 def test_user_functions_have_no_form():
@@ -197,12 +187,12 @@ def test_the_default_form_is_linear_and_the_product_is_last():
 
 
 def test_fractional_points_choose_nothing():
-    made = cover_30(3).compile()
-    program = made.program
+    compiled = cover_30(3).compile()
+    program = compiled.program
     with pytest.raises(InputError, match="fractional"):
-        made.decode(np.full(program.num_variables, 0.4))
+        compiled.decode(np.full(program.num_variables, 0.4))
     with pytest.raises(InputError, match="exist"):
-        made.encode(Selection.of([99]))
+        compiled.encode(Selection.of([99]))
 
 
 @pytest.mark.parametrize("form", [*LINEAR, "product"])

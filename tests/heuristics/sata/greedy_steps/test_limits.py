@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from selection_problems import cover_30, run
 
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.heuristics.sata.greedy_steps.limits import Limits, first_allowed
-from waybound.instances.errors import UsageError
-from waybound.instances.sata.constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
-from waybound.instances.sata.set_functions import Coverage
+from waybound import Coverage, SubmodularSelection, UsageError
+from waybound.heuristics.sata.greedy_steps.limits import Limits
+from waybound.instances.sata.constraints import Cardinality, Constraint, PartitionMatroid
 
 
 def problem_of(constraint: Constraint, n: int) -> SubmodularSelection:
@@ -38,8 +36,3 @@ def test_room_beside_chosen_elements() -> None:
     assert limits.without([0, 2]).tolist() == [1, 0]
     with pytest.raises(UsageError, match="break the constraint"):
         Limits.of(problem_of(PartitionMatroid.of([0, 0], [1]), 2)).without([0, 1])
-
-
-def test_a_budget_leaves_room_for_rounding_and_no_more() -> None:
-    knapsack = Knapsack(np.array([0.1, 0.1, 0.1, 1e-6]), 0.3)
-    assert first_allowed(problem_of(knapsack, 4), np.arange(4)) == [0, 1, 2]

@@ -10,10 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from selection_problems import random_function
 
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
+from waybound import Cardinality, SubmodularSelection
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.sata.greedy_steps import multilinear_kernels as multilinear
-from waybound.instances.sata.constraints import Cardinality
 from waybound.instances.sata.set_functions import AT_ITEM, Coverage, FacilityLocation
 
 Function = Coverage | FacilityLocation

@@ -7,10 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.selections import Selection
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.instances.errors import UsageError
+from waybound import BottleneckSATA, Selection, UsageError, WinnerTakesAllSATA
 from waybound.instances.sata.worlds.tracking import TrackingRules, TrackingWorld
 from waybound.reports.missions.mission import Decision
 from waybound.reports.missions.sata.tracking import SPREAD, Tracking, chosen_actions

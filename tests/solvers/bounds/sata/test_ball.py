@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,11 +12,9 @@ from programs import AnsweredBy
 from random_sensing import chain_graph, optimum, random_graph
 from ratio_strategies import graphs
 
+from waybound import BottleneckSATA, InputError, MaxMinLP
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
 from waybound.formulations.stop import Stop
-from waybound.instances.errors import InputError
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.backends.highs import Highs
@@ -50,7 +49,7 @@ def problem(graph, **kind):
 @given(graphs(every_target_seen=True), st.integers(1, 5), st.integers(0, 10), st.randoms(use_true_random=False))
 def test_a_ball_bounds_the_optimum_from_above_wherever_it_grows(graph, seeds, most_edges, random):
     covered = np.array([random.random() for _ in range(graph.num_targets)])
-    evidence = ball_evidence(problem(graph), covered, Stop(60.0), Solver(), seeds=seeds, most_edges=most_edges)
+    evidence = ball_evidence(graph, covered, Stop(60.0), Solver(), seeds=seeds, most_edges=most_edges)
     if evidence is not None:
         proved = verified_bound(problem(graph), evidence)
         assert proved >= optimum(graph) * (1 - 1e-9)
@@ -60,7 +59,7 @@ def test_a_ball_bounds_the_optimum_from_above_wherever_it_grows(graph, seeds, mo
 @settings(deadline=None, max_examples=draws(40))
 @given(graphs(every_target_seen=True))
 def test_a_ball_that_is_everything_is_exact(graph):
-    evidence = ball_evidence(problem(graph), None, Stop(60.0), Solver(), seeds=graph.num_targets)
+    evidence = ball_evidence(graph, None, Stop(60.0), Solver(), seeds=graph.num_targets)
     assert verified_bound(problem(graph), evidence) == pytest.approx(optimum(graph), rel=1e-6)
 
 
@@ -70,7 +69,7 @@ def test_a_far_bottleneck_is_found_by_its_coverage_and_priced_exactly(seed):
     graph = random_graph(seed, robots=400, targets=250)
     best = optimum(graph)
     solver = Solver()
-    evidence = ball_evidence(problem(graph), None, Stop(60.0), solver)
+    evidence = ball_evidence(graph, None, Stop(60.0), solver)
     assert verified_bound(problem(graph), evidence) == pytest.approx(best, rel=1e-6)
 
 
@@ -86,14 +85,14 @@ def test_growth_ends_where_the_bound_stands_still():
             owner.append(1 + k)
     graph = graph_of_edges(owner, action, target, weight, robots=chain + 1, targets=chain + 2)
     solver = Solver()
-    evidence = ball_evidence(problem(graph), None, Stop(60.0), solver, seeds=1)
+    evidence = ball_evidence(graph, None, Stop(60.0), solver, seeds=1)
     assert verified_bound(problem(graph), evidence) == pytest.approx(optimum(graph), rel=1e-6)
     assert max(len(p.data) for p in solver.programs) < 200  # of 802 edges, 2407 entries
 
 
 def test_targets_that_are_covered_as_well_as_the_bound_seed_no_ball():
     graph, solver = random_graph(3, robots=200, targets=120), Solver()
-    assert ball_evidence(problem(graph), np.full(graph.num_targets, 100.0), Stop(60.0), solver, seeds=2) is not None
+    assert ball_evidence(graph, np.full(graph.num_targets, 100.0), Stop(60.0), solver, seeds=2) is not None
     sizes = [size(p)[0] for p in solver.programs]
     assert sizes[0] == 2
     assert sizes == sorted(set(sizes))  # one ball that grew, and no second one
@@ -101,24 +100,24 @@ def test_targets_that_are_covered_as_well_as_the_bound_seed_no_ball():
 
 def test_no_program_is_larger_than_allowed():
     solver = Solver()
-    ball_evidence(problem(chain_graph(1, 300)), None, Stop(60.0), solver, most_edges=50)
+    ball_evidence(chain_graph(1, 300), None, Stop(60.0), solver, most_edges=50)
     assert solver.programs
     assert max(size(p)[1] for p in solver.programs) <= 50
 
 
 def test_it_keeps_the_best_bound_when_a_program_is_not_solved_in_time():
     graph = chain_graph(2, 300)
-    one = ball_evidence(problem(graph), None, Stop(60.0), Solver(most=1))
-    more = ball_evidence(problem(graph), None, Stop(60.0), Solver(most=5))
-    assert ball_evidence(problem(graph), None, Stop(60.0), Solver(most=0)) is None
-    assert ball_evidence(problem(graph), None, Stop(0.0), Solver()) is None
+    one = ball_evidence(graph, None, Stop(60.0), Solver(most=1))
+    more = ball_evidence(graph, None, Stop(60.0), Solver(most=5))
+    assert ball_evidence(graph, None, Stop(60.0), Solver(most=0)) is None
+    assert ball_evidence(graph, None, Stop(0.0), Solver()) is None
     assert optimum(graph) * (1 - 1e-9) <= more.value <= one.value
 
 
 def test_a_target_that_nobody_sees_proves_zero_without_a_program():
     graph = graph_of_edges([0], [0], [0], robots=1, targets=3)
     solver = Solver()
-    evidence = ball_evidence(problem(graph), None, Stop(60.0), solver)
+    evidence = ball_evidence(graph, None, Stop(60.0), solver)
     assert verified_bound(problem(graph), evidence) == 0.0
     assert not solver.programs
 
@@ -126,10 +125,8 @@ def test_a_target_that_nobody_sees_proves_zero_without_a_program():
 @pytest.mark.parametrize("size", [1e-200, 1e-12, 1e12, 1e200])
 def test_weights_of_any_size_are_priced(size):
     graph = random_graph(5)
-    other = graph_of_edges(
-        graph.robot_of_action, graph.action_of_edge, graph.indices, graph.weights * size, robots=graph.num_robots, targets=graph.num_targets
-    )
-    evidence = ball_evidence(problem(other), None, Stop(60.0), Solver(), seeds=graph.num_targets)
+    other = replace(graph, weights=graph.weights * size)
+    evidence = ball_evidence(other, None, Stop(60.0), Solver(), seeds=graph.num_targets)
     assert verified_bound(problem(other), evidence) / size == pytest.approx(optimum(graph), rel=1e-6)
 
 
@@ -138,18 +135,18 @@ def test_a_solver_that_refuses_the_numbers_proves_nothing():
         raise InputError("too large")
 
     graph = graph_of_edges([0, 0], [0, 0, 1], [0, 1, 1], [1e-200, 1e200, 1.0], robots=1)
-    assert ball_evidence(problem(graph), None, Stop(60.0), AnsweredBy(refuses)) is None
+    assert ball_evidence(graph, None, Stop(60.0), AnsweredBy(refuses)) is None
 
 
 def test_whole_actions_are_bounded_by_shares():
     graph = random_graph(6)
-    evidence = ball_evidence(problem(graph, fractional=False), None, Stop(60.0), Solver(), seeds=graph.num_targets)
+    evidence = ball_evidence(graph, None, Stop(60.0), Solver(), seeds=graph.num_targets)
     assert verified_bound(problem(graph, fractional=False), evidence) == pytest.approx(optimum(graph), rel=1e-6)
 
 
 def test_only_nonzero_weights_become_evidence():
     graph = random_graph(7, robots=300, targets=200)
-    data = ball_evidence(problem(graph), None, Stop(60.0), Solver()).data
+    data = ball_evidence(graph, None, Stop(60.0), Solver()).data
     assert all(w > 0 for w in data["weights"])
     assert data["targets"] == sorted(set(data["targets"]))
 

@@ -10,13 +10,9 @@ from patience import HANG
 from selection_problems import CONSTRAINTS, KINDS, cover_30, cover_tight, optimum, random_problem, run, value
 
 import waybound as wb
+from waybound import BottleneckSATA, Cardinality, Coverage, Knapsack, PartitionMatroid, SensingGraph, SubmodularSelection, UserFunction
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.formulations.stop import Stop
-from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
-from waybound.instances.sata.sensing_graph import SensingGraph
-from waybound.instances.sata.set_functions import Coverage, UserFunction
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.sata.marginal_gains import best_prefix, marginal_gains_bound
 

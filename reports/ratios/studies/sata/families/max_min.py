@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,27 +69,24 @@ def ring_graph(rng: Rng, kind: str, name: str) -> SensingGraph:
     )
 
 
-RANDOM = {"unequal": unequal_graph, "near-regular": near_regular_graph, "ring": ring_graph}
-KINDS = {"unequal": ("unit", "whole", "uniform", "spread"), "near-regular": ("uniform", "spread"), "ring": ("unit", "spread")}
-SUMMARIES = {
-    "unequal": "robots of 1 to 5 actions, targets seen by any number of them",
-    "near-regular": "two actions a robot, two edges an action, four a target",
-    "ring": "robots on a ring that see near targets",
+RANDOM = {
+    "unequal": (unequal_graph, "robots of 1 to 5 actions, targets seen by any number of them", ("unit", "whole", "uniform", "spread")),
+    "near-regular": (near_regular_graph, "two actions a robot, two edges an action, four a target", ("uniform", "spread")),
+    "ring": (ring_graph, "robots on a ring that see near targets", ("unit", "spread")),
 }
+"""Random graphs by name: how one is drawn, what it is, and its kinds of weights."""
 
 
-def random_families() -> tuple[Family, ...]:
-    """Each random graph with each of its kinds of weights."""
+def _random_family(name: str, kind: str) -> Family:
+    draw, summary, _ = RANDOM[name]
 
-    def family(name: str, kind: str) -> Family:
-        label = f"{name}-{kind}"
+    def make(k: int, rng: Rng) -> Case:
+        return Case(BottleneckSATA(draw(rng, kind, f"{name}-{kind}-{k}"), fractional=True))
 
-        def make(k: int, rng: Rng) -> Case:
-            return Case(BottleneckSATA(RANDOM[name](rng, kind, f"{label}-{k}"), fractional=True))
+    return Family(f"{name}-{kind}", f"{summary}; {kind} weights", make)
 
-        return Family(label, f"{SUMMARIES[name]}; {kind} weights", make)
 
-    return tuple(family(name, kind) for name in RANDOM for kind in KINDS[name])
+RANDOM_FAMILIES = tuple(_random_family(name, kind) for name, (_, _, kinds) in RANDOM.items() for kind in kinds)
 
 
 def packing_rows(rng: Rng, kind: str, name: str) -> MaxMinLP:
@@ -101,14 +98,12 @@ def packing_rows(rng: Rng, kind: str, name: str) -> MaxMinLP:
     return MaxMinLP(packing, covering, name=name)
 
 
-def random_programs() -> Family:
-    """General max-min LPs with one packing row a variable."""
+def _random_program(k: int, rng: Rng) -> Case:
+    kind = ("unit", "whole", "uniform", "spread")[k % 4]
+    return Case(packing_rows(rng, kind, f"packing-rows-{kind}-{k}"))
 
-    def make(k: int, rng: Rng) -> Case:
-        kind = ("unit", "whole", "uniform", "spread")[k % 4]
-        return Case(packing_rows(rng, kind, f"packing-rows-{kind}-{k}"))
 
-    return Family("packing-rows", "max-min LPs with one packing row a variable and coefficients of any size", make)
+RANDOM_PROGRAMS = Family("packing-rows", "max-min LPs with one packing row a variable and coefficients of any size", _random_program)
 
 
 # -- graphs by hand ---------------------------------------------------------------------------------------------------
@@ -153,10 +148,14 @@ REFERENCES: dict[str, tuple[list[list[Sees]], float]] = {
 """Small graphs with their optima: cases A to G, and S1w to S10 of docs/formulations/sensing.md#reference-cases; A is S1."""
 
 
-def references() -> Family:
-    """``REFERENCES``, with their known optima."""
-    cases = [functools.partial(lambda name: _known(robots(REFERENCES[name][0], name), REFERENCES[name][1]), name) for name in REFERENCES]
-    return listed("reference", "small graphs with known optima, weights and unequal robots among them", cases)
+def _reference(name: str) -> Case:
+    rows, value = REFERENCES[name]
+    return _known(robots(rows, name), value)
+
+
+REFERENCE_GRAPHS = listed(
+    "reference", "small graphs with known optima, weights and unequal robots among them", [partial(_reference, name) for name in REFERENCES]
+)
 
 
 def tight_pair(h: int) -> BottleneckSATA:
@@ -166,13 +165,10 @@ def tight_pair(h: int) -> BottleneckSATA:
     return robots([[[1]], [[0], [1]]], "tight-h2")
 
 
-def tight() -> Family:
-    """The two smallest graphs that attain the bound; the first one, continued, has 1 - 1/(2h) (S8)."""
-    return listed(
-        "tight",
-        "the bound is attained: ratio 2 at h = 1, 3/2 at h = 2",
-        [lambda: _known(tight_pair(1), 1.0), lambda: _known(tight_pair(2), 1.0)],
-    )
+TIGHT = listed(
+    "tight", "the bound is attained: ratio 2 at h = 1, 3/2 at h = 2", [partial(lambda h: _known(tight_pair(h), 1.0), h) for h in (1, 2)]
+)
+"""The two smallest graphs that attain the bound; the first one, continued, has 1 - 1/(2h) (S8)."""
 
 
 def private_targets(n: int) -> BottleneckSATA:
@@ -180,10 +176,12 @@ def private_targets(n: int) -> BottleneckSATA:
     return robots([[[j] for j in range(n)]], f"private-{n}")
 
 
-def private() -> Family:
-    """The integrality gap 1/n, which the local algorithm meets exactly."""
-    cases = [functools.partial(lambda n: _known(private_targets(n), 1 / n, [1 / n] * n), n) for n in range(1, 9)]
-    return listed("private-targets", "one robot of n actions with a target each: 1/n of shares, 0 of whole actions", cases)
+PRIVATE = listed(
+    "private-targets",
+    "one robot of n actions with a target each: 1/n of shares, 0 of whole actions",
+    [partial(lambda n: _known(private_targets(n), 1 / n, [1 / n] * n), n) for n in range(1, 9)],
+)
+"""The integrality gap 1/n, which the local algorithm meets exactly."""
 
 
 def cycle(n: int) -> BottleneckSATA:
@@ -191,10 +189,12 @@ def cycle(n: int) -> BottleneckSATA:
     return robots([[[i], [(i + 1) % n]] for i in range(n)], f"cycle-{n}")
 
 
-def cycles() -> Family:
-    """Cycles of 2 to 40 robots: optimum 1, which is found for every h."""
-    cases = [functools.partial(lambda n: _known(cycle(n), 1.0, [1.0, 0.0] * n), n) for n in (2, 3, 4, 5, 8, 20, 40)]
-    return listed("cycle", "robot i sees target i or i + 1 of a cycle", cases)
+CYCLES = listed(
+    "cycle",
+    "robot i sees target i or i + 1 of a cycle",
+    [partial(lambda n: _known(cycle(n), 1.0, [1.0, 0.0] * n), n) for n in (2, 3, 4, 5, 8, 20, 40)],
+)
+"""Optimum 1, which is found for every h."""
 
 
 def regular_tree(m: int, depth: int) -> BottleneckSATA:
@@ -203,8 +203,6 @@ def regular_tree(m: int, depth: int) -> BottleneckSATA:
     Robots of the targets at ``depth`` have one action. For depth much beyond h the inner robots see no end of the tree and divide
     themselves equally: value m/2, where the optimum tends to m - 1; no local algorithm does better.
 
-    Notes
-    -----
     Source: Floréen et al. (2011), the lower bound Delta_R (1 - 1/Delta_T) for local algorithms.
     """
     rows: list[list[Sees]] = []
@@ -221,12 +219,18 @@ def regular_tree(m: int, depth: int) -> BottleneckSATA:
     return robots(rows, f"tree-{m}-{depth}")
 
 
-def regular_trees() -> Family:
-    """Regular trees: optimum robots/targets, local values of m/2 near the root."""
+def _regular_tree(m: int, depth: int) -> Case:
+    problem = regular_tree(m, depth)
+    return _known(problem, problem.graph.num_robots / problem.graph.num_targets)
 
-    def case(m: int, depth: int) -> Case:
-        problem = regular_tree(m, depth)
-        return _known(problem, problem.graph.num_robots / problem.graph.num_targets)
 
-    sizes = ((2, 3), (2, 8), (3, 1), (3, 2), (3, 3), (3, 4), (3, 5), (4, 2), (4, 3), (4, 4), (5, 2), (5, 3))
-    return listed("regular-tree", "trees on which no local algorithm beats 2 (1 - 1/m)", [functools.partial(case, *s) for s in sizes])
+REGULAR_TREES = listed(
+    "regular-tree",
+    "trees on which no local algorithm beats 2 (1 - 1/m)",
+    [
+        partial(_regular_tree, m, depth)
+        for m, depths in ((2, (3, 8)), (3, (1, 2, 3, 4, 5)), (4, (2, 3, 4)), (5, (2, 3)))
+        for depth in depths
+    ],
+)
+"""Optimum robots/targets, local values of m/2 near the root."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -18,24 +18,18 @@ from ....judging import Case
 from ....optimum import attained
 
 BRIBE = 1e-4
-"""What breaks ties in favour of the worse choice, as a share of the optimum."""
+"""Weight that breaks ties in favour of the worse choice, as a share of the optimum."""
 
 
 def geometric_cover(k: int, bribe: float = BRIBE) -> tuple[Coverage, Selection, float]:
-    """k good sets and k bad ones: greedy takes all the bad ones.
+    """k good sets and k bad ones, of which greedy takes all the bad ones: the function, the good sets, and the value of the bad ones.
 
-    Items stand in a grid of k columns and k + 1 rows; those of row j <= k weigh (1 - 1/k)^(j - 1) / k^2 each, those of the last row
-    (1 - 1/k)^k / k each. A good set covers a column (weight 1/k), bad set j row j, which weighs what the best column has left when the
-    rows above are covered; ``bribe`` is a further item of each bad set. All good sets: 1. Greedy: 1 - (1 - 1/k)^k + k bribe.
+    Items stand in a grid of k columns and k + 1 rows; those of row j <= k weigh (1 - 1/k)^(j - 1) / k^2 each, those of the last row (1 -
+    1/k)^k / k each. A good set covers a column (weight 1/k), bad set j row j, which weighs what the best column has left when the rows
+    above are covered; ``bribe`` is a further item of each bad set. All good sets: 1. Greedy: 1 - (1 - 1/k)^k + k bribe.
 
-    Returns
-    -------
-    (function, the good sets, value of the bad sets)
-
-    Notes
-    -----
-    Source: Nemhauser, Wolsey and Fisher (1978), An analysis of approximations for maximizing submodular set functions I, the tight
-    case of theorem 4.2; COVER-TIGHT of docs/selection.md#reference-cases is its member of k = 2.
+    Source: Nemhauser, Wolsey and Fisher (1978), An analysis of approximations for maximizing submodular set functions I, the tight case of
+    theorem 4.2; COVER-TIGHT of docs/selection.md#reference-cases is its member of k = 2.
     """
     shrink = 1.0 - 1.0 / k
     row = np.append(shrink ** np.arange(k) / k**2, shrink**k / k)
@@ -62,8 +56,8 @@ def geometric_covers(constraint: str) -> Family:
         return PartitionMatroid.of(np.zeros(2 * k), k) if constraint == "partition" else Knapsack(np.ones(2 * k), float(k))
 
     sizes = (2, 3, 4, 5, 6, 8, 10, 15, 20, 30)
-    cases = [functools.partial(_cover, k, rule(k), f"geometric-cover-{k}") for k in sizes]
-    cases += [functools.partial(_cover, k, rule(k), f"geometric-cover-{k}-ties", 0.0) for k in (1, *sizes[:5])]
+    cases = [partial(_cover, k, rule(k), f"geometric-cover-{k}") for k in sizes]
+    cases += [partial(_cover, k, rule(k), f"geometric-cover-{k}-ties", 0.0) for k in (1, *sizes[:5])]
     return listed("geometric-cover", "greedy falls to 1 - (1 - 1/k)^k, k up to 30, with and without ties", cases)
 
 
@@ -86,11 +80,11 @@ def copies(problem: WinnerTakesAllSATA, count: int) -> WinnerTakesAllSATA:
     owner = (g.robot_of_action + k * g.num_robots).ravel()
     action = (g.action_of_edge + k * g.num_actions).ravel()
     target = (g.indices + k * g.num_targets).ravel()
-    made = graph_of_edges(
+    graph = graph_of_edges(
         owner, action, target, np.tile(g.weights, count), robots=count * g.num_robots, targets=count * g.num_targets,
         name=f"{g.name}-x{count}",
     )  # fmt: skip
-    return WinnerTakesAllSATA(made)
+    return WinnerTakesAllSATA(graph)
 
 
 def _half(e: float, count: int, reverse: bool) -> Case:
@@ -107,26 +101,29 @@ def _small(rows: Sequence[Sequence[Sequence[float]]], name: str) -> Case:
     return Case(robots(rows, name))
 
 
-HALVES = tuple((e, count, reverse) for e in (1.0, 0.3, 0.1, 0.01, 0.001) for count in (1, 3) for reverse in (False, True))
+HALVES = listed(
+    "half",
+    "two robots of which the first takes what the second needs: (1 + e) / (2 + e)",
+    [
+        *(partial(_half, e, count, reverse) for e in (1.0, 0.3, 0.1, 0.01, 0.001) for count in (1, 3) for reverse in (False, True)),
+        partial(_small, [[[11, 0], [0, 10]], [[11, 0]]], "S2"),
+        partial(_small, [[[1, 0], [0, 1]], [[1, 0]]], "S2b"),
+        partial(_small, [[[1, 0]], [[1, 0], [0, 1]]], "S2b-reversed"),
+    ],
+)
+"""Greedy takes half of the optimum, with and without ties, in either order of the robots."""
 
+_S10 = [[[4, 2, 0], [0, 0, 5]], [[4, 0, 0], [0, 3, 0]], [[3, 0, 1], [0, 5, 0]]]
 
-def halves() -> Family:
-    """Greedy takes half of the optimum, with and without ties, in either order of the robots."""
-    cases = [functools.partial(_half, *given) for given in HALVES]
-    cases += [
-        functools.partial(_small, [[[11, 0], [0, 10]], [[11, 0]]], "S2"),
-        functools.partial(_small, [[[1, 0], [0, 1]], [[1, 0]]], "S2b"),
-        functools.partial(_small, [[[1, 0]], [[1, 0], [0, 1]]], "S2b-reversed"),
-    ]
-    return listed("half", "two robots of which the first takes what the second needs: (1 + e) / (2 + e)", cases)
-
-
-def order_matters() -> Family:
-    """S10 of docs/formulations/sensing.md#reference-cases: 9 or 14, by the order of the robots; and the same with its robots permuted."""
-    rows = [[[4, 2, 0], [0, 0, 5]], [[4, 0, 0], [0, 3, 0]], [[3, 0, 1], [0, 5, 0]]]
-    orders = [(0, 1, 2), (2, 1, 0), (1, 0, 2), (0, 2, 1), (1, 2, 0), (2, 0, 1)]
-    cases = [functools.partial(_small, [rows[i] for i in order], f"S10-{''.join(str(i + 1) for i in order)}") for order in orders]
-    return listed("order-matters", "three robots whose order decides between 9 and 14 (S10)", cases)
+ORDER_MATTERS = listed(
+    "order-matters",
+    "three robots whose order decides between 9 and 14 (S10)",
+    [
+        partial(_small, [_S10[i] for i in order], f"S10-{''.join(str(i + 1) for i in order)}")
+        for order in ((0, 1, 2), (2, 1, 0), (1, 0, 2), (0, 2, 1), (1, 2, 0), (2, 0, 1))
+    ],
+)
+"""Case S10 of docs/formulations/sensing.md#reference-cases, with its robots in every order."""
 
 
 # -- a knapsack -------------------------------------------------------------------------------------------------------
@@ -139,26 +136,33 @@ def _disjoint(values: Sequence[float], costs: Sequence[float], budget: float, be
     return Case(problem, attained(problem, Selection.of(best), "construction"))
 
 
-def density_traps() -> Family:
-    """The best value a unit of cost alone is arbitrarily bad: 2 against M. The best element alone mends it."""
-    cases = [
-        functools.partial(_disjoint, [2.0] + [0.0] * extra + [m], [1.0] + [1.0] * extra + [m], m, [1 + extra], f"density-trap-{m:g}")
+DENSITY_TRAPS = listed(
+    "density-trap",
+    "a small dense element shuts out one of M times its value",
+    [
+        partial(_disjoint, [2.0] + [0.0] * extra + [m], [1.0] + [1.0] * extra + [m], m, [1 + extra], f"density-trap-{m:g}")
         for m in (3.0, 10.0, 100.0, 1e4)
         for extra in (0, 3)
-    ]
-    return listed("density-trap", "a small dense element shuts out one of M times its value", cases)
+    ],
+)
+"""The best value a unit of cost alone is arbitrarily bad: 2 against M. The best element alone mends it."""
 
 
-def half_traps() -> Family:
-    """A dense element of half the budget leaves no room for two others: neither greedy nor the best element passes 1/2."""
-    cases = [
-        functools.partial(_disjoint, [1.0 + 3.0 * e, 1.0, 1.0], [0.5 + e, 0.5, 0.5], 1.0, [1, 2], f"half-trap-{e:g}")
-        for e in (0.1, 0.01, 0.001)
-    ]  # fmt: skip
-    for m in (4, 6, 10):  # many elements of cost 1/m would fill the budget, a dense one of just more shuts one of them out
-        values, costs = [1.0 / m + 3e-3] + [1.0 / m] * m, [1.0 / m + 1e-3] + [1.0 / m] * m
-        cases.append(functools.partial(_disjoint, values, costs, 1.0 + 1e-9, range(1, m + 1), f"fringe-{m}"))
-    return listed("half-trap", "a dense element of half the budget shuts out two that fill it", cases)
+def _fringe(m: int) -> Case:
+    """Many elements of cost 1/m would fill the budget; a dense one of just more shuts one of them out."""
+    values, costs = [1.0 / m + 3e-3] + [1.0 / m] * m, [1.0 / m + 1e-3] + [1.0 / m] * m
+    return _disjoint(values, costs, 1.0 + 1e-9, range(1, m + 1), f"fringe-{m}")
+
+
+HALF_TRAPS = listed(
+    "half-trap",
+    "a dense element of half the budget shuts out two that fill it",
+    [
+        *(partial(_disjoint, [1.0 + 3.0 * e, 1.0, 1.0], [0.5 + e, 0.5, 0.5], 1.0, [1, 2], f"half-trap-{e:g}") for e in (0.1, 0.01, 0.001)),
+        *(partial(_fringe, m) for m in (4, 6, 10)),
+    ],
+)
+"""Neither greedy nor the best element passes 1/2."""
 
 
 def _shut_out(k: int, m: int) -> Case:
@@ -177,18 +181,20 @@ def _shut_out(k: int, m: int) -> Case:
     return Case(problem, attained(problem, Selection(tuple(range(m, m + k))), "construction"))
 
 
-def shut_outs() -> Family:
-    """Neither greedy nor the best element passes max(1 - exp(-(1 - 1/k)), 1/k): 0.487 for k = 3."""
-    cases = [functools.partial(_shut_out, k, m) for k in (2, 3, 4, 5) for m in (5, 15, 40)]
-    return listed("shut-out", "small sets use the budget up until no good one fits: 0.487 for three good ones", cases)
+SHUT_OUTS = listed(
+    "shut-out",
+    "small sets use the budget up until no good one fits: 0.487 for three good ones",
+    [partial(_shut_out, k, m) for k in (2, 3, 4, 5) for m in (5, 15, 40)],
+)
+"""Neither greedy nor the best element passes max(1 - exp(-(1 - 1/k)), 1/k): 0.487 for k = 3."""
 
-
-def free_elements() -> Family:
-    """Elements that cost nothing, elements that cost more than the budget, and a budget of nothing."""
-    cases = [
-        functools.partial(_disjoint, [1.0, 5.0, 3.0], [0.0, 9.0, 2.0], 2.0, [0, 2], "free"),
-        functools.partial(_disjoint, [1.0, 5.0, 3.0], [0.0, 9.0, 2.0], 0.0, [0], "no-budget"),
-        functools.partial(_disjoint, [4.0, 5.0], [3.0, 9.0], 2.0, [], "nothing-fits"),
-        functools.partial(_disjoint, [0.0, 0.0], [1.0, 1.0], 2.0, [0], "worthless"),
-    ]
-    return listed("free-elements", "costs of 0 and costs above the budget", cases)
+FREE_ELEMENTS = listed(
+    "free-elements",
+    "costs of 0 and costs above the budget",
+    [
+        partial(_disjoint, [1.0, 5.0, 3.0], [0.0, 9.0, 2.0], 2.0, [0, 2], "free"),
+        partial(_disjoint, [1.0, 5.0, 3.0], [0.0, 9.0, 2.0], 0.0, [0], "no-budget"),
+        partial(_disjoint, [4.0, 5.0], [3.0, 9.0], 2.0, [], "nothing-fits"),
+        partial(_disjoint, [0.0, 0.0], [1.0, 1.0], 2.0, [0], "worthless"),
+    ],
+)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from local_oracles import optimum, random_graph
+from local_oracles import random_graph
+from random_sensing import optimum
 
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.instances.sata.sensing_graph import SensingGraph
-from waybound.solvers.engines.sata.local_max_min.arrays import local_shares
+from waybound import BottleneckSATA, SensingGraph
+from waybound.solvers.engines.sata.local_max_min.shares import local_shares
 
 HEIGHTS = (1, 2, 3, 5, 10)
 
@@ -50,9 +52,7 @@ def test_the_step_search_would_break_a_guarantee_with_the_step_in_place_of_eps()
     rng, broken = np.random.default_rng(5), 0
     for _ in range(300):
         graph = random_graph(rng, most_robots=8, weights="unit")
-        small = SensingGraph(
-            graph.robot_of_action, graph.indptr, graph.indices, rng.uniform(0.01, 1.0, graph.num_edges), graph.num_robots, graph.num_targets
-        )
+        small = replace(graph, weights=rng.uniform(0.01, 1.0, graph.num_edges))
         best, run = optimum(small), local_shares(small, 5, search="step", step=0.1, normalise=False)
         value = float(BottleneckSATA(small, fractional=True).coverage(run.shares).min())
         ratio = run.clean.delta_r * (1 - 1 / run.clean.delta_t) * (1 + 1 / 5)

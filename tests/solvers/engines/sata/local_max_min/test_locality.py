@@ -7,8 +7,8 @@ import pytest
 from local_oracles import hops
 
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
-from waybound.solvers.engines.sata.local_max_min.arrays import local_shares
 from waybound.solvers.engines.sata.local_max_min.messages import exchange
+from waybound.solvers.engines.sata.local_max_min.shares import local_shares
 
 SEARCHES = ["secant", "step"]
 

@@ -14,8 +14,8 @@ from local_oracles import cycle, random_graph
 from waybound.instances.errors import UsageError
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.solvers.engines.sata.local_max_min import robot as robot_module
-from waybound.solvers.engines.sata.local_max_min.arrays import local_shares
 from waybound.solvers.engines.sata.local_max_min.messages import BYTES_A_NUMBER, Network, exchange
+from waybound.solvers.engines.sata.local_max_min.shares import local_shares
 
 
 @settings(max_examples=draws(120))

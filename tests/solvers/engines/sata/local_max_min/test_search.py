@@ -1,20 +1,24 @@
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from waybound.instances.generating import generate
 from waybound.instances.sata.sensing_graph import SensingGraph
 from waybound.solvers.engines.sata.local_max_min import search
 from waybound.solvers.engines.sata.local_max_min.cleaning import CleanGraph, clean
-from waybound.solvers.engines.sata.local_max_min.search import SecantSearch, step_search
+from waybound.solvers.engines.sata.local_max_min.search import LevelGrid, SecantSearch, step_search
 
 
 def generated(kind: str, robots: int, spread: float = 0.0) -> CleanGraph:
     graph = generate(f"sensing-{kind}", seed=robots, robots=robots)
     assert isinstance(graph, SensingGraph)
-    weights = graph.weights * np.exp(np.random.default_rng(1).uniform(-spread, spread, graph.num_edges))
-    return clean(SensingGraph(graph.robot_of_action, graph.indptr, graph.indices, weights, graph.num_robots, graph.num_targets))
+    return clean(replace(graph, weights=graph.weights * np.exp(np.random.default_rng(1).uniform(-spread, spread, graph.num_edges))))
 
 
 @pytest.mark.parametrize("kind", ["regular", "ring", "geometric"])
@@ -57,3 +61,23 @@ def test_a_huge_step_ends_at_half_the_ceiling_which_is_always_valid() -> None:
     assert (levels <= exact * (1 + 1e-9)).all()
     assert (exact <= 2 * levels).all()
     assert relative <= 1.0
+
+
+@given(st.floats(1e-6, 1.0), st.integers(-600, 600))
+def test_neighbours_are_at_most_a_factor_1_plus_eps_apart(eps, j):
+    grid = LevelGrid(eps)
+    low, high = grid.level(j), grid.level(j + 1)
+    assert low < high <= low * (1 + eps) * (1 + 4e-15)
+
+
+@given(st.floats(1e-3, 1.0), st.integers(-300, 300), st.integers(-300, 300))
+def test_a_power_of_two_moves_levels_onto_levels(eps, j, power):
+    grid = LevelGrid(eps)
+    assert grid.level(j + power * grid.parts) == math.ldexp(grid.level(j), power)
+
+
+@given(st.floats(1e-3, 1.0), st.floats(1e-30, 1e30))
+def test_a_level_lies_between_the_numbers_next_to_its_own(eps, level):
+    grid = LevelGrid(eps)
+    j = math.floor(grid.number(level))
+    assert grid.level(j - 1) < level < grid.level(j + 2)

@@ -30,8 +30,8 @@ def test_greedy_takes_all_bad_sets_of_a_geometric_cover(k):
         assert optimum(problem).value == pytest.approx(1.0, abs=k * traps.BRIBE)
 
 
-@pytest.mark.parametrize("family", [traps.geometric_covers("partition"), traps.halves(), traps.density_traps(), traps.half_traps(),
-                                    traps.shut_outs(), traps.free_elements()], ids=lambda family: family.name)  # fmt: skip
+@pytest.mark.parametrize("family", [traps.geometric_covers("partition"), traps.HALVES, traps.DENSITY_TRAPS, traps.HALF_TRAPS,
+                                    traps.SHUT_OUTS, traps.FREE_ELEMENTS], ids=lambda family: family.name)  # fmt: skip
 def test_what_is_optimal_by_construction_is_optimal(family):
     small = [case for case in cases(family) if case.problem.num_elements <= 12]
     assert small
@@ -49,18 +49,18 @@ def test_copies_stand_side_by_side():
 def test_a_half_is_reached_and_the_order_decides():
     for e in (0.1, 0.001):
         problem = traps.robots([[[1.0 + e + e * e, 0.0], [0.0, 1.0]], [[1.0 + e, 0.0]]], "half")
-        assert any(case.problem.digest() == problem.digest() for case in cases(traps.halves()))
+        assert any(case.problem.digest() == problem.digest() for case in cases(traps.HALVES))
         assert value(problem, "greedy") / optimum(problem).value == pytest.approx((1 + e) / (2 + e), abs=e * e)
-    problem = traps.order_matters().case(0, 1).problem
+    problem = traps.ORDER_MATTERS.case(0, 1).problem
     assert (value(problem, "sequential-greedy", order=[0, 1, 2]), value(problem, "sequential-greedy", order=[2, 1, 0])) == (9.0, 14.0)
 
 
 def test_density_alone_is_arbitrarily_bad():
-    case = max(cases(traps.density_traps()), key=lambda case: case.solved().value)
+    case = max(cases(traps.DENSITY_TRAPS), key=lambda case: case.solved().value)
     assert case.solved().value == 1e4
 
 
 def test_small_sets_shut_out_three_good_ones():
-    case = next(c for c in cases(traps.shut_outs()) if c.problem.name == "shut-out-3-15")
+    case = next(c for c in cases(traps.SHUT_OUTS) if c.problem.name == "shut-out-3-15")
     assert case.solved().value == pytest.approx(1.0, abs=1e-3)
     assert value(case.problem, "knapsack-greedy", enumerate=0) == pytest.approx(1 - math.exp(-2 / 3), abs=0.02)
