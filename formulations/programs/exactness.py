@@ -25,7 +25,7 @@ class Exactness(Enum):
     NEITHER = "neither"
 
     def then(self, other: Exactness) -> Exactness:
-        """Flag of applying ``self`` and after it ``other``."""
+        """Flag of applying ``self`` and then ``other``."""
         if self is other or other is Exactness.EXACT:
             return self
         return other if self is Exactness.EXACT else Exactness.NEITHER

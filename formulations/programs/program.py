@@ -95,7 +95,7 @@ class FurtherLevel:
     offset: float = 0.0
 
     def value(self, x: Floats) -> float:
-        """Of the vector ``x`` of shape (variables,)."""
+        """Value of the vector ``x`` of shape (variables,)."""
         return float(self.cost @ x) + self.offset
 
 
@@ -191,7 +191,7 @@ class Program:
         return any(b.integer and b.size for b in self.variables)
 
     def features(self) -> frozenset[str]:
-        """What a solver must be able to take, beyond linear programs: ``INTEGERS``, ``QUADRATIC``, ``CIRCUITS`` and of ``CONES``."""
+        """Features that a solver must take, beyond linear programs: ``INTEGERS``, ``QUADRATIC``, ``CIRCUITS`` and of ``CONES``."""
         held = ((INTEGERS, self.is_integer), (QUADRATIC, self.quadratic is not None), (CIRCUITS, self.circuits))
         return LINEAR.union(*(mark for mark, present in held if present), {f"{block.kind}-cones" for block in self.cones})
 
@@ -204,10 +204,10 @@ class Program:
         """The same with other bounds of the variables, shape (variables,) each; all other arrays are shared."""
         ends = np.cumsum([b.size for b in self.variables])[:-1]
         blocks = zip(self.variables, np.split(lower, ends), np.split(upper, ends), strict=True)
-        made = replace(self, variables=tuple(replace(b, lower=low, upper=high) for b, low, high in blocks))
+        program = replace(self, variables=tuple(replace(b, lower=low, upper=high) for b, low, high in blocks))
         shared = {name: getattr(self, name) for name in ("cost", "integer", "row_lower", "row_upper", "indptr", "indices", "data")}
-        made.__dict__.update(shared, lower=lower, upper=upper)
-        return made
+        program.__dict__.update(shared, lower=lower, upper=upper)
+        return program
 
     def with_costs(self, cost: Floats) -> Program:
         """The same with another linear objective, shape (variables,)."""

@@ -16,8 +16,7 @@ import numpy as np
 
 from ...formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Floats, Program
 from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
-from ...formulations.programs.reductions.reduction import Reduction
-from ...formulations.programs.reductions.separable_objective import SEPARABLE_OBJECTIVE
+from ...formulations.programs.reductions.reduction import Irreducible, Reduction, Step
 from ...formulations.programs.reductions.whole_numbers import WHOLE_VARIABLES
 from ...instances.errors import UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
@@ -39,10 +38,25 @@ PROGRAMS = {
 
 ENGINES = {"highs": "HiGHS", "gscip": "SCIP", "glop": "GLOP", "cp-sat": "CP-SAT", "pdlp": "PDLP"}
 
+
+class SeparableObjective(Reduction):
+    """Changes nothing, and refuses products of two variables."""
+
+    may_refuse = True
+
+    def apply(self, program: Program) -> tuple[Step, ...]:
+        """See ``Reduction.apply``."""
+        if program.quadratic is not None:
+            entries = program.quadratic.tocoo()
+            if (entries.data[entries.row != entries.col] != 0).any():
+                raise Irreducible("products of two variables")
+        return ()
+
+
 REDUCTIONS: dict[str, tuple[Reduction, ...]] = {
     "highs": (LINEAR_PRODUCTS,),
     "cp-sat": (LINEAR_PRODUCTS, WHOLE_VARIABLES),  # it rounds continuous variables without a word
-    "pdlp": (SEPARABLE_OBJECTIVE,),
+    "pdlp": (SeparableObjective(),),
 }
 
 REASONS = {

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...formulations.programs.cones import Cones
 from ...formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC, Floats, Program
-from ...formulations.programs.reductions.finite_numbers import FiniteNumbers
+from ...formulations.programs.reductions.reduction import Irreducible, Reduction, Step
 from ...instances.errors import UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
@@ -37,6 +37,21 @@ COMMON_PARAMETERS = {
 """SCIP's parameters that have a name common to all solvers."""
 
 
+class FiniteNumbers(Reduction):
+    """Changes nothing, and refuses programs with finite numbers of ``INFINITE`` and more."""
+
+    may_refuse = True
+
+    def apply(self, program: Program) -> tuple[Step, ...]:
+        """See ``Reduction.apply``."""
+        parts = [program.cost, program.data, program.lower, program.upper, program.row_lower, program.row_upper]
+        if program.quadratic is not None:
+            parts.append(program.quadratic.data)
+        if any((np.isfinite(part) & (np.abs(part) >= INFINITE)).any() for part in parts):
+            raise Irreducible(f"numbers of {INFINITE:g} and more")
+        return ()
+
+
 @BACKENDS.register("scip")
 class Scip(ProgramBackend):
     """SCIP (Bolusani et al. 2024): branch, cut and price, with spatial branching for nonconvex quadratic objectives.
@@ -52,7 +67,7 @@ class Scip(ProgramBackend):
     options = None
     order = 40
     programs = (INTEGERS | QUADRATIC | SECOND_ORDER,)
-    reductions = (FiniteNumbers(INFINITE),)
+    reductions = (FiniteNumbers(),)
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         """See ``ProgramBackend.search``."""

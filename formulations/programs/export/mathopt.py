@@ -2,44 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..names import column_names, row_names
-from ..program import Program
-from ..soundness import refuse_numbers
-from ._checks import merged_rows, refuse_circuits, refuse_cones, refuse_levels
+from ._checks import check_export, merged_rows
+
+if TYPE_CHECKING:
+    from ..program import Program
 
 
 def to_mathopt(program: Program, *, names: bool = False) -> Any:
-    """A ``mathopt.Model``; variable and constraint ids are columns and rows.
+    """A ``mathopt.Model``, whose variable and constraint ids are columns and rows; with ``names`` they are named as in files.
 
-    Parameters
-    ----------
-    program : Program
-        Without cones.
-    names : bool
-        Name variables and constraints as in files.
-
-    Raises
-    ------
-    UnsupportedError
-        If the program has cones, circuits, or several objectives in order of priority.
-    InputError
-        If the data hold a NaN or an infinite coefficient.
-
-    Notes
-    -----
     The arrays become a model message, which is read in one go; adding variables and rows one by one takes ten times longer.
     """
     from ortools.math_opt import model_pb2
     from ortools.math_opt.python import mathopt
 
-    refuse_cones(program, "MathOpt")
-    refuse_circuits(program, "MathOpt")
-    refuse_levels(program, "MathOpt")
-    refuse_numbers(program)
+    check_export(program, "MathOpt")
     n, m = program.num_variables, program.num_rows
     message = model_pb2.ModelProto(name=program.name)
     message.variables.ids.extend(range(n))

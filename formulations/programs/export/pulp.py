@@ -3,50 +3,26 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..names import column_names, row_names
-from ..program import Program
 from ..reductions.one_sided_rows import ONE_SIDED_ROWS
-from ..soundness import refuse_numbers
-from ._checks import merged_rows, refuse_circuits, refuse_cones, refuse_levels, refuse_quadratic
+from ._checks import check_export, merged_rows
+
+if TYPE_CHECKING:
+    from ..program import Program
 
 
 def to_pulp(program: Program, *, names: bool = False) -> Any:
-    """A ``pulp.LpProblem``.
+    """A ``pulp.LpProblem``; with ``names`` its variables and constraints are named as in files.
 
-    Parameters
-    ----------
-    program : Program
-        Linear.
-    names : bool
-        Name variables and constraints as in files, instead of by number.
-
-    Returns
-    -------
-    pulp.LpProblem
-        Without names column j is the variable named ``x`` and j, padded with zeros, so that PuLP's order of names is that of columns,
-        and row i the constraint ``r`` and i. A row with two different sides becomes two constraints (the name of the second ends with
-        ``_low``), a row with none is left out.
-
-    Raises
-    ------
-    UnsupportedError
-        If the program is quadratic, or has cones, circuits or several objectives in order of priority.
-    InputError
-        If the data hold a NaN or an infinite coefficient.
-
-    Notes
-    -----
-    Integers are of PuLP's category ``Integer`` with their bounds: ``Binary`` would reset these to [0, 1].
+    Without names column j is the variable named ``x`` and j, padded with zeros, so that PuLP's order of names is that of columns, and row
+    i the constraint ``r`` and i. A row with two different sides becomes two constraints (the name of the second ends with ``_low``), a row
+    with none is left out. Integers are of PuLP's category ``Integer`` with their bounds: ``Binary`` would reset these to [0, 1].
     """
     import pulp
 
-    refuse_cones(program, "PuLP")
-    refuse_circuits(program, "PuLP")
-    refuse_quadratic(program, "PuLP")
-    refuse_levels(program, "PuLP")
-    refuse_numbers(program)
+    check_export(program, "PuLP", quadratic=False)
     model = pulp.LpProblem(program.name.replace("-", "_"), pulp.LpMaximize if program.sense == "max" else pulp.LpMinimize)
     digits = len(str(max(0, program.num_variables - 1)))
     columns = zip(program.lower.tolist(), program.upper.tolist(), program.integer.tolist(), strict=True)

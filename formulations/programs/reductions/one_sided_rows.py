@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..program import Floats, Indices, Program, Rows
 from .reduction import Reduction, Step
+
+if TYPE_CHECKING:
+    from ..program import Floats, Indices, Program, Rows
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OneSided(Step):
-    """``rows`` of shape (rows of the result,) holds the row that each was made of."""
+    """A program with ranges split; ``rows`` of shape (rows of the result,) holds the row that each was made of."""
 
     name = "one-sided-rows"
     rows: Indices
@@ -43,7 +46,7 @@ class OneSidedRows(Reduction):
 
 
 def _below(block: Rows, split: np.ndarray) -> Rows:
-    """The rows of ``split`` with their lower sides."""
+    """Rows of the lower sides of ``split``."""
     widths = np.diff(block.indptr)
     entries = np.repeat(split, widths)
     return replace(

@@ -1,4 +1,4 @@
-"""What a reduction is, and the chain that several of them make.
+"""Reductions of programs, and the chain that several of them make.
 
 Flags compose along the chain (``Exactness.then``); points, objectives, bounds and duals travel back through it, starts forth.
 """
@@ -9,10 +9,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..exactness import Exactness, Link
-from ..program import Floats, Program
+
+if TYPE_CHECKING:
+    from ..program import Floats, Program
 
 
 class Irreducible(ValueError):
@@ -43,23 +45,23 @@ class Step:
         return Link(self.name, self.exactness, self.told)
 
     def vector(self, x: Any) -> Floats:
-        """The point of the program as it was, for one of what it became."""
+        """Point of the program as it was, for a point of what it became."""
         return x  # type: ignore[no-any-return]
 
     def encoded(self, x: Floats) -> Floats:
-        """The way forth, for starts, whose NaN stay unknown."""
+        """Point of what it became, for a start of the program as it was, whose NaN stay unknown."""
         return x
 
     def value(self, value: float) -> float:
-        """An objective as it was."""
+        """Objective of the program as it was."""
         return value
 
     def bound(self, bound: float) -> float:
-        """A bound as it was, rounded outwards."""
+        """Bound of the program as it was, rounded outwards."""
         return self.value(bound)
 
     def duals(self, duals: Floats) -> Floats:
-        """Row duals as they were."""
+        """Row duals of the program as it was."""
         return duals
 
 
@@ -75,7 +77,7 @@ class Reduction(ABC):
     may_refuse: bool = False
 
     def features(self, features: frozenset[str]) -> frozenset[str]:
-        """Features of what it makes of programs with these."""
+        """Features of the program that it makes of one with these."""
         return features
 
     @abstractmethod
@@ -92,7 +94,7 @@ class Chain:
 
     @property
     def program(self) -> Any:
-        """What the last step made."""
+        """Program after the last step."""
         return self.steps[-1].program if self.steps else self.source
 
     @cached_property
@@ -105,10 +107,10 @@ class Chain:
 
     def then(self, reductions: Iterable[Reduction]) -> Chain:
         """The chain with more steps; raises Irreducible."""
-        made = self
+        chain = self
         for reduction in reductions:
-            made = replace(made, steps=(*made.steps, *reduction.apply(made.program)))
-        return made
+            chain = replace(chain, steps=(*chain.steps, *reduction.apply(chain.program)))
+        return chain
 
     def vector(self, x: Any) -> Floats:
         for step in reversed(self.steps):

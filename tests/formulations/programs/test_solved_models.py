@@ -10,7 +10,7 @@ import pytest
 
 import waybound as wb
 from waybound.formulations.programs.compiled import Compiled
-from waybound.formulations.programs.handed_back import vector_from
+from waybound.formulations.programs.solved_models import vector_from
 from waybound.instances.errors import InputError, UsageError
 
 

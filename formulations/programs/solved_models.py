@@ -1,4 +1,4 @@
-"""Solutions of a program, from wherever it was handed to, as vectors."""
+"""Solutions as vectors of a program: from solvers' files, values by name, or solved models."""
 
 from __future__ import annotations
 
@@ -27,29 +27,26 @@ def vector_from(program: Program, solution: Any) -> Floats:
 
 
 def solved_model(model: Any) -> SolverFile | None:
-    """The values in a model of HiGHS, PuLP, CVXPY or PySCIPOpt, or in MathOpt's result; None for what is none of these.
+    """Values in a model of HiGHS, PuLP, CVXPY or PySCIPOpt, or in MathOpt's result; None for what is none of these.
 
-    Raises
-    ------
-    InputError
-        For a model that was not solved, or has no solution.
+    Raises InputError for a model that was not solved, or has no solution.
     """
     module = type(model).__module__.partition(".")[0]
-    given: dict[str, Any]
+    values: dict[str, Any]
     if module == "highspy" and hasattr(model, "getSolution"):
-        found, names = model.getSolution(), model.getLp().col_names_
-        values = list(found.col_value) if found.value_valid else [None] * model.getNumCol()
-        numbered = not all(names) or len(set(names)) < len(values)
-        given = dict(zip([f"x{k}" for k in range(len(values))] if numbered else names, values, strict=True))
-        return SolverFile("HiGHS", _valued(given), float(model.getInfo().objective_function_value), len(values), numbered)
+        solution, names = model.getSolution(), model.getLp().col_names_
+        numbers = list(solution.col_value) if solution.value_valid else [None] * model.getNumCol()
+        numbered = not all(names) or len(set(names)) < len(numbers)
+        values = dict(zip([f"x{k}" for k in range(len(numbers))] if numbered else names, numbers, strict=True))
+        return SolverFile("HiGHS", _valued(values), float(model.getInfo().objective_function_value), len(numbers), numbered)
     if module == "pulp" and hasattr(model, "variables"):
         held = model.sol_status in (1, 2)  # optimal, or feasible: CBC leaves values behind where there is no solution
-        given = {v.name: v.value() if held else None for v in model.variables() if v.name != "__dummy"}
-        return SolverFile("PuLP", _valued(given), None if model.objective is None else model.objective.value(), len(given))
+        values = {v.name: v.value() if held else None for v in model.variables() if v.name != "__dummy"}
+        return SolverFile("PuLP", _valued(values), None if model.objective is None else model.objective.value(), len(values))
     if module == "cvxpy" and hasattr(model, "var_dict"):
         parts = {name: [None] * v.size if v.value is None else np.ravel(v.value).tolist() for name, v in model.var_dict.items()}
-        given = {in_block(name, k): v for name, part in parts.items() for k, v in enumerate(part)}
-        return SolverFile("CVXPY", _valued(given), None if model.value is None else float(model.value), len(given))
+        values = {in_block(name, k): v for name, part in parts.items() for k, v in enumerate(part)}
+        return SolverFile("CVXPY", _valued(values), None if model.value is None else float(model.value), len(values))
     if type(model).__module__.startswith("ortools.math_opt.python"):
         if not hasattr(model, "solutions"):
             raise InputError(f"MathOpt's {type(model).__name__} is no result", expected="what mathopt.solve returned")
@@ -58,20 +55,20 @@ def solved_model(model: Any) -> SolverFile | None:
         if not model.getStage():  # freed, or never filled: SCIP ends the process where it is asked for more
             raise InputError("the model holds no solution; was it solved?", found="a model of SCIP without a problem")
         best = model.getBestSol() if model.getNSols() else None
-        given = {v.name: None if best is None else model.getSolVal(best, v) for v in model.getVars()}
-        columns = sum(name.casefold() not in MADE_UP for name in given)
-        return SolverFile("SCIP", _valued(given), None if best is None else model.getSolObjVal(best), columns)
+        values = {v.name: None if best is None else model.getSolVal(best, v) for v in model.getVars()}
+        columns = sum(name.casefold() not in MADE_UP for name in values)
+        return SolverFile("SCIP", _valued(values), None if best is None else model.getSolObjVal(best), columns)
     return None
 
 
 def vector_in_file(program: Program, path: str | PathLike[str]) -> Floats:
-    """The vector in a solver's solution file; raises InputError with the file for what is none of this program."""
+    """The vector in a solver's solution file; raises InputError with the file unless it is one of this program."""
     text = read_text(path)
     try:
         read = solver_file(text)
         if read is None:
-            found = text.strip().split("\n")[0][:40]
-            raise InputError("is no solver's solution file", expected="one of HiGHS, SCIP, CBC, GLPK, Gurobi or MathOpt", found=repr(found))
+            first = repr(text.strip().split("\n")[0][:40])
+            raise InputError("is no solver's solution file", expected="one of HiGHS, SCIP, CBC, GLPK, Gurobi or MathOpt", found=first)
         return vector_of(program, read)
     except InputError as error:
         raise error.at(file=path) from None
@@ -81,15 +78,15 @@ def _valued(values: Mapping[str, Any]) -> dict[str, float]:
     unknown = next((name for name, value in values.items() if value is None), None)
     if unknown is not None:
         raise InputError("the model holds no solution; was it solved?", found=f"variable {unknown} without a value")
-    made: dict[str, float] = {}
+    numbers: dict[str, float] = {}
     for name, value in values.items():
         try:
-            made[name] = float(value)
+            numbers[name] = float(value)
         except (TypeError, ValueError):
             raise InputError(f"the value of variable {name} must be a number", found=shown(str(value))) from None
-        if not math.isfinite(made[name]):
+        if not math.isfinite(numbers[name]):
             raise InputError(f"the value of variable {name} is not finite", found=str(value))
-    return made
+    return numbers
 
 
 def _vector(program: Program, values: Any) -> Floats:
