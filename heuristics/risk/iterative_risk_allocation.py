@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.risk.allocations import Allocation
-from ...formulations.risk.forms._fixed_risks import fixed_margins_program, margins
-from ...formulations.risk.forms.uniform import uniform_risks
+from ...formulations.risk.forms.fixed_risks import fixed_margins_program, margins, uniform_risks
 from ...formulations.risk.normal import ndtr, ndtri
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...formulations.evidence import Guarantee
-from ...solvers.engines.risk.path_search.supported_paths import shortest_path
+from ...solvers.engines.risk.supported_paths import shortest_path
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.risk.allocations import Allocation
-from ...formulations.risk.forms._fixed_risks import fixed_margins_program
+from ...formulations.risk.forms.fixed_risks import fixed_margins_program
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
 from ...solvers.engines.risk.convex_allocation_steps.session import open_session

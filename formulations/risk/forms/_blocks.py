@@ -125,15 +125,9 @@ class Blocks:
 
 
 def prices(problem: RiskAllocation, program: Program, x: Floats, duals: Floats, cone_duals: Floats | None = None) -> dict[str, Floats]:
-    """Prices of evidence ``risk-allocation-duals``, from a solver's duals of ``program``, made of ``Blocks``.
+    """Prices of evidence ``risk-allocation-duals``, from the vector, row duals and, where there are cones, cone duals of a solver.
 
-    Parameters
-    ----------
-    x : array of shape (variables,)
-    duals : array of shape (rows,)
-        d objective / d right side.
-    cone_duals : array of shape (rows of cones,)
-        Members of the dual cones; needed where there are cones.
+    ``program`` is made of ``Blocks``; row duals are d objective / d right side, cone duals members of the dual cones.
     """
     y, starts, row = problem.sign * duals, {}, 0
     for block in program.rows:
@@ -170,6 +164,6 @@ def evidence_of(prices: dict[str, Floats], value: float, source: str, *, infeasi
 
 
 def _listed(values: Floats) -> Any:
-    """A list, or positions and values of what is not 0 where there is little of it."""
+    """A list, or positions and values of the numbers that are not 0 where these are few."""
     at = np.nonzero(values)[0]
     return values.tolist() if 2 * len(at) > len(values) else {"at": at.tolist(), "values": values[at].tolist()}

@@ -102,14 +102,6 @@ def _size(problem: RiskyPath) -> ProgramSize:
     return ProgramSize(begin + follow + edges, edges + graph.num_states + 1.0, 3.0 * (begin + follow) + edges)
 
 
-FORMS.add(
-    "consecutive-moves",
-    Form(
-        "consecutive-moves",
-        "risky-path",
-        frozenset({"objective:hazard", "goals", "locale-risk", "action-risk"}),
-        build,
-        refuses=_refuses,
-        size=_size,
-    ),
-)
+FEATURES = frozenset({"objective:hazard", "goals", "locale-risk", "action-risk"})
+
+FORMS.add("consecutive-moves", Form("consecutive-moves", "risky-path", FEATURES, build, refuses=_refuses, size=_size))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ....formulations.risk.uncertain_path import UncertainPath
 from ....formulations.stop import Stop
 from ....instances.risk.uncertain_graph import UncertainGraph
-from ....solvers.engines.risk.path_search.non_dominated_paths import non_dominated_paths
+from ....solvers.engines.risk.non_dominated_paths import non_dominated_paths
 from .. import PLOTS
 from ..drawing import COLOURS, INK, QUIET, bare, entitled, new_axes
 

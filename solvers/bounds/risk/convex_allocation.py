@@ -14,7 +14,7 @@ from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 
 if TYPE_CHECKING:
-    from ...engines.risk.convex_allocation_steps.interval import Interval
+    from ...engines.risk.convex_allocation_steps.successive_tangents import Interval
 
 
 def missing(problem: Any) -> frozenset[str]:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from .....formulations.programs.program import Variables
 from .....formulations.programs.rows import rows
 from .....formulations.risk.forms._blocks import Blocks, dense_rows
-from .....formulations.risk.forms._piecewise import density, mean_risk, points
+from .....formulations.risk.forms.piecewise import density, mean_risk, points
 from .....formulations.risk.normal import ndtr
 from .....formulations.risk.risk_allocation import RiskAllocation
 from .session import Solved, open_session

@@ -19,8 +19,7 @@ from .....formulations.risk.marked_paths import CutShortError, risky_path
 from .....formulations.risk.risky_path import Path, RiskyPath
 from .....formulations.stop import Stop
 from ....backend import Control, Options, RawResult
-from .least_hazard import LOOK, least_hazard
-from .memories import Memories
+from .least_hazard import LOOK, Memories, least_hazard
 
 Floats = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from ......formulations.risk.uncertain_path import UncertainPath
 from ......instances.errors import CheckFailedError
 from ......instances.generating import generate
 from ......instances.risk.uncertain_graph import UncertainGraph
-from ......solvers.engines.risk.path_search.non_dominated_paths import non_dominated_paths
+from ......solvers.engines.risk.non_dominated_paths import non_dominated_paths
 from ....families import Family, listed
 from ....judging import Case
 from ....optimum import attained

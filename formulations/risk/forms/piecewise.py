@@ -1,4 +1,4 @@
-"""Programs in which risks are variables, beside the normal tail in pieces.
+"""Forms of risk allocation in which risks are variables, beside the normal tail in pieces: ``tangents`` and ``secants``.
 
     a_i x + s_i z_i <= b_i,   z_i >= z(largest risk of i)
     r_i >= tail(p) - density(p) (z_i - p)                               ``tangents`` at the points p: below the tail, a relaxation
@@ -7,30 +7,38 @@
 
 The tail of the normal distribution is convex where risks are at most 1/2. Risks are counted in parts of a mean one, so that solvers see
 numbers near 1, and rows of secants so that they neither drop small deviations nor round large limits. Constraints with alternatives have
-one z for all their rows, and a binary each that lets a row be broken.
+one z for all their rows, and a binary each that lets a row be broken. See docs/formulations/risk-allocation.md.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...evidence import Evidence
+from ...forms import FORMS, Form
+from ...programs.compiled import Compiled
+from ...programs.exactness import Exactness
 from ...programs.program import Program, Rows, Variables
 from ...programs.rows import rows
+from ..allocations import Allocation
 from ..normal import ndtr, ndtri
 from ..risk_allocation import RiskAllocation
-from ._blocks import Blocks, dense_rows
-from ._fixed_risks import add_choices, largest, spared
+from ._blocks import Blocks, dense_rows, evidence_of, prices, size_of
+from .fixed_risks import FEATURES, add_choices, largest, makes, refuses, spared
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+POINTS = 60
+"""Points of each constraint, of both forms."""
+
 STEEPEST = 1e-7
 """Part of a mean risk below which the pieces end: smaller coefficients are lost on solvers."""
-
 
 NEGLIGIBLE = 1e-8
 """Part of a limit up to which the largest margin of a row is written as a number, in place of a variable, by restrictions."""
@@ -40,7 +48,7 @@ SMALL, ORDINARY, LARGE = -10, 8, 18
 
 
 def density(z: Floats) -> Floats:
-    """Of the normal distribution."""
+    """Density of the standard normal distribution."""
     return np.asarray(np.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi))
 
 
@@ -54,21 +62,10 @@ def points(problem: RiskAllocation, unit: float, count: int, least: float = STEE
 
 @dataclass(frozen=True)
 class Pieces:
-    """A program, and where its parts are.
+    """A piecewise program, and where its parts are.
 
-    Attributes
-    ----------
-    program : Program
-    z, risk : int
-        Columns of the first z and the first risk, one each constraint.
-    unit : float
-        In which risks are counted.
-    tangent : slice
-        Rows of the pieces.
-    budget, chance : int
-        First rows of the budgets and of the chance rows.
-    choice : int
-        Column of the first binary, one a chance row; -1 where there are none.
+    ``z`` and ``risk`` are the columns of the first z and the first risk, one each a constraint, ``unit`` the unit of risks, ``budget`` and
+    ``chance`` the first rows of the budgets and of the chance rows, ``choice`` the column of the first binary, one a chance row, or -1.
     """
 
     program: Program
@@ -136,7 +133,7 @@ def _factors(problem: RiskAllocation, deviation: Floats) -> Floats:
 
 
 def mean_risk(problem: RiskAllocation) -> float:
-    """The unit of risks: of the largest budget, the part of one of its constraints."""
+    """The unit of risks: the part of one constraint in the largest budget."""
     parts = [b.risk / len(b.constraints) for b in problem.budgets if len(b.constraints)]
     return max(parts, default=float(problem.caps.max(initial=0.0)) or 1.0)
 
@@ -160,3 +157,45 @@ def piece_rows(constraint: Ints, slope: Floats, constant: Floats, z: int, risk: 
     indices[::2], indices[1::2], data[::2] = z + constraint, risk + constraint, slope
     starts = np.arange(0, 2 * many + 1, 2, dtype=np.int32)
     return Rows("piece", (constraint, np.arange(many)), (names,), starts, indices, data, constant, np.full(many, math.inf))
+
+
+def build_tangents(problem: RiskAllocation) -> Compiled:
+    """The program of form ``tangents``, whose optimum is a bound on that of the allocated problem.
+
+    Towards the joint problem it is neither relaxation nor restriction, as the allocated problem is a restriction of that.
+    """
+    pieces = piecewise_program(problem, "tangents", points(problem, mean_risk(problem), POINTS), above=False)
+    allocated = problem.risk.kind == "allocated"
+
+    def dual_evidence(duals: Floats) -> Evidence:
+        row_prices = prices(problem, pieces.program, np.zeros(pieces.program.num_variables), duals)
+        spent = -problem.sign * duals[pieces.budget : pieces.budget + len(problem.budgets)] / pieces.unit
+        return evidence_of({**row_prices, "budgets": np.maximum(spent, 0.0)}, float("nan"), "duals of tangents")
+
+    linear = allocated and not pieces.program.cones and pieces.program.quadratic is None
+    exactness = Exactness.EXACT if allocated else Exactness.RESTRICTION
+    evidence = dual_evidence if linear else None
+    return Compiled(pieces.program, problem, partial(_decoded, problem), dual_evidence=evidence, exactness=exactness)
+
+
+def build_secants(problem: RiskAllocation) -> Compiled:
+    """The program of form ``secants``, whose points are answers, of the joint problem too."""
+    pieces = piecewise_program(problem, "secants", points(problem, mean_risk(problem), POINTS), above=True)
+    return Compiled(pieces.program, problem, partial(_decoded, problem))
+
+
+def _decoded(problem: RiskAllocation, vector: Floats) -> Allocation:
+    return problem.allocated(np.array(vector[: len(problem.lower)]))
+
+
+for _order, _name, _build, _exactness in (
+    (0, "secants", build_secants, Exactness.RESTRICTION),
+    (1, "tangents", build_tangents, Exactness.RELAXATION),
+):
+    FORMS.add(
+        _name,
+        Form(
+            _name, "risk-allocation", FEATURES, _build, _exactness, refuses=refuses, makes=makes, order=_order,
+            size=partial(size_of, pieces=POINTS),
+        ),
+    )  # fmt: skip
