@@ -15,6 +15,9 @@ from ...instances.risk.uncertain_graph import Floats, UncertainGraph
 from ...solvers.engines.risk.non_dominated_paths import NonDominated
 from ...solvers.engines.risk.supported_paths import shortest_path
 
+LEAST = 1e-10
+"""Least cost of edges in D* Lite, in parts of the largest mean: circles of cost 0 would keep each other's distances low."""
+
 
 class Policy(ABC):
     """Says where to go next from each vertex. What it computes of the graph alone is computed once; ``fresh`` begins a walk."""
@@ -27,14 +30,9 @@ class Policy(ABC):
 
     @abstractmethod
     def next_vertex(self, at: int, known: Floats) -> int:
-        """Where to go from vertex ``at``, which is not the goal.
+        """Where to go from vertex ``at``, which is not the goal: the vertex that the last call returned, the graph's start at first.
 
-        Parameters
-        ----------
-        at : int
-            The vertex that the last call returned; the graph's start at first.
-        known : array of shape (edges,)
-            Costs that are observed, NaN elsewhere; those of the edges that leave ``at`` are.
+        ``known`` of shape (edges,) holds costs that are observed, those of the edges that leave ``at`` among them, and NaN elsewhere.
         """
 
 
@@ -50,7 +48,7 @@ class LeastMean(Policy):
 
 
 class Hindsight(LeastMean):
-    """The cheapest path of all, by one who knows all true costs from the start: what the others are compared with."""
+    """The cheapest path of all, by one who knows all true costs from the start: the others are compared with it."""
 
     def __init__(self, graph: UncertainGraph, costs: Floats) -> None:
         super().__init__(graph.seen_from(graph.start, costs, graph.variance))
@@ -65,18 +63,18 @@ class Following(Policy):
         self._left = list(range(len(paths.paths)))
 
     def fresh(self) -> Self:
-        made = copy.copy(self)
-        made._walked, made._left = [self.graph.start], list(range(len(self.paths.paths)))
-        return made
+        policy = copy.copy(self)
+        policy._walked, policy._left = [self.graph.start], list(range(len(self.paths.paths)))
+        return policy
 
     def ways(self, at: int) -> dict[int, list[int]]:
         """The paths that are left, by the vertex to which they go next, in ascending order of these."""
         if at != self._walked[-1]:
             raise InputError("the walk left the path that was chosen", expected=str(self._walked[-1]), found=str(at))
-        step, found = len(self._walked), dict[int, list[int]]()
+        step, ways = len(self._walked), dict[int, list[int]]()
         for k in self._left:
-            found.setdefault(self.paths.paths[k][step], []).append(k)
-        return dict(sorted(found.items()))
+            ways.setdefault(self.paths.paths[k][step], []).append(k)
+        return dict(sorted(ways.items()))
 
     def take(self, vertex: int, ways: dict[int, list[int]]) -> int:
         """Go to ``vertex``."""
@@ -93,10 +91,6 @@ class Greedy(Following):
         edges = self.graph.edges_of_pairs(np.full(len(ways), at), np.array(list(ways)))
         costs = np.where(np.isnan(known[edges]), self.graph.mean[edges], known[edges])
         return self.take(list(ways)[int(np.argmin(costs))], ways)
-
-
-LEAST = 1e-10
-"""Cost, in parts of the largest mean, that edges count with at least: circles of cost 0 would keep each other's distances low."""
 
 
 class DStarLite(Policy):
@@ -120,10 +114,10 @@ class DStarLite(Policy):
         self._search(graph.start)
 
     def fresh(self) -> Self:
-        made = copy.copy(self)
+        policy = copy.copy(self)
         for name in ("_costs", "_distance", "_ahead", "_queue"):
-            setattr(made, name, getattr(self, name).copy())
-        return made
+            setattr(policy, name, getattr(self, name).copy())
+        return policy
 
     def next_vertex(self, at: int, known: Floats) -> int:
         costs = np.maximum(known, self._least)
@@ -138,7 +132,7 @@ class DStarLite(Policy):
         return int(heads[np.argmin(self._costs[here] + self._distance[heads])])
 
     def _update(self, vertex: int) -> None:
-        """Look ahead from a vertex anew, and queue it where it is inconsistent; what the queue holds of it besides is stale."""
+        """Look ahead from a vertex anew, and queue it where it is inconsistent; older entries of it in the queue are stale."""
         if vertex != self.graph.goal:
             here = slice(self._leaving[vertex], self._leaving[vertex + 1])
             self._ahead[vertex] = (self._costs[here] + self._distance[self.graph.heads[here]]).min(initial=math.inf)

@@ -12,6 +12,8 @@ import itertools
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from ...formulations.evidence import Guarantee
 from ...formulations.risk.risky_path import Path, RiskyPath
 from ...formulations.stop import Stop, Stopped
@@ -32,21 +34,9 @@ class _Label:
 
 
 def look_back(problem: RiskyPath, steps: int, stop: Stop, *, revisits: bool = True) -> dict[int, tuple[float, Path]]:
-    """Hazard and walk of the best label of each state that has one, the start included.
+    """Hazard and walk of the best label of each state that has one, the start included; raises Stopped before all labels are closed.
 
-    Parameters
-    ----------
-    problem : RiskyPath
-    steps : int
-        States that a label tells apart: 1, 2, ...
-    stop : Stop
-    revisits : bool
-        Whether walks may come to a state twice, other than straight back.
-
-    Raises
-    ------
-    Stopped
-        If it is asked to end before all labels are closed.
+    A label tells the last ``steps`` states apart. ``revisits`` says whether walks may come to a state twice, other than straight back.
     """
     graph, moves, memories = problem.graph, problem.moves, Memories(problem)
     head, begin, serial = graph.head.tolist(), len(graph.tail), itertools.count()
@@ -62,7 +52,7 @@ def look_back(problem: RiskyPath, steps: int, stop: Stop, *, revisits: bool = Tr
     best: dict[Path, tuple[float, int]] = {(graph.start,): (first.hazard, 0)}
     heap: list[tuple[float, int, int, Path, _Label]] = [(first.hazard, 0, next(serial), (graph.start,), first)]
     closed: set[Path] = set()
-    found: dict[int, tuple[float, Path]] = {}
+    best_of_state: dict[int, tuple[float, Path]] = {}
     while heap:
         hazard, count, _, key, label = heapq.heappop(heap)
         if key in closed or hazard == math.inf:
@@ -70,8 +60,8 @@ def look_back(problem: RiskyPath, steps: int, stop: Stop, *, revisits: bool = Tr
         closed.add(key)
         if len(closed) % LOOK == 0 and stop.reached():
             raise Stopped
-        path = path_of(label) if key[-1] not in found or not revisits else ()
-        found.setdefault(key[-1], (hazard, path))
+        path = path_of(label) if key[-1] not in best_of_state or not revisits else ()
+        best_of_state.setdefault(key[-1], (hazard, path))
         for after, own in zip(*moves.successors[label.move], strict=True):
             reached = head[after]
             if not revisits and reached in path:
@@ -81,7 +71,7 @@ def look_back(problem: RiskyPath, steps: int, stop: Stop, *, revisits: bool = Tr
             if longer not in closed and priced < best.get(longer, (math.inf, 0)):
                 best[longer] = priced
                 heapq.heappush(heap, (*priced, next(serial), longer, _Label(*priced, after, carried, label)))
-    return found
+    return best_of_state
 
 
 def without_loops(walk: Path) -> Path:
@@ -100,23 +90,23 @@ MOST_STEPS = 8
 
 
 def least_risky_paths(problem: RiskyPath, steps: int, stop: Stop) -> tuple[dict[int, Path], frozenset[int]]:
-    """A path without repetition to each state that look-back reaches, and the states to which the walk it found was none.
+    """A path without repetition to each state that look-back reaches, and the states whose walk repeats one.
 
-    These get the better of the walk without its loops and of what a search that refuses repetition finds.
+    These get the better of the walk without its loops and of what a search that refuses repetition comes to.
     """
     check_steps(steps)
     if steps == 2 and not problem.graph.traverse:
         reach = problem.moves.to_states()
-        walks = {state: problem.moves.walk(state) for state in range(problem.graph.num_states) if math.isfinite(reach[state])}
-        found = {state: walk for state, walk in walks.items() if walk is not None}
+        reached = np.nonzero(np.isfinite(reach))[0].tolist()
+        walks = {state: walk for state in reached if (walk := problem.moves.walk(state)) is not None}
     else:
-        found = {state: walk for state, (_, walk) in look_back(problem, steps, stop).items()}
-    looped = frozenset(state for state, walk in found.items() if len(set(walk)) < len(walk))
+        walks = {state: walk for state, (_, walk) in look_back(problem, steps, stop).items()}
+    looped = frozenset(state for state, walk in walks.items() if len(set(walk)) < len(walk))
     refused = look_back(problem, steps, stop, revisits=False) if looped else {}
     for state in looped:
-        choices = [without_loops(found[state]), *([refused[state][1]] if state in refused else [])]
-        found[state] = min(choices, key=lambda path: risk_of(problem, path))
-    return found, looped
+        choices = [without_loops(walks[state]), *([refused[state][1]] if state in refused else [])]
+        walks[state] = min(choices, key=lambda path: risk_of(problem, path))
+    return walks, looped
 
 
 def risk_of(problem: RiskyPath, path: Path) -> float:
@@ -125,13 +115,13 @@ def risk_of(problem: RiskyPath, path: Path) -> float:
 
 
 def check_steps(steps: int) -> None:
-    """Raise UsageError unless labels of so many states are searched."""
+    """Raise UsageError unless ``steps`` is from 1 to ``MOST_STEPS``."""
     if not 1 <= steps <= MOST_STEPS:
         raise UsageError(f"steps must be a whole number from 1 to {MOST_STEPS}, not {steps!r}")
 
 
 def exact_for(problem: RiskyPath, steps: int) -> tuple[str, ...]:
-    """Why walks found with so many states to a label are least risky; empty where they need not be."""
+    """Why walks with ``steps`` states to a label are least risky; empty where they need not be."""
     categories = {element.category for element in problem.graph.elements}
     if "traverse" in categories or (steps == 1 and "action" in categories):
         return ()
@@ -141,24 +131,9 @@ def exact_for(problem: RiskyPath, steps: int) -> tuple[str, ...]:
 def run(problem: RiskyPath, context: Context, *, steps: int = 2) -> Outcome:
     """The least risky of the labels at a goal.
 
-    Parameters
-    ----------
-    problem : RiskyPath
-        Of least risk or hazard.
-    context : Context
-    steps : int
-        States that a label tells apart, from 1 (Dijkstra's algorithm, one label a state) to 8; 2 is the source's planner.
-
-    Returns
-    -------
-    Outcome
-        A path. It is least risky, and guaranteed to be, where no element is of category traverse (with 1 step: nor action) and the walk
-        found comes to no state twice. Where it does, the walk without its loops, or what a search finds that refuses loops.
-
-    Raises
-    ------
-    UsageError
-        If ``steps`` is out of range.
+    ``steps`` is the number of states that a label tells apart, from 1 (Dijkstra's algorithm, one label a state) to 8; 2 is the source's
+    planner. The path is least risky, and guaranteed to be, where no element is of category traverse (with 1 step: nor action) and the walk
+    comes to no state twice. Where it does, it is the walk without its loops, or what a search reaches that refuses loops.
     """
     stop = context.begin()
     try:

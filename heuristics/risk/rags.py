@@ -18,7 +18,6 @@ from ._graph_policies import Following
 if TYPE_CHECKING:
     from ...formulations.risk.uncertain_path import UncertainPath
 
-
 RULES = ("best", "scan")
 """The next vertex of the largest probability, or the champion of pairwise comparisons in ascending order of the least mean."""
 
@@ -30,27 +29,12 @@ class RiskAware(Following):
     """RAGS of Skeele (2016), Algorithm 5, over a given set of paths.
 
     At each vertex the paths that are left are grouped by where they go next; the probabilities of the groups to hold the cheapest path,
-    the first edge at its observed cost, decide. They speak of who would be cheapest in hindsight, not of expected costs.
+    the first edge at its observed cost, decide. They speak of who would be cheapest in hindsight, not of expected costs. ``rule`` is one of
+    ``RULES``, ``comparison`` of ``COMPARISONS``; ``first_edges`` is for edges that are not observed, see ``cheapest_set_probabilities``.
 
-    Parameters
-    ----------
-    graph : UncertainGraph
-    paths : NonDominated
-    rule : str
-        A name of ``RULES``.
-    comparison : str
-        A name of ``COMPARISONS``.
-    first_edges : str
-        For edges that are not observed, see ``cheapest_set_probabilities``.
+    ``risks`` holds for each step so far the probability of each next vertex that the cheapest path lies elsewhere; under ``scan`` of the
+    vertices that were compared with the champion, and lost or won, the risk of that comparison.
 
-    Attributes
-    ----------
-    risks : list of dict
-        For each step so far, the probability of each next vertex that the cheapest path lies elsewhere; under ``scan`` of the vertices
-        that were compared with the champion, and lost or won, the risk of that comparison.
-
-    Notes
-    -----
     Source: Skeele (2016), Algorithm 5 and (5.2), with the largest probability in place of one of at least 1/2, which need not exist;
     docs/formulations/uncertain-path.md#risk-aware-graph-search.
     """
@@ -60,9 +44,9 @@ class RiskAware(Following):
     ) -> None:
         super().__init__(graph, paths)
         asked = {"rule": (rule, RULES), "comparison": (comparison, COMPARISONS), "first_edges": (first_edges, FIRST_EDGES)}
-        for what, (given, choices) in asked.items():
-            if given not in choices:
-                raise UsageError(f"{what} must be one of {', '.join(choices)}, not {given!r}")
+        for what, (name, choices) in asked.items():
+            if name not in choices:
+                raise UsageError(f"{what} must be one of {', '.join(choices)}, not {name!r}")
         self.rule, self.comparison, self.first_edges = rule, comparison, first_edges
         self.risks: list[dict[int, float]] = []
         edges = [graph.edges_of(path) for path in paths.paths]
@@ -125,7 +109,7 @@ class RiskAware(Following):
 
 
 def _sums(values: Floats) -> Floats:
-    """What is left of a path from each of its vertices on."""
+    """Rest of a path from each of its vertices on."""
     return np.append(np.cumsum(values[::-1])[::-1], 0.0)
 
 
@@ -138,22 +122,12 @@ def rags(
     problem: UncertainPath, context: Context, *, rule: str = "best", dominance: str = "weak", comparison: str = "independent",
     first_edges: str = "separate",
 ) -> Outcome:  # fmt: skip
-    """RAGS without observations (Skeele 2016, Algorithm 5, corrected): docs/formulations/uncertain-path.md#risk-aware-graph-search.
+    """The path of RAGS without observations (Skeele 2016, Algorithm 5, corrected).
 
-    It looks for where the hindsight-cheapest path probably lies, which is not what the problem's value asks.
-
-    Parameters
-    ----------
-    problem, context
-        See ``Heuristic.run``.
-    rule : str
-        ``best`` or ``scan``.
-    dominance : str
-        Of the paths that are compared: ``weak``, ``pareto`` or ``strict``.
-    comparison : str
-        ``independent`` or ``joint``.
-    first_edges : str
-        ``separate`` or ``shared``.
+    It looks for where the hindsight-cheapest path probably lies, which is not what the problem's value asks. ``rule`` is ``best`` or
+    ``scan``,
+    ``dominance`` (of the paths that are compared) ``weak``, ``pareto`` or ``strict``, ``comparison`` ``independent`` or ``joint``,
+    ``first_edges`` ``separate`` or ``shared``. See docs/formulations/uncertain-path.md#risk-aware-graph-search.
     """
     stop = context.begin()
     paths = non_dominated_paths(problem.graph, dominance, stop)

@@ -24,10 +24,10 @@ PORTION = 2_000_000
 
 
 def enough_samples(risk: float, confidence: float, support: int) -> int | None:
-    """The least number of samples with which a plan of ``support`` decisions keeps ``risk`` with ``confidence``.
+    """The least number of samples with which a plan of ``support`` decisions keeps ``risk`` with ``confidence``; None above
+    ``MOST_SAMPLES``.
 
-    None where it is above ``MOST_SAMPLES``. The least M with
-    ``sum over i < support of C(M, i) risk^i (1 - risk)^(M - i) <= 1 - confidence``.
+    It is the least M with ``sum over i < support of C(M, i) risk^i (1 - risk)^(M - i) <= 1 - confidence``.
     Source: Campi and Garatti (2008), "The exact feasibility of randomized solutions of uncertain convex programs", theorem 1.
     """
     from scipy.stats import binom
@@ -50,33 +50,18 @@ def root(covariance: Floats) -> Floats:
 
 
 def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0.999, samples: int = 0) -> Outcome:
-    """The best plan that no sample of the noise breaks.
+    """The best plan that no sample of the noise breaks, of a problem with joint risk and a total alone.
 
-    As the noise does not depend on the decision, each constraint is as tight as its worst sample.
+    As the noise does not depend on the decision, each constraint is as tight as its worst sample. ``confidence``, in (0, 1), is that over
+    the
+    samples drawn that the plan's probability to fail is the total at most; ``samples`` is how many, 0 for as many as the confidence
+    takes, for
+    as many decisions as there are, or constraints if these are fewer. Raises UsageError for a parameter out of its range, or more samples
+    than
+    can be drawn. ``statistics`` hold ``samples``, ``confidence`` (NaN for fewer samples than it takes) and ``support``; the judge
+    computes what
+    is true of the plan.
 
-    Parameters
-    ----------
-    problem : RiskAllocation
-        With joint risk, and a total alone.
-    context : Context
-    confidence : float
-        In (0, 1), over the samples drawn, that the plan's probability to fail is the total at most.
-    samples : int
-        How many; 0 for as many as the confidence takes, for as many decisions as there are, or constraints if these are fewer.
-
-    Returns
-    -------
-    Outcome
-        ``statistics``: ``samples``, ``confidence`` (NaN for fewer samples than it takes), ``support``. The judge computes what is true of
-        the plan.
-
-    Raises
-    ------
-    UsageError
-        If a parameter is out of its range, or more samples are needed than can be drawn.
-
-    Notes
-    -----
     Source: Calafiore and Campi (2006), "The scenario approach to robust control design"; docs/formulations/risk-allocation.md#samples.
     """
     if not 0.0 < confidence < 1.0 or samples < 0:
@@ -96,17 +81,17 @@ def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0
             return Outcome(None, message="its samples were not drawn in time", limit=stop.reached())
         drawn = context.rng.standard_normal((min(portion, many - begin), len(worst))) @ noise.T
         worst = np.maximum(worst, drawn.max(axis=0))
-    made = open_session(fixed_margins_program(units.problem, "scenario", worst * units.chance), context.linear.seed).solve(stop)
+    solved = open_session(fixed_margins_program(units.problem, "scenario", worst * units.chance), context.linear.seed).solve(stop)
     known = confidence if needed is not None and many >= needed else math.nan
     statistics: dict[str, Any] = {"samples": many, "confidence": known, "support": support}
-    if made.status != "optimal":
-        message = f"the program of {many} samples is {made.status}"
+    if solved.status != "optimal":
+        message = f"the program of {many} samples is {solved.status}"
         return Outcome(None, statistics=statistics, message=message, limit=stop.reached() or "none")
-    return Outcome(Allocation(np.clip(made.x[: problem.size] * units.columns, problem.lower, problem.upper)), statistics=statistics)
+    return Outcome(Allocation(np.clip(solved.x[: problem.size] * units.columns, problem.lower, problem.upper)), statistics=statistics)
 
 
 def only_total(problem: RiskAllocation) -> frozenset[str]:
-    """What methods of one joint probability lack."""
+    """Features that methods of one joint probability lack."""
     alone = problem.risk.total is not None and len(problem.budgets) == 1 and bool((problem.caps >= problem.risk.total).all())
     return frozenset() if alone else frozenset({"budgets other than the total"})
 

@@ -49,14 +49,14 @@ class UncertainGraphMission(Mission):
 
     def world(self, seed: int, **settings: Any) -> UncertainGraphWorld:
         self.values = setting_values(self.name, self.settings, settings)
-        made = make_world("uncertain-graph", seed, **{key: self.values[key] for key in WORLDS["uncertain-graph"].settings})
-        assert isinstance(made, UncertainGraphWorld)
-        self._world = made
+        world = make_world("uncertain-graph", seed, **{key: self.values[key] for key in WORLDS["uncertain-graph"].settings})
+        assert isinstance(world, UncertainGraphWorld)
+        self._world = world
         self._walks: dict[str, Policy] = {}
-        return made
+        return world
 
     def problem(self, observation: UncertainGraphObservation) -> Problem | None:
-        """A path from here to the goal, what is known at its cost; None at the goal."""
+        """A path from here to the goal, with known costs in place of uncertain ones; None at the goal."""
         o = observation
         if o.arrived:
             return None

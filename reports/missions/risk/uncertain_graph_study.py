@@ -32,7 +32,6 @@ from .uncertain_graph import UncertainGraphMission
 if TYPE_CHECKING:
     import pandas as pd
 
-
 METHODS: dict[str, dict[str, Any]] = {
     "rags": {"policy": "rags"},
     "rags-unobserved": {"policy": "rags", "observe": False},
@@ -41,8 +40,16 @@ METHODS: dict[str, dict[str, Any]] = {
     "d-star-lite": {"policy": "d-star-lite"},
 }
 
+COLOURS = {
+    "rags": "#332288", "rags-unobserved": "#8877CC", "a-star": "#DDAA33", "greedy": "#CC3377", "d-star-lite": "#117733",
+    "hindsight": "#777777",
+}  # fmt: skip
+
+MOST = 99.0
+"""Percentile at which histograms end: their last bin holds what lies beyond."""
+
 STEPS = 60
-"""Of a run: more than any policy needs on these graphs."""
+"""Steps of a run: more than any policy needs on these graphs."""
 
 LEVEL = "level"
 """Column of the variance or the scene."""
@@ -107,10 +114,10 @@ def excess_table(walks: pd.DataFrame) -> pd.DataFrame:
 
 
 def trends(table: pd.DataFrame) -> list[tuple[str, str]]:
-    """The source's trends, and what was found of each."""
+    """The source's trends, and the verdict on each."""
     rows = {(row[LEVEL], row["method"]): row for row in records(table)}
     levels = list(dict.fromkeys(level for level, _ in rows))
-    found = []
+    verdicts = []
     for other, claim in (("a-star", "rags below A* in the mean"), ("greedy", "rags below greedy"), ("d-star-lite", "rags below D* Lite"),
                          ("rags-unobserved", "observing helps rags")):  # fmt: skip
         said = []
@@ -118,57 +125,13 @@ def trends(table: pd.DataFrame) -> list[tuple[str, str]]:
             above, error = rows[level, other]["rags_above"], rows[level, other]["error"]
             verdict = "yes" if above < -2 * error else "no" if above > 2 * error else "undecided"
             said.append(f"{level} {verdict} ({above:+.2f} +- {error:.2f} points)")
-        found.append((claim, "; ".join(said)))
+        verdicts.append((claim, "; ".join(said)))
     tails = [f"{level} {rows[level, 'rags']['q95']:.2f} against {rows[level, 'a-star']['q95']:.2f}" for level in levels]
-    found.append(("rags' upper tail, the 95 % quantile, beside A*'s", "; ".join(tails)))
-    return found
+    verdicts.append(("rags' upper tail, the 95 % quantile, beside A*'s", "; ".join(tails)))
+    return verdicts
 
 
-def study(folder: Path, size: Size) -> str:
-    """Play everything, write it into ``folder``, and return the summary."""
-    from . import _uncertain_graph_figures as figures
-
-    roadmaps = plays(size.variances, "variance", size.graphs, size.draws)
-    rasters = plays(size.scenes, "scene", size.raster_graphs, size.raster_draws, roadmap="raster-graph", vertices=150)
-    text = "# Uncertain graphs: excess over the cheapest path in hindsight, percent\n"
-    for name, head, walks in (
-        ("roadmaps", f"Random roadmaps: {size.graphs} graphs x {size.draws} draws, by largest variance", roadmaps),
-        ("rasters", f"Synthetic rasters: {size.raster_graphs} graphs x {size.raster_draws} draws, by scene", rasters),
-    ):
-        table = excess_table(walks)
-        text += f"\n## {head}\n\n{markdown(table)}\n" + "".join(f"- {what}: {said}\n" for what, said in trends(table))
-        atomic_write(folder / f"{name}.csv", table.to_csv(index=False))
-        atomic_write(folder / f"walks_{name}.csv", walks.to_csv(index=False))
-        figures.boxes(walks, folder / f"{name}.png")
-        figures.histograms(walks, folder / f"histograms_{name}.png")
-    last = roadmaps[(roadmaps[LEVEL] == size.variances[-1]) & (roadmaps["method"] == "a-star")]
-    worst = last.nlargest(1, "excess").iloc[0]
-    figures.walks(folder / "walks.png", int(worst["graph"]), int(worst["draw"]), variance=size.variances[-1])
-    atomic_write(folder / "summary.md", text)
-    return text
-
-
-def main(arguments: list[str] | None = None) -> int:
-    """Play the study and print its summary."""
-    return study_command(
-        "uncertain_graph_study", __doc__, lambda folder, short: study(folder, SHORT if short else Size()), arguments, "walks"
-    )
-
-
-if __name__ == "__main__":
-    sys.exit(main())
-
-
-COLOURS = {
-    "rags": "#332288", "rags-unobserved": "#8877CC", "a-star": "#DDAA33", "greedy": "#CC3377", "d-star-lite": "#117733",
-    "hindsight": "#777777",
-}  # fmt: skip
-
-MOST = 99.0
-"""Percentile at which histograms end: their last bin holds what lies beyond."""
-
-
-def boxes(walks: pd.DataFrame, path: Path) -> None:
+def draw_boxes(walks: pd.DataFrame, path: Path) -> None:
     """Excess of each method: quartiles, whiskers at 5 and 95 percent, means as diamonds; the axis is linear up to 1 percent."""
     figure = _figure(11.0, 3.8)
     levels = list(dict.fromkeys(walks[LEVEL]))
@@ -188,8 +151,8 @@ def boxes(walks: pd.DataFrame, path: Path) -> None:
     _save(figure, path)
 
 
-def histograms(walks: pd.DataFrame, path: Path) -> None:
-    """How often each method's excess came to how much, one row a level."""
+def draw_histograms(walks: pd.DataFrame, path: Path) -> None:
+    """Distribution of each method's excess, one row a level."""
     levels = list(dict.fromkeys(walks[LEVEL]))
     figure = _figure(12.0, 1.0 + 1.9 * len(levels))
     axes = np.atleast_2d(figure.subplots(len(levels), len(METHODS), sharey=True))
@@ -208,8 +171,8 @@ def histograms(walks: pd.DataFrame, path: Path) -> None:
     _save(figure, path)
 
 
-def walks(path: Path, graph: int = 1, draw: int = 1, **settings: Any) -> None:
-    """What each policy walks on one graph under one draw of its costs, beside the cheapest path in hindsight."""
+def draw_walks(path: Path, graph: int = 1, draw: int = 1, **settings: Any) -> None:
+    """Walk of each policy on one graph under one draw of its costs, beside the cheapest path in hindsight."""
     figure = _figure(12.0, 4.4)
     shown = {name: how for name, how in METHODS.items() if name != "rags-unobserved"}
     axes = figure.subplots(1, len(shown), sharex=True, sharey=True)
@@ -237,3 +200,36 @@ def _walked(policy: str, graph: int, draw: int, **settings: Any) -> UncertainGra
 
 def _name(level: Any) -> str:
     return f"variances to {level:g}" if isinstance(level, float) else str(level)
+
+
+def study(folder: Path, size: Size) -> str:
+    """Play everything, write it into ``folder``, and return the summary."""
+    roadmaps = plays(size.variances, "variance", size.graphs, size.draws)
+    rasters = plays(size.scenes, "scene", size.raster_graphs, size.raster_draws, roadmap="raster-graph", vertices=150)
+    text = "# Uncertain graphs: excess over the cheapest path in hindsight, percent\n"
+    for name, head, walks in (
+        ("roadmaps", f"Random roadmaps: {size.graphs} graphs x {size.draws} draws, by largest variance", roadmaps),
+        ("rasters", f"Synthetic rasters: {size.raster_graphs} graphs x {size.raster_draws} draws, by scene", rasters),
+    ):
+        table = excess_table(walks)
+        text += f"\n## {head}\n\n{markdown(table)}\n" + "".join(f"- {what}: {said}\n" for what, said in trends(table))
+        atomic_write(folder / f"{name}.csv", table.to_csv(index=False))
+        atomic_write(folder / f"walks_{name}.csv", walks.to_csv(index=False))
+        draw_boxes(walks, folder / f"{name}.png")
+        draw_histograms(walks, folder / f"histograms_{name}.png")
+    last = roadmaps[(roadmaps[LEVEL] == size.variances[-1]) & (roadmaps["method"] == "a-star")]
+    worst = last.nlargest(1, "excess").iloc[0]
+    draw_walks(folder / "walks.png", int(worst["graph"]), int(worst["draw"]), variance=size.variances[-1])
+    atomic_write(folder / "summary.md", text)
+    return text
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Play the study and print its summary."""
+    return study_command(
+        "uncertain_graph_study", __doc__, lambda folder, short: study(folder, SHORT if short else Size()), arguments, "walks"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -52,20 +52,7 @@ def plot_uncertain_path(
 ) -> Any:
     """A map: the path, the other non-dominated paths, and all edges, the darker the more uncertain their costs.
 
-    Parameters
-    ----------
-    problem : UncertainPath
-    answer : tuple of vertices
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
+    It is drawn on matplotlib axes, new ones by default, with ``solution``'s objective, bound and gap, or ``title``, above.
     """
     ax = new_axes() if ax is None else ax
     graph = problem.graph

@@ -1,4 +1,4 @@
-"""What problems of risk allocation hold, and their answers."""
+"""Tables of risk allocations: budgets, and the risks of an answer."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def _budgets(budgets: dict[str, float]) -> list[Row]:
 
 
 def answer(problem: RiskAllocation, given: Any) -> list[Table]:
-    """What any constraint fails with, beside what it was allowed; and the risk of each, the largest first.
+    """Probability that any constraint fails, beside what was allowed; and the risk of each, the largest first.
 
     Where risk is joint no constraint is allowed one of its own.
     """
@@ -37,7 +37,7 @@ def answer(problem: RiskAllocation, given: Any) -> list[Table]:
 
 
 def _together(problem: RiskAllocation, decision: Any) -> list[Row]:
-    """The chain from the budget to what is true."""
+    """The chain from the budget to the true probabilities."""
     rows = [] if problem.risk.total is None else [("allowed", f"{_risk(problem.risk.total)} in total, {problem.risk.kind}")]
     rows.append(("sum of the risks", _risk(problem.risks(decision).sum())))
     for name, found in problem.joint_risk(decision).items():

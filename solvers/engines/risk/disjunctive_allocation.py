@@ -16,11 +16,11 @@ from ....formulations.programs.exactness import Exactness
 from ....formulations.risk.allocations import Allocation
 from ....formulations.risk.risk_allocation import RiskAllocation
 from ....formulations.stop import Stop
-from ....instances.errors import UnsupportedError
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...bounds.proof_tree import Node, ProofTree
 from ...bounds.risk.convex_allocation import part_evidence
 from .convex_allocation import LEANING, leans
+from .convex_allocation_steps.successive_tangents import SuccessiveTangents
 
 Floats = NDArray[np.float64]
 
@@ -54,33 +54,21 @@ class DisjunctiveAllocation(Engine):
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
-        lacking = self.missing(problem)
-        if lacking:
-            raise UnsupportedError(self.name, lacking)
+        stop = self.begin(problem, options, control)
         assert isinstance(problem, RiskAllocation)
-        self.converted(options)
-        stop = Stop(options.time_limit)
-        control.on_stop(stop.ask)
         joint = problem.risk.kind == "joint"
         tree = _Tree(problem.by_allocation() if joint else problem, options, control, stop)
         tree.grow()
-        made = _result(tree, options, stop)
+        result = _result(tree, options, stop)
         if not joint:
-            return made
-        answer = None if made.answer is None else Allocation(made.answer.decision)
-        return replace(made, answer=answer, holds=Exactness.RESTRICTION, evidence=())
+            return result
+        answer = None if result.answer is None else Allocation(result.answer.decision)
+        return replace(result, answer=answer, holds=Exactness.RESTRICTION, evidence=())
 
 
 @dataclass(eq=False)
 class _Node(Node):
-    """A node, the decision of its convex allocation, and the rows that this decides on.
-
-    Attributes
-    ----------
-    decision_vector : array of shape (decisions,) or None
-        None where it has none.
-    rows : array
-    """
+    """A node, the decision of its convex allocation (None where it has none), and the chance rows that this decides on."""
 
     decision_vector: Floats | None = None
     rows: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
@@ -115,8 +103,6 @@ class _Tree(ProofTree[_Node]):
                 break
 
     def look(self, node: _Node) -> bool:
-        from .convex_allocation_steps.successive_tangents import SuccessiveTangents
-
         if self.stop.reached():
             return False
         problem = self.problem.restricted(node.decisions())
@@ -126,14 +112,12 @@ class _Tree(ProofTree[_Node]):
         part, rows = problem.convex_part()
         parent = node.parent
         if (left == 0).any():  # the checker sees it
-            nothing = {
-                "rows": [0.0] * len(problem.row_lower),
-                "chance": [0.0] * len(problem.limits),
-                "budgets": [0.0] * len(problem.budgets),
-                "terms": [0.0] * sum(len(t[3]) for t in problem.terms),
-                "cones": [0.0] * sum(1 + len(c[1]) for c in problem.cones),
-            }
-            self.prove(node, problem, [Evidence("risk-allocation-duals", "no alternative is left", math.inf, nothing)])
+            sizes = {
+                "rows": len(problem.row_lower), "chance": len(problem.limits), "budgets": len(problem.budgets),
+                "terms": sum(len(t[3]) for t in problem.terms), "cones": sum(1 + len(c[1]) for c in problem.cones),
+            }  # fmt: skip
+            no_prices = {name: [0.0] * size for name, size in sizes.items()}
+            self.prove(node, problem, [Evidence("risk-allocation-duals", "no alternative is left", math.inf, no_prices)])
             self.close(node)
             return True
         if isinstance(parent, _Node) and np.array_equal(rows, parent.rows):
@@ -185,8 +169,6 @@ class _Tree(ProofTree[_Node]):
 
     def _try(self, x: Floats, dive: bool) -> None:
         """Take a decision if it is an answer; or else the best plan with the alternatives that are safest at it."""
-        from .convex_allocation_steps.successive_tangents import SuccessiveTangents
-
         p = self.problem
         own = p.risks(x)
         if all(float(own[b.constraints].sum()) <= b.risk for b in p.budgets) and (own <= p.risk.each).all():

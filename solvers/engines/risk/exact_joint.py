@@ -20,7 +20,6 @@ from ....formulations.risk.joint_normal import Probability, any_fails
 from ....formulations.risk.normal import ndtr, ndtri
 from ....formulations.risk.risk_allocation import RiskAllocation
 from ....formulations.stop import Stop, Stopped
-from ....instances.errors import UnsupportedError
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from .convex_allocation import beyond_boole, quantile, room
 from .convex_allocation_steps.session import open_session
@@ -34,89 +33,6 @@ SHIFTS, POINTS = 12, 251
 
 SINGULAR = 1e-7
 """Part of a standard deviation left by those before, under which a constraint depends on them alone."""
-
-
-def gradient(slack: Floats, covariance: Floats, *, points: int = POINTS) -> Floats:
-    """How the probability that any fails falls with each entry of ``slack``, all of them with noise.
-
-    Parameters
-    ----------
-    slack : array of shape (rows,)
-    covariance : array of shape (rows, rows)
-    points : int
-        Of the lattice.
-    """
-    deviation = np.sqrt(np.diag(covariance))
-    z, correlation = slack / deviation, covariance / deviation[:, None] / deviation
-    density = np.exp(-0.5 * z**2) / math.sqrt(2.0 * math.pi)
-    made = np.zeros(len(z))
-    for k in np.nonzero(density > 1e-12 * density.max(initial=0.0))[0].tolist():
-        others = np.arange(len(z)) != k
-        along = correlation[others, k]
-        left = correlation[np.ix_(others, others)] - np.outer(along, along)
-        own = np.diag(left).copy()
-        own[own < SINGULAR**2] = 0.0
-        left = left * np.outer(own > 0.0, own > 0.0)
-        np.fill_diagonal(left, own)
-        made[k] = -density[k] / deviation[k] * _all_hold(z[others] - along * z[k], left, points)
-    return made
-
-
-def _all_hold(slack: Floats, covariance: Floats, points: int) -> float:
-    """Probability that none fails; those without noise hold at their limit, but for rounding."""
-    deviation = np.sqrt(np.diag(covariance))
-    noisy = deviation > 0.0
-    if (slack[~noisy] < -SINGULAR).any():
-        return 0.0
-    if np.count_nonzero(noisy) <= 2:
-        return 1.0 - any_fails(slack[noisy], covariance[np.ix_(noisy, noisy)]).value
-    z = slack[noisy] / deviation[noisy]
-    correlation = covariance[np.ix_(noisy, noisy)] / deviation[noisy][:, None] / deviation[noisy]
-    order = np.argsort(z, kind="stable")
-    factor, rng = _factor(correlation[np.ix_(order, order)]), np.random.default_rng(1)
-    roots = np.sqrt(_primes(len(z)))
-    base = np.arange(1, points + 1)[:, None] * (roots - np.floor(roots))
-    shifted = (base + rng.random((SHIFTS, 1, len(z)))).reshape(-1, len(z)) % 1.0
-    return float(np.mean(_hold_in_turn(z[order], factor, np.abs(2.0 * shifted - 1.0))))  # the tent makes it periodic
-
-
-def _hold_in_turn(z: Floats, factor: Floats, points: Floats) -> Floats:
-    """For each point of the cube the probability to hold, one constraint after the other."""
-    many, size = points.shape
-    normal, holds = np.zeros((many, size)), np.ones(many)
-    for k in range(size):
-        given = normal[:, :k] @ factor[k, :k]
-        own = factor[k, k]
-        if own > SINGULAR:
-            below = ndtr((z[k] - given) / own)
-            normal[:, k] = np.clip(ndtri(np.maximum(points[:, k], 1e-300) * below), -38.0, 38.0)
-            holds *= below
-        else:
-            holds *= given <= z[k] + 1e-9
-    return holds
-
-
-def _factor(correlation: Floats) -> Floats:
-    """Lower triangle whose product with its transpose is the correlation, which may be singular."""
-    size = len(correlation)
-    made = np.zeros((size, size))
-    for k in range(size):
-        rest = correlation[k, k] - made[k, :k] @ made[k, :k]
-        if rest > SINGULAR**2:
-            made[k, k] = math.sqrt(rest)
-            made[k + 1 :, k] = (correlation[k + 1 :, k] - made[k + 1 :, :k] @ made[k, :k]) / made[k, k]
-    return made
-
-
-def _primes(count: int) -> Floats:
-    """The first prime numbers."""
-    limit = max(16, int(count * (math.log(count + 2) + math.log(math.log(count + 3)) + 2)))
-    sieve = np.ones(limit, dtype=bool)
-    sieve[:2] = False
-    for p in range(2, math.isqrt(limit) + 1):
-        if sieve[p]:
-            sieve[p * p :: p] = False
-    return np.nonzero(sieve)[0][:count].astype(np.float64)
 
 
 MOST_ROWS = 60
@@ -160,18 +76,13 @@ class ExactJoint(Engine):
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
-        lacking = self.missing(problem)
-        if lacking:
-            raise UnsupportedError(self.name, lacking)
+        stop = self.begin(problem, options, control)
         assert isinstance(problem, RiskAllocation)
-        self.converted(options)
-        stop = Stop(options.time_limit)
-        control.on_stop(stop.ask)
         return _Planes(problem, options, control, stop).run()
 
 
 class _Planes:
-    """The search."""
+    """Planes that are laid until plan and bound meet."""
 
     def __init__(self, problem: RiskAllocation, options: Options, control: Control, stop: Stop) -> None:
         self.problem, self.options, self.control, self.stop, self.units = problem, options, control, stop, Units.of(problem)
@@ -266,7 +177,7 @@ class _Planes:
         return None
 
     def _raise(self, higher: float) -> None:
-        """Move all planes to that many deviations above the level asked for."""
+        """Move all planes to ``higher`` deviations above the level asked for."""
         self.higher = higher
         for k, (side, unit) in enumerate(self.sides):
             self.session.change_upper(self.first + k, np.array([(side - higher) * unit]))
@@ -327,3 +238,79 @@ class _Planes:
                 self.sides.append((side, unit))
                 laid = True
         return laid
+
+
+def gradient(slack: Floats, covariance: Floats, *, points: int = POINTS) -> Floats:
+    """Derivative of the probability that any fails by each entry of ``slack``, all of them with noise; ``points`` are those of the lattice.
+    Derivative of the probability that any fails by each entry of ``slack``, all of them with noise; ``points`` are those of the lattice."""
+    deviation = np.sqrt(np.diag(covariance))
+    z, correlation = slack / deviation, covariance / deviation[:, None] / deviation
+    density = np.exp(-0.5 * z**2) / math.sqrt(2.0 * math.pi)
+    slopes = np.zeros(len(z))
+    for k in np.nonzero(density > 1e-12 * density.max(initial=0.0))[0].tolist():
+        others = np.arange(len(z)) != k
+        along = correlation[others, k]
+        left = correlation[np.ix_(others, others)] - np.outer(along, along)
+        own = np.diag(left).copy()
+        own[own < SINGULAR**2] = 0.0
+        left = left * np.outer(own > 0.0, own > 0.0)
+        np.fill_diagonal(left, own)
+        slopes[k] = -density[k] / deviation[k] * _all_hold(z[others] - along * z[k], left, points)
+    return slopes
+
+
+def _all_hold(slack: Floats, covariance: Floats, points: int) -> float:
+    """Probability that none fails; constraints without noise hold at their limit, but for rounding."""
+    deviation = np.sqrt(np.diag(covariance))
+    noisy = deviation > 0.0
+    if (slack[~noisy] < -SINGULAR).any():
+        return 0.0
+    if np.count_nonzero(noisy) <= 2:
+        return 1.0 - any_fails(slack[noisy], covariance[np.ix_(noisy, noisy)]).value
+    z = slack[noisy] / deviation[noisy]
+    correlation = covariance[np.ix_(noisy, noisy)] / deviation[noisy][:, None] / deviation[noisy]
+    order = np.argsort(z, kind="stable")
+    factor, rng = _factor(correlation[np.ix_(order, order)]), np.random.default_rng(1)
+    roots = np.sqrt(_primes(len(z)))
+    base = np.arange(1, points + 1)[:, None] * (roots - np.floor(roots))
+    shifted = (base + rng.random((SHIFTS, 1, len(z)))).reshape(-1, len(z)) % 1.0
+    return float(np.mean(_hold_in_turn(z[order], factor, np.abs(2.0 * shifted - 1.0))))  # the tent makes it periodic
+
+
+def _hold_in_turn(z: Floats, factor: Floats, points: Floats) -> Floats:
+    """Probability to hold for each point of the cube, one constraint after the other."""
+    many, size = points.shape
+    normal, holds = np.zeros((many, size)), np.ones(many)
+    for k in range(size):
+        given = normal[:, :k] @ factor[k, :k]
+        own = factor[k, k]
+        if own > SINGULAR:
+            below = ndtr((z[k] - given) / own)
+            normal[:, k] = np.clip(ndtri(np.maximum(points[:, k], 1e-300) * below), -38.0, 38.0)
+            holds *= below
+        else:
+            holds *= given <= z[k] + 1e-9
+    return holds
+
+
+def _factor(correlation: Floats) -> Floats:
+    """Lower triangle whose product with its transpose is the correlation, which may be singular."""
+    size = len(correlation)
+    factor = np.zeros((size, size))
+    for k in range(size):
+        rest = correlation[k, k] - factor[k, :k] @ factor[k, :k]
+        if rest > SINGULAR**2:
+            factor[k, k] = math.sqrt(rest)
+            factor[k + 1 :, k] = (correlation[k + 1 :, k] - factor[k + 1 :, :k] @ factor[k, :k]) / factor[k, k]
+    return factor
+
+
+def _primes(count: int) -> Floats:
+    """The first prime numbers."""
+    limit = max(16, int(count * (math.log(count + 2) + math.log(math.log(count + 3)) + 2)))
+    sieve = np.ones(limit, dtype=bool)
+    sieve[:2] = False
+    for p in range(2, math.isqrt(limit) + 1):
+        if sieve[p]:
+            sieve[p * p :: p] = False
+    return np.nonzero(sieve)[0][:count].astype(np.float64)

@@ -17,7 +17,7 @@ import numpy as np
 
 from ....formulations.problem import Problem
 from ....formulations.stop import NEVER, Stop
-from ....instances.errors import UnsupportedError, UsageError
+from ....instances.errors import UsageError
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 
 if TYPE_CHECKING:
@@ -36,14 +36,7 @@ _EACH = 100
 class NonDominated:
     """Simple paths from one start to one goal, in ascending order of mean, then variance.
 
-    Parameters
-    ----------
-    paths : tuple of paths
-    means, variances : arrays of shape (paths,)
-    complete : bool
-        Whether the search came to its end: else further paths, of larger means, may be missing.
-    labels : int
-        How many were settled.
+    ``complete`` says that the search came to its end: else further paths, of larger means, may be missing. ``labels`` counts those settled.
     """
 
     paths: tuple[Path, ...]
@@ -56,21 +49,9 @@ class NonDominated:
 def non_dominated_paths(graph: UncertainGraph, dominance: str = "weak", stop: Stop = NEVER) -> NonDominated:
     """All simple paths from start to goal that no other one dominates in (mean, variance).
 
-    Parameters
-    ----------
-    graph : UncertainGraph
-    dominance : str
-        A name of ``DOMINANCE``. Under ``strict``, a graph without variances has every simple path in the set.
-    stop : Stop
-
-    Raises
-    ------
-    UsageError
-        For a dominance that does not exist.
-
-    Notes
-    -----
-    Source: Hansen (1980), Bicriterion path problems; Skeele (2016), (5.6) and Algorithm 5, corrected:
+    ``dominance`` is a name of ``DOMINANCE``, else UsageError is raised; under ``strict``, a graph without variances has every simple path
+    in
+    the set. Source: Hansen (1980), Bicriterion path problems; Skeele (2016), (5.6) and Algorithm 5, corrected:
     docs/formulations/uncertain-path.md#non-dominated-paths.
     """
     if dominance not in DOMINANCE:
@@ -110,9 +91,9 @@ def non_dominated_paths(graph: UncertainGraph, dominance: str = "weak", stop: St
             if not fronts[head].dominates(s := float(sums[k]), w := float(spreads[k])):
                 heapq.heappush(heap, (float(keys[k]), s, w, head, label))
     accepted.sort(key=lambda entry: entry[:2])
-    found = tuple(_traced(settled, label) for _, _, label in accepted)
+    paths = tuple(_traced(settled, label) for _, _, label in accepted)
     moments = np.array([entry[:2] for entry in accepted], dtype=np.float64).reshape(-1, 2)
-    return NonDominated(found, moments[:, 0], moments[:, 1], complete, len(settled))
+    return NonDominated(paths, moments[:, 0], moments[:, 1], complete, len(settled))
 
 
 class _Front:
@@ -126,7 +107,7 @@ class _Front:
 
     @property
     def most(self) -> float:
-        """Any label of more variance is dominated."""
+        """Variance beyond which any label is dominated."""
         return self.smaller if self.dominance == "strict" else self.least
 
     def dominates(self, mean: float, variance: float) -> bool:
@@ -145,7 +126,7 @@ class _Front:
 
 
 def _passes(settled: list[tuple[int, int]], label: int, vertex: int, dominance: str) -> bool:
-    """Whether a partial path goes through a vertex; under ``weak`` none that does is left."""
+    """Whether a partial path goes through a vertex; under ``weak`` dominance none that does is left."""
     if dominance == "weak":
         return False
     while label >= 0:
@@ -183,19 +164,14 @@ class NonDominatedPaths(Engine):
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
-
-        lacking = self.missing(problem)
-        if lacking:
-            raise UnsupportedError(self.name, lacking)
+        stop = self.begin(problem, options, control)
         asked = cast("UncertainPath", problem)
-        stop = Stop(options.time_limit)
-        control.on_stop(stop.ask)
-        made = non_dominated_paths(asked.graph, stop=stop)
-        statistics = {"paths": len(made.paths), "labels": made.labels}
-        if not made.paths:
+        search = non_dominated_paths(asked.graph, stop=stop)
+        statistics = {"paths": len(search.paths), "labels": search.labels}
+        if not search.paths:
             return RawResult("unknown", stop.reached(), statistics=statistics)
-        values = [asked.value(m, v) for m, v in zip(made.means.tolist(), made.variances.tolist(), strict=True)]
+        values = [asked.value(m, v) for m, v in zip(search.means.tolist(), search.variances.tolist(), strict=True)]
         best = min(range(len(values)), key=values.__getitem__)
-        if not made.complete:
-            return RawResult("feasible", stop.reached(), made.paths[best], values[best], statistics=statistics)
-        return RawResult("optimal", "none", made.paths[best], values[best], values[best], statistics=statistics)
+        if not search.complete:
+            return RawResult("feasible", stop.reached(), search.paths[best], values[best], statistics=statistics)
+        return RawResult("optimal", "none", search.paths[best], values[best], values[best], statistics=statistics)

@@ -1,7 +1,7 @@
-"""Paths that are shortest under some weights of mean and variance: the least cost at risk is among them, and potentials prove it.
+"""Engine ``supported-paths``: paths that are shortest under some weights of mean and variance, with potentials that prove the best.
 
 The cost at risk mean + z sqrt(variance) is concave and grows in both, so it is least at a vertex of the lower left hull of all paths'
-(mean, variance); each vertex is a shortest path under weights. Between two paths found, the weights under which they tie show
+(mean, variance); each vertex is a shortest path under weights. Between two paths known, the weights under which they tie show
 whether another lies below (Aneja and Nair 1979); where even the corner that the half-planes leave between them is no better than the
 best path known, nobody asks.
 """
@@ -18,13 +18,11 @@ from numpy.typing import NDArray
 from ....formulations.evidence import Evidence
 from ....formulations.problem import Problem
 from ....formulations.stop import Stop
-from ....instances.errors import UnsupportedError
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 
 if TYPE_CHECKING:
     from ....formulations.risk.uncertain_path import Path, UncertainPath
     from ....instances.risk.uncertain_graph import UncertainGraph
-
 
 Floats = NDArray[np.float64]
 
@@ -46,33 +44,28 @@ class Supported:
 
 @dataclass(frozen=True)
 class SupportedPaths:
-    """What a search found.
+    """Paths that a search came to, one for each pair of weights asked about, and the one of the least cost at risk.
 
-    Parameters
-    ----------
-    best : Supported
-        The one of the least cost at risk.
-    found : tuple of Supported
-        One for each pair of weights asked about.
-    complete : bool
-        Whether the best is the best of all paths.
+    ``complete`` says that this is the best of all paths.
     """
 
     best: Supported
-    found: tuple[Supported, ...]
+    paths: tuple[Supported, ...]
     complete: bool
 
     def evidence(self, problem: UncertainPath) -> Evidence:
-        """What proves a bound on the cost at risk: all weights with their potentials."""
-        data = {"weights": [list(s.weights) for s in self.found], "potentials": [s.potentials.tolist() for s in self.found]}
-        count = len(self.found)
+        """Evidence of a bound on the cost at risk: all weights with their potentials."""
+        data = {"weights": [list(s.weights) for s in self.paths], "potentials": [s.potentials.tolist() for s in self.paths]}
+        count = len(self.paths)
         source = f"potentials under {count} weight{'' if count == 1 else 's'} of mean and variance"
         return Evidence("path-potentials", source, problem.value(self.best.mean, self.best.variance), data)
 
 
 def shortest_path(graph: UncertainGraph, weights: tuple[float, float]) -> Supported:
-    """A shortest path under weights >= 0 of mean and variance, with potentials: the distances from the start, no larger than the goal's
-    (Dijkstra 1959)."""
+    """A shortest path under weights >= 0 of mean and variance (Dijkstra 1959).
+
+    Its potentials are the distances from the start, no larger than the goal's.
+    """
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import dijkstra
 
@@ -100,8 +93,8 @@ def supported_paths(problem: UncertainPath, stop: Stop) -> SupportedPaths:
     if z == 0.0:
         return SupportedPaths(steepest, (steepest,), True)
     flattest = shortest_path(graph, (0.0, 1.0))
-    found = [steepest, flattest]
-    best = min(found, key=lambda s: value(s.mean, s.variance))
+    paths = [steepest, flattest]
+    best = min(paths, key=lambda s: value(s.mean, s.variance))
     open_ = [(steepest, steepest, flattest, flattest)]  # two paths, and by which half-planes the region ends at each
     while open_ and not stop.reached():
         left, by_left, right, by_right = open_.pop()
@@ -112,13 +105,13 @@ def supported_paths(problem: UncertainPath, stop: Stop) -> SupportedPaths:
             continue
         most = max(less, more)
         middle = shortest_path(graph, (less / most, more / most))
-        found.append(middle)
+        paths.append(middle)
         if value(middle.mean, middle.variance) < value(best.mean, best.variance):
             best = middle
         ends = min(_weighted(left, middle.weights), _weighted(right, middle.weights))
         if middle.least < ends * (1.0 - SAME):
             open_ += [(left, by_left, middle, middle), (middle, middle, right, by_right)]
-    return SupportedPaths(best, tuple(found), not open_)
+    return SupportedPaths(best, tuple(paths), not open_)
 
 
 def _corner(first: Supported, second: Supported) -> tuple[float, float]:
@@ -152,17 +145,12 @@ class SupportedPathsEngine(Engine):
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
-
-        lacking = self.missing(problem)
-        if lacking:
-            raise UnsupportedError(self.name, lacking)
+        stop = self.begin(problem, options, control)
         asked = cast("UncertainPath", problem)
-        stop = Stop(options.time_limit)
-        control.on_stop(stop.ask)
-        made = supported_paths(asked, stop)
-        value = asked.value(made.best.mean, made.best.variance)
-        status, limit = ("optimal", "none") if made.complete else ("feasible", stop.reached())
-        bound = value if made.complete else None
+        search = supported_paths(asked, stop)
+        value = asked.value(search.best.mean, search.best.variance)
+        status, limit = ("optimal", "none") if search.complete else ("feasible", stop.reached())
+        bound = value if search.complete else None
         return RawResult(
-            status, limit, made.best.path, value, bound, statistics={"weights": len(made.found)}, evidence=(made.evidence(asked),)
+            status, limit, search.best.path, value, bound, statistics={"weights": len(search.paths)}, evidence=(search.evidence(asked),)
         )

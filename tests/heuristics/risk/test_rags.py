@@ -119,6 +119,6 @@ def test_its_options_are_taken(options):
     assert wb.solve(UncertainPath(graph_of(WORKED), 0.05), heuristic="rags", **options).certificate.feasible
 
 
-def test_unknown_options_are_refused():
+def test_unknown_options_of_the_heuristic_are_refused():
     with pytest.raises(UsageError, match="rule must be one of best, scan"):
         wb.solve(UncertainPath(graph_of(WORKED), 0.05), heuristic="rags", rule="worst")

@@ -29,46 +29,6 @@ from .units import Units
 
 Floats = NDArray[np.float64]
 
-
-@dataclass
-class Interval:
-    """What is known of the optimum.
-
-    Attributes
-    ----------
-    status : str
-        ``optimal`` (closed to what was asked), ``feasible``, ``infeasible``, ``unbounded`` or ``unknown``.
-    bound, value : float
-        In the sense of minimisation: at most and at least the optimum; infinite where nothing is known.
-    answer : Allocation or None
-    evidence : Evidence or None
-        Of the bound, or that there is no answer.
-    rounds : int
-    """
-
-    status: str = "unknown"
-    bound: float = -math.inf
-    value: float = math.inf
-    answer: Allocation | None = None
-    rounds: int = 0
-    prices: dict[str, Floats] | None = None
-
-    @property
-    def gap(self) -> float:
-        """Between bound and value, in parts of the value."""
-        if not (math.isfinite(self.bound) and math.isfinite(self.value)):
-            return math.inf
-        return max(0.0, self.value - self.bound) / max(abs(self.value), 1e-300)
-
-    def evidence(self, sign: float) -> tuple[Evidence, ...]:
-        """What its prices prove; ``sign`` is the problem's."""
-        if self.prices is None:
-            return ()
-        if self.status == "infeasible":
-            return (evidence_of(self.prices, sign * math.inf, "prices that no decision can pay", infeasible=True),)
-        return (evidence_of(self.prices, sign * self.bound, "duals of successive tangents"),)
-
-
 FIRST_POINTS, FIRST_LEAST = 6, 0.2
 """Tangents of each constraint at the start, from its largest risk to this part of a mean one."""
 
@@ -78,22 +38,22 @@ CLOSED = 1e-9
 MOST_ROUNDS = 100
 
 MARGIN = 0.5
-"""Of the excess of risk, by how much the budgets are made smaller."""
+"""Part of the excess of risk by which the budgets are solved smaller."""
 
 NEAR = 0.03
 """Excess of risk from which on decisions that keep the budgets are looked for: before, they would not last."""
 
 LEAST = 1e-10
-"""By which part budgets are made smaller at least."""
+"""Least part by which budgets are solved smaller."""
 
 TOUCHED = 1e-4
 """Part of the largest distance between tail and tangents from which on a constraint gets a further tangent."""
 
 CHORDS = 3
-"""Laid to find the last allowed point between two decisions."""
+"""Chords laid to find the last allowed point between two decisions."""
 
 CHORD_POINTS = 60
-"""Of each constraint, for a decision where the rounds found none."""
+"""Points of each constraint, for a decision where the rounds found none."""
 
 STALLED = 8
 """Rounds without progress after which it ends."""
@@ -105,17 +65,40 @@ MOST_NAMED = 60
 """Chance rows of a contradiction that are left out one by one, to see which of them it takes."""
 
 
-class SuccessiveTangents:
-    """The rounds.
+@dataclass
+class Interval:
+    """Interval that holds the optimum of a risk allocation, its answer, and the prices that prove its bound.
 
-    Parameters
-    ----------
-    problem : RiskAllocation
-        With ``allocated`` risk and without alternatives.
-    seed : int
-    publish : callable, optional
-        Told of each better interval.
+    ``status`` is ``optimal`` (closed to what was asked), ``feasible``, ``infeasible``, ``unbounded`` or ``unknown``. ``bound`` and
+    ``value``
+    are at most and at least the optimum, in the sense of minimisation, and infinite where nothing is known.
     """
+
+    status: str = "unknown"
+    bound: float = -math.inf
+    value: float = math.inf
+    answer: Allocation | None = None
+    rounds: int = 0
+    prices: dict[str, Floats] | None = None
+
+    @property
+    def gap(self) -> float:
+        """Width in parts of the value."""
+        if not (math.isfinite(self.bound) and math.isfinite(self.value)):
+            return math.inf
+        return max(0.0, self.value - self.bound) / max(abs(self.value), 1e-300)
+
+    def evidence(self, sign: float) -> tuple[Evidence, ...]:
+        """Evidence of its bound, or that there is no answer; ``sign`` is the problem's."""
+        if self.prices is None:
+            return ()
+        if self.status == "infeasible":
+            return (evidence_of(self.prices, sign * math.inf, "prices that no decision can pay", infeasible=True),)
+        return (evidence_of(self.prices, sign * self.bound, "duals of successive tangents"),)
+
+
+class SuccessiveTangents:
+    """The rounds, of a problem with ``allocated`` risk and without alternatives; ``publish`` is told of each better interval."""
 
     def __init__(self, problem: RiskAllocation, seed: int = 1, publish: Callable[[Interval], None] = lambda interval: None) -> None:
         self.original, self.units, self.publish = problem, Units.of(problem), publish
@@ -179,34 +162,34 @@ class SuccessiveTangents:
             found.status = "feasible"
         return found
 
-    def _prices(self, made: Solved, duals: Floats) -> dict[str, Floats]:
+    def _prices(self, solved: Solved, duals: Floats) -> dict[str, Floats]:
         p = self.problem
-        found = prices(p, self.program, made.x, duals, made.cone_duals)
-        return self.units.prices({**found, "budgets": self._spent(duals)})
+        inner = prices(p, self.program, solved.x, duals, solved.cone_duals)
+        return self.units.prices({**inner, "budgets": self._spent(duals)})
 
     def _spent(self, duals: Floats) -> Floats:
         """Prices of the budgets."""
         start = self.tail.budget
         return np.asarray(np.maximum(-self.problem.sign * duals[start : start + len(self.budgets)] / self.tail.unit, 0.0))
 
-    def _bound(self, made: Solved, less: float = 0.0) -> None:
-        """Take the bound that the duals prove, of budgets that were smaller by that part."""
+    def _bound(self, solved: Solved, less: float = 0.0) -> None:
+        """Take the bound that the duals prove, of budgets that were smaller by the part ``less``."""
         p, found = self.problem, self.found
-        z, risk = self.tail.parts(made)
-        chance = made.duals[self.tail.chance : self.tail.budget][self.order]
+        z, risk = self.tail.parts(solved)
+        chance = solved.duals[self.tail.chance : self.tail.budget][self.order]
         slope = np.maximum(-p.sign * chance, 0.0) * self.deviation
-        prices = self._spent(made.duals)
+        prices = self._spent(solved.duals)
         spent = prices @ self.members
         more = float((least_margin(slope, spent, self.floor) - slope * z - spent * risk * self.tail.unit).sum())
         more -= less * float(prices @ self.budgets)
-        bound = (p.sign * made.value + more) / self.units.cost
+        bound = (p.sign * solved.value + more) / self.units.cost
         if bound > found.bound:
-            found.bound, self.best = bound, made
+            found.bound, self.best = bound, solved
 
-    def _lower(self, made: Solved) -> float:
-        """Take the bound of a relaxation and try its decision; by which part that exceeds a budget at most."""
-        self._bound(made)
-        outside = made.x[: self.problem.size]
+    def _lower(self, solved: Solved) -> float:
+        """Take the bound of a relaxation and try its decision; the largest part by which that exceeds a budget."""
+        self._bound(solved)
+        outside = solved.x[: self.problem.size]
         excess = self._excess(self._risks(outside))
         if excess <= 0.0:
             self._take(outside)
@@ -215,11 +198,11 @@ class SuccessiveTangents:
         return max(excess, 0.0)
 
     def _risks(self, x: Floats) -> Floats:
-        """Of each constraint; rows without noise have none."""
+        """Risk of each constraint; rows without noise have none."""
         return np.asarray(ndtr(-(self.limits - self.slopes @ x)))
 
     def _excess(self, own: Floats) -> float:
-        """By which part the risks exceed a budget at most."""
+        """Largest part by which the risks exceed a budget."""
         return float((self.shares @ own).max(initial=1.0 if len(self.shares) == 0 else 0.0)) - 1.0
 
     def _upper(self, inside: Floats, outside: Floats) -> bool:
@@ -244,7 +227,7 @@ class SuccessiveTangents:
             self._take(inside + last * (outside - inside))
 
     def _take(self, x: Floats) -> bool:
-        """A decision, where it is better than what is known and keeps its risks in the judge's arithmetic; whether it does."""
+        """Take a decision that is better than what is known and keeps its risks in the judge's arithmetic; whether it does."""
         p = self.original
         decision = np.clip(x * self.units.columns, p.lower, p.upper)
         value = p.sign * p.value(decision)[0]
@@ -257,56 +240,56 @@ class SuccessiveTangents:
         return kept
 
     def _restricted(self, stop: Stop) -> None:
-        """Take the decision of the program with chords where deviations are so small that the tangents' solver rounds them away."""
+        """Take the decision of the program with chords, where deviations are so small that the tangents' solver rounds them away."""
         at = points(self.problem, mean_risk(self.problem), CHORD_POINTS)
-        made = open_session(piecewise_program(self.problem, "secants", at, above=True).program, self.seed).solve(stop)
-        if made.status == "optimal":
-            self._take(made.x[: self.problem.size])
+        solved = open_session(piecewise_program(self.problem, "secants", at, above=True).program, self.seed).solve(stop)
+        if solved.status == "optimal":
+            self._take(solved.x[: self.problem.size])
 
-    def _touch(self, made: Solved) -> int:
+    def _touch(self, solved: Solved) -> int:
         """Add tangents where constraints have more risk than the program says; how many."""
-        slack, risk = self.limits - self.slopes @ made.x[: self.problem.size], self.tail.parts(made)[1]
+        slack, risk = self.limits - self.slopes @ solved.x[: self.problem.size], self.tail.parts(solved)[1]
         short = ndtr(-slack) / self.tail.unit - risk
         at = np.nonzero(short > max(1e-11, TOUCHED * float(short.max(initial=0.0))))[0]
         if len(at):
             self.tail.add(at, slack[at])
         return len(at)
 
-    def _ended(self, made: Solved, stop: Stop) -> None:
-        """The status, and where there is no answer the evidence, when the relaxation has no optimum."""
+    def _ended(self, solved: Solved, stop: Stop) -> None:
+        """Take the status of a relaxation without optimum, and the evidence where there is no answer."""
         found = self.found
-        found.status = made.status if found.answer is None or made.status != "unknown" else "feasible"
-        if made.status == "infeasible":
-            proofs = (self._proof(ray) for ray in (self._fewest(made, stop), made))
+        found.status = solved.status if found.answer is None or solved.status != "unknown" else "feasible"
+        if solved.status == "infeasible":
+            proofs = (self._proof(ray) for ray in (self._fewest(solved, stop), solved))
             found.prices = next((prices for prices in proofs if prices is not None), None)
 
-    def _fewest(self, made: Solved, stop: Stop) -> Solved:
+    def _fewest(self, solved: Solved, stop: Stop) -> Solved:
         """A contradiction that needs few chance rows: each is left out where the others contradict each other without it."""
         first = self.tail.chance
-        priced = np.zeros(0) if made.ray is None else np.abs(made.ray[first : first + len(self.problem.limits)])
+        priced = np.zeros(0) if solved.ray is None else np.abs(solved.ray[first : first + len(self.problem.limits)])
         rows = np.nonzero(priced)[0]
         if len(rows) > MOST_NAMED:
-            return made
+            return solved
         for row in rows[np.argsort(priced[rows], kind="stable")].tolist():
             self.session.change_upper(first + row, np.array([math.inf]))
             trial = self.session.solve(stop)
             if trial.status == "infeasible" and trial.ray is not None:
-                made = trial
+                solved = trial
             else:
                 self.session.change_upper(first + row, self.problem.limits[[row]])
-        return made
+        return solved
 
-    def _proof(self, made: Solved) -> dict[str, Floats] | None:
+    def _proof(self, solved: Solved) -> dict[str, Floats] | None:
         """Prices that prove that there is no answer, from the ray of a program that has none."""
         from .....formulations.certificate import verified_bound
 
         sign = self.problem.sign
-        if made.ray is None:
+        if solved.ray is None:
             return None
-        size = float(np.abs(made.ray).max(initial=0.0)) or 1.0
-        nowhere = Solved("infeasible", x=np.zeros(self.program.num_variables), cone_duals=made.cone_duals / size)
+        size = float(np.abs(solved.ray).max(initial=0.0)) or 1.0
+        nowhere = Solved("infeasible", x=np.zeros(self.program.num_variables), cone_duals=solved.cone_duals / size)
         for turn in (1.0, -1.0):
-            prices = self._prices(nowhere, turn * sign * made.ray / size)
+            prices = self._prices(nowhere, turn * sign * solved.ray / size)
             claimed = Interval("infeasible", prices=prices).evidence(sign)[0]
             if verified_bound(self.original, claimed) == sign * math.inf:
                 return prices

@@ -139,11 +139,11 @@ class _Search:
     def _without_reward(self) -> str:
         """Offer any path with a risk, as none earns anything; what cut it short."""
         try:
-            found = risky_path(self.problem, self.stop, None if self.budget is None else max(self.budget - self.grown, 0))
+            path = risky_path(self.problem, self.stop, None if self.budget is None else max(self.budget - self.grown, 0))
         except CutShortError as cut:
             return str(cut)
-        if found is not None:
-            self.offer(found)
+        if path is not None:
+            self.offer(path)
         return "none"
 
 

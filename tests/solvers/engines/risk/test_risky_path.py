@@ -38,14 +38,14 @@ def test_other_families_and_options_are_refused():
         run(cases.ring(), extra={"h": 1})
 
 
-def run(problem, **options):
+def enumerate_paths(problem, **options):
     return BACKENDS["path-enumeration"]().run(problem, Options(**options), Control())
 
 
 @pytest.mark.parametrize("make", [cases.ring, cases.loop, cases.refusal, cases.mud, cases.two_ways, lambda: cases.two_ways(discount=0.5)])
 def test_the_best_of_all_paths(make):
     problem = make()
-    result = run(problem)
+    result = enumerate_paths(problem)
     assert result.status == "optimal" and problem.evaluate(result.answer).values[0] == pytest.approx(cases.best(problem)) == pytest.approx(
         result.bound
     )
@@ -53,7 +53,7 @@ def test_the_best_of_all_paths(make):
 
 def test_limits_are_named_and_no_optimum_claimed():
     problem = cases.lattice(4, 4)
-    cut, timed = run(problem, iterations=500), run(cases.lattice(8, 8), time_limit=0.3)
+    cut, timed = enumerate_paths(problem, iterations=500), enumerate_paths(cases.lattice(8, 8), time_limit=0.3)
     assert (cut.status, cut.limit, cut.statistics["paths"], cut.bound) == ("feasible", "iterations", 500, None)
     assert timed.limit == "time" and timed.status == ("unknown" if timed.answer is None else "feasible")
 
@@ -73,4 +73,4 @@ def test_a_start_that_nobody_leaves_alive_is_no_answer(engine, objective, goals,
 
 def test_no_way_is_told():
     apart = RiskyPath(cases.graph([(0, 1)], [LocaleRisk([0, 0, 0])], states=3, goals=(2,)))
-    assert run(apart).status == "infeasible"
+    assert enumerate_paths(apart).status == "infeasible"

@@ -38,7 +38,7 @@ def random_map(rng: Rng, name: str, *, rewards: bool, discount: float = 1.0) -> 
 
 
 def enumerated(problem: RiskyPath) -> Case:
-    """With the best of all its paths."""
+    """A case with the best of all its paths."""
     graph = problem.graph
     ahead: list[tuple[int, ...]] = [(graph.start,)]
     best: tuple[float, tuple[int, ...]] | None = None
