@@ -1,4 +1,4 @@
-"""Risk allocation as files and commands ask for it: what ``--set`` changes."""
+"""Settings of risk allocation on the command line."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RiskAllocat
     unknown = settings.keys() - SETTINGS.keys()
     if unknown:
         raise UsageError(f"{problem} has no setting {min(unknown)!r}; it takes {', '.join(SETTINGS)}{did_you_mean(min(unknown), SETTINGS)}")
-    given = {key: SETTINGS[key].value(key, value) for key, value in settings.items()}
-    changes: dict[str, Any] = {"kind": given["risk"]} if given.get("risk") else {}
-    if given.get("total") is not None:
+    values = {key: SETTINGS[key].value(key, value) for key, value in settings.items()}
+    changes: dict[str, Any] = {"kind": values["risk"]} if values.get("risk") else {}
+    if values.get("total") is not None:
         old = instance.risk
-        each = np.full(len(old.each), given["total"]) if old.total is not None and (old.each == old.total).all() else old.each
-        changes |= {"total": given["total"], "each": each}
+        each = np.full(len(old.each), values["total"]) if old.total is not None and (old.each == old.total).all() else old.each
+        changes |= {"total": values["total"], "each": each}
     return RiskAllocation(instance.with_risk(**changes) if changes else instance)

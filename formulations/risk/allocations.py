@@ -30,7 +30,7 @@ class Allocation:
 
     @classmethod
     def of(cls, decision: ArrayLike, risks: ArrayLike | None = None) -> Allocation:
-        """From anything that numpy takes for vectors."""
+        """An allocation of anything that numpy takes for vectors."""
         given = None if risks is None else np.array(risks, dtype=np.float64)
         return cls(np.array(decision, dtype=np.float64), given)
 
@@ -39,7 +39,7 @@ class Allocation:
 
 
 def allocation_from_json(data: Any, decisions: Sequence[str], constraints: Sequence[str]) -> Allocation:
-    """From ``{"kind": "allocation", "decision": {name: number}, "risks": {name: number}}``, risks optional; raises InputError."""
+    """Answer in ``{"kind": "allocation", "decision": {name: number}, "risks": {name: number}}``, risks optional; raises InputError."""
     if not isinstance(data, Mapping) or data.get("kind") != "allocation":
         raise InputError("not an answer of risk allocation", expected='{"kind": "allocation", "decision": {...}, "risks": {...}}')
     risks = None if data.get("risks") is None else _named(data["risks"], constraints, "risks")

@@ -1,4 +1,4 @@
-"""What prices that no decision can pay say, for people: which chance constraints cannot be kept together."""
+"""Contradicting chance constraints in words, from prices that no decision can pay."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from .risk_allocation import RiskAllocation
 
 SHOWN_NAMES = 6
-"""Constraints that are named."""
+"""Most constraints that are named."""
 
 
 def contradiction(problem: RiskAllocation, data: Mapping[str, Any]) -> str:
@@ -30,7 +30,7 @@ def contradiction(problem: RiskAllocation, data: Mapping[str, Any]) -> str:
 
 
 def _named(given: Any, names: Sequence[str]) -> list[str]:
-    """Names of what has a price, of a list or of its entries that are not 0: in their order, or the dearest first where they are many."""
+    """Names of entries with a price, a list or positions and values: in their order, or the dearest first where they are many."""
     prices = dict(zip(given["at"], given["values"], strict=True)) if isinstance(given, Mapping) else dict(enumerate(given))
     priced = sorted((at for at, price in prices.items() if price != 0.0), key=lambda at: -abs(prices[at]))
     return [names[at] for at in (priced if len(priced) > SHOWN_NAMES else sorted(priced))]

@@ -100,7 +100,7 @@ def _bound(given: Any, n: int, none: float) -> Floats:
 
 
 def _names(variables: Sequence[Any], columns: dict[int, int], n: int) -> tuple[str, ...]:
-    """The variables' own names; others are CVXPY's."""
+    """The variables' own names; auxiliary variables are CVXPY's."""
     made = [f"auxiliary {k + 1}" for k in range(n)]
     for v in variables:
         for k in range(v.size):

@@ -1,4 +1,4 @@
-"""Paths without repetition that have what their ratio of reward and risk turns on: a reward and no risk, or some risk at all.
+"""Paths without repetition that have a mark: a reward and no risk, or some risk at all.
 
 Labels of moves carry the memories of traverse elements. Repetition is forbidden only where it pays: where a walk comes to a state twice,
 that state is guarded, and the search begins again (Righini and Salani 2008), so that the first walk without repetition is a path, and that
@@ -33,10 +33,7 @@ class CutShortError(Exception):
 def free_reward(problem: RiskyPath, most: int = MOST_LABELS) -> Path | None:
     """A path that may end where it does with a reward and without any risk; None where there is none.
 
-    Raises
-    ------
-    CutShortError
-        If more than ``most`` labels would have to be grown to know.
+    Raises CutShortError if more than ``most`` labels would have to be grown to know.
     """
     graph, moves, rewards = problem.graph, problem.moves, problem.rewards.tolist()
     if moves.start_hazard > 0.0:
@@ -57,10 +54,7 @@ def free_reward(problem: RiskyPath, most: int = MOST_LABELS) -> Path | None:
 def risky_path(problem: RiskyPath, stop: Stop = NEVER, most: int | None = None) -> Path | None:
     """A path that may end where it does, at a risk between 0 and 1, both excluded; None where there is none.
 
-    Raises
-    ------
-    CutShortError
-        If ``stop``, or ``most`` labels, ended the search before.
+    Raises CutShortError if ``stop``, or ``most`` labels, ended the search before.
     """
     graph, moves = problem.graph, problem.moves
     if moves.start_hazard == math.inf:
@@ -79,21 +73,13 @@ def risky_path(problem: RiskyPath, stop: Stop = NEVER, most: int | None = None) 
 
 
 class _Search:
-    """Breadth first for a marked walk to an end.
+    """Breadth-first search for a marked walk to an end.
 
-    Parameters
-    ----------
-    problem : RiskyPath
-    marked : callable
-        From a label's mark, the next state and the hazard of the move to it to the mark there; None where there is no way on.
-    covers : callable
-        Whether whatever is worth while with some memories is so with others.
-    open_moves : list of bool
-        Moves from which an end may be reached.
-    stop, most
-        What ends it.
-    guard_all : bool
-        Whether no state may be repeated from the outset: of memories that seldom are the same.
+    ``marked`` gives the mark at the next state from a label's mark, that state and the hazard of the move to it; None where there is no
+    way on.
+    ``covers`` says whether whatever is worth while with some memories is so with others, ``open_moves`` from which moves an end may be
+    reached,
+    ``guard_all`` whether no state may be repeated from the outset: for memories that seldom are the same.
     """
 
     def __init__(
@@ -105,7 +91,7 @@ class _Search:
         self.stop, self.most, self.guard_all, self.grown = stop, most, guard_all, 0
 
     def path(self, mark: bool) -> Path | None:
-        """The first that comes to no state twice; ``mark`` is the start's."""
+        """The first walk that comes to no state twice; ``mark`` is the start's."""
         guarded = frozenset(range(self.graph.num_states)) if self.guard_all else frozenset()
         while True:
             walk = self._walk(mark, {state: 1 << k for k, state in enumerate(sorted(guarded))})
@@ -115,7 +101,7 @@ class _Search:
             guarded |= twice
 
     def _walk(self, mark: bool, bit: dict[int, int]) -> Path | None:
-        """One of the fewest moves, that comes to none of the guarded states twice."""
+        """A walk of the fewest moves that comes to none of the guarded states twice."""
         graph, begin = self.graph, len(self.head)
         first = tuple(element.begin(graph, graph.start)[0] for element in graph.traverse)
         # move, state, memories, mark, guarded states behind, label before, moves

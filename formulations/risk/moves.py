@@ -29,26 +29,12 @@ MOST_PAIRS = 30_000_000
 
 
 class MoveGraph:
-    """The moves of ``graph`` and their successors.
+    """The moves of ``graph`` and their successors; not ``priced``, every risk counts as none.
 
-    Parameters
-    ----------
-    graph : RiskyGraph
-    priced : bool
-        False counts every risk as none.
-
-    Attributes
-    ----------
-    first, second : array, shape (pairs,)
-        Numbers of two moves, the second of which may follow the first.
-    hazard : array, shape (pairs,)
-        Least hazard of the second move after the first, finite.
-    own_hazard : array, shape (pairs,)
-        The part of it that is the same on every path: that of locale and action elements.
-    begin, begin_hazard, own_begin_hazard : array
-        Moves that leave the start, and their hazards.
-    start_hazard : float
-        Of the start itself.
+    ``first`` and ``second`` are numbers of two moves, the second of which may follow the first, ``hazard`` the least hazard of the second
+    after
+    the first, finite, and ``own_hazard`` the part of it that is the same on every path: that of locale and action elements; shape (pairs,).
+    ``begin``, ``begin_hazard`` and ``own_begin_hazard`` are those of moves that leave the start, ``start_hazard`` that of the start itself.
     """
 
     def __init__(self, graph: RiskyGraph, priced: bool = True) -> None:
@@ -72,7 +58,7 @@ class MoveGraph:
         self.start_hazard = self._start_hazard()
 
     def _hazards(self, before: Indices, state: Indices, after: Indices) -> tuple[Floats, Floats]:
-        """Of locale and action elements, and of all of them at least."""
+        """Hazards of locale and action elements, and the least of all elements."""
         own, more = np.zeros(len(after)), np.zeros(len(after))
         for element in self.graph.elements if self._priced else ():
             with np.errstate(divide="ignore"):
@@ -121,13 +107,8 @@ class MoveGraph:
         return self._reach + self.start_hazard
 
     def priced(self, prices: Floats) -> Floats:
-        """Least hazard of a walk from the start that ends with each move, where each state that it comes to costs ``prices`` more.
-
-        Parameters
-        ----------
-        prices : array, shape (states,)
-            Not negative.
-        """
+        """Least hazard of a walk from the start that ends with each move, where each state costs ``prices`` >= 0 of shape (states,) more.
+        Least hazard of a walk from the start that ends with each move, where each state costs ``prices`` >= 0 of shape (states,) more."""
         from scipy.sparse.csgraph import dijkstra
 
         dearer = self._matrix.copy()
@@ -135,14 +116,14 @@ class MoveGraph:
         return np.asarray(dijkstra(dearer, indices=self.num_moves))[:-1] + self.start_hazard
 
     def to_states(self) -> Floats:
-        """Least hazard of a walk from the start to each state: shape (states,)."""
+        """Least hazard of a walk from the start to each state, shape (states,)."""
         least = np.full(self.graph.num_states, math.inf)
         np.minimum.at(least, self.graph.head, self.to_moves[:-1])
         least[self.graph.start] = self.start_hazard
         return least
 
     def from_moves(self, goals: Sequence[int]) -> Floats:
-        """Least hazard of what follows each move until one of ``goals``: shape (moves + 1,), the start last."""
+        """Least hazard from each move to one of ``goals``, shape (moves + 1,), the start last."""
         from scipy.sparse.csgraph import dijkstra
 
         ends = np.nonzero(np.isin(self.graph.head, list(goals)))[0]
@@ -154,7 +135,7 @@ class MoveGraph:
 
     @cached_property
     def successors(self) -> list[tuple[list[int], list[float]]]:
-        """By move, the start last: what may follow, and the hazards that are the same on every path."""
+        """Moves that may follow each move, the start last, and their hazards that are the same on every path."""
         m = self.num_moves
         order = np.argsort(self.first, kind="stable")
         ends = np.cumsum(np.bincount(self.first, minlength=m))[:-1]

@@ -130,8 +130,8 @@ class RiskyPath(Problem):
 
     def _along(self, element: RiskElement, before: list[int], state: list[int], after: list[int]) -> list[float]:
         if not isinstance(element, TraverseElement) or not after:
-            made: list[float] = self.graph.least_risks(element, before, state, after).tolist()
-            return made
+            risks: list[float] = self.graph.least_risks(element, before, state, after).tolist()
+            return risks
         memory, risk = element.begin(self.graph, after[0])
         risks = [risk]
         for here, there in itertools.pairwise(after):
@@ -202,7 +202,7 @@ class RiskyPath(Problem):
     # -- no answer -----------------------------------------------------------------------------------------------------------
 
     def infeasibility_reasons(self, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
-        """That no goal can be reached, with potentials that prove it."""
+        """The reason that no goal can be reached, with potentials that prove it."""
         g = self.graph
         if not g.goals or np.isfinite(self.moves.to_states()[list(g.goals)]).any():
             return

@@ -41,28 +41,14 @@ _FARTHEST = 40
 def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
     """Bound on the cost of a risk allocation that any prices prove (weak duality).
 
-    Parameters
-    ----------
-    problem : RiskAllocation
-        Where risk is ``joint``, budgets have no price: no constraint may have more risk than all of its budgets.
-    data : dict
-        ``rows``: one number each, positive where the lower side counts. ``chance``: one a chance row, ``budgets``: one a budget; negative
-        ones count as 0, and those of alternatives, of which any suffices. ``terms``: one a row of the convex terms. ``cones``: of each
-        cone one for its limit and one a row. ``infeasible``, true: the cost counts as 0, and prices of a positive value prove that there
-        is no answer.
+    ``rows``: one number each, positive where the lower side counts. ``chance``: one a chance row, ``budgets``: one a budget; negative
+    ones count as 0, and those of alternatives, of which any suffices. ``terms``: one a row of the convex terms. ``cones``: of each
+    cone one for its limit and one a row. ``infeasible``, true: the cost counts as 0, and prices of a positive value prove that there
+    is no answer. Where risk is ``joint``, budgets have no price: no constraint may have more risk than all of its budgets.
 
-    Returns
-    -------
-    float
-        Minus infinity (``min``) or infinity (``max``) where nothing is proved; the other one where it is proved that there is no answer.
-
-    Raises
-    ------
-    InputError
-        If a list is missing, has another length, or holds anything but finite numbers.
-
-    Notes
-    -----
+    The bound is minus infinity (``min``) or infinity (``max``) where nothing is proved, and the other one where it is proved that there
+    is no
+    answer. Raises InputError for a list that is missing, has another length, or holds anything but finite numbers.
     Source: Lagrangian duality; docs/formulations/risk-allocation.md#the-bound. Sums are rounded to the safe side by ``lp-dual``'s rules.
     """
     if problem.family != "risk-allocation":
@@ -196,15 +182,15 @@ def _least_margins(problem: Any, chance: Floats, budgets: Floats) -> list[float]
     price = np.zeros(len(problem.names))
     for budget, own in zip(problem.budgets, budgets.tolist(), strict=True):
         price[budget.constraints] += own
-    found, floors = [], {}
+    margins, floors = [], {}
     for k in np.nonzero((chance > 0.0) & (problem.deviation > 0.0))[0].tolist():
         constraint = int(problem.constraint[k])
         cap = float(problem.caps[constraint])
         if cap not in floors:
             floors[cap] = least_quantile(cap)
         slope = float(chance[k] * problem.deviation[k]) * (1.0 - 4.0 * _EPS)
-        found.append(_least_margin(slope, float(price[constraint]) * (1.0 - len(budgets) * _EPS), floors[cap]))
-    return found
+        margins.append(_least_margin(slope, float(price[constraint]) * (1.0 - len(budgets) * _EPS), floors[cap]))
+    return margins
 
 
 def _least_margin(slope: float, price: float, floor: float) -> float:
