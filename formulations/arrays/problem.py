@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SHOWN_ROWS = 6
-"""Rows that are named where they contradict each other."""
+"""Most rows that are named where they contradict each other."""
 
 _WHOLE = 2**53
 """Below it doubles hold every whole number."""
@@ -141,13 +141,13 @@ class ArrayProblem(Problem):
 
     @cached_property
     def _precision(self) -> float:
-        """Sums of whole numbers times costs are as exact as any sum."""
+        """Precision of the objective: sums of whole numbers times costs are as exact as any sum."""
         p = self.program
         return EQUAL if p.quadratic is None and bool(p.integer[p.cost != 0].all()) else VECTOR
 
     @cached_property
     def _sizes(self) -> tuple[Floats, Floats]:
-        """Of each variable and each row the larger of its own limits and, unless it is empty, of the unit in which solvers count it."""
+        """Size of each variable and row: the larger of its limits and, unless it is empty, of the unit in which solvers count it."""
         p, units = self.program, scaled(self.program)
         own = [np.where(np.isfinite(end), np.abs(end), 0.0) for end in (p.lower, p.upper, p.row_lower, p.row_upper)]
         columns, rows = np.ldexp(np.ones(p.num_variables), units.columns), np.zeros(p.num_rows)
@@ -156,7 +156,7 @@ class ArrayProblem(Problem):
         return np.maximum.reduce([columns, *own[:2]]), np.maximum.reduce([rows, *own[2:]])
 
     def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
-        """How much less ``evidence`` proves where every row is as wide as the answer's largest residual makes it."""
+        """Difference of what ``evidence`` proves where every row is as wide as the answer's largest residual makes it."""
         from ..certificate import verified_bound
 
         residual = next((c.residual for c in evaluation.checks if c.name == "rows"), 0.0)
@@ -167,11 +167,9 @@ class ArrayProblem(Problem):
         return abs(verified_bound(self, evidence) - verified_bound(wider, evidence))
 
     def check_statement(self, statement: Any) -> None:
-        """``{"variable": column, "most": whole number}``: an integer variable is at most that. All others are then one more at least."""
-        if not isinstance(statement, Mapping) or statement.keys() != {"variable", "most"}:
-            column = most = None
-        else:
-            column, most = statement["variable"], statement["most"]
+        """``{"variable": column, "most": whole number}``: an integer variable is at most that; all others are then one more at least."""
+        known = isinstance(statement, Mapping) and statement.keys() == {"variable", "most"}
+        column, most = (statement["variable"], statement["most"]) if known else (None, None)
         if type(column) is not int or type(most) is not int or not 0 <= column < self.program.num_variables or abs(most) >= _WHOLE:
             expected = '{"variable": column, "most": whole number}'
             raise InputError("not a statement on a variable", expected=expected, found=printable(str(statement), 80))
@@ -188,10 +186,10 @@ class ArrayProblem(Problem):
                 upper[column] = min(upper[column], most)
             else:
                 lower[column] = max(lower[column], most + 1)
-        made = copy.copy(self)
-        made.program = self.program.with_bounds(lower, upper)
-        made.__dict__.pop("_sizes", None)
-        return made
+        tighter = copy.copy(self)
+        tighter.program = self.program.with_bounds(lower, upper)
+        tighter.__dict__.pop("_sizes", None)
+        return tighter
 
     def in_words(self, statement: Any, holds: bool) -> str:
         name, most = self.program.variable_name(statement["variable"]), statement["most"]
@@ -200,8 +198,8 @@ class ArrayProblem(Problem):
     def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
         if kind != "lp-dual":
             return super().why_none(kind, data)
-        given = data["ray"]
-        used = given["at"] if isinstance(given, Mapping) else [i for i, factor in enumerate(given) if factor]
+        ray = data["ray"]
+        used = ray["at"] if isinstance(ray, Mapping) else [i for i, factor in enumerate(ray) if factor]
         names = [self.program.row_name(i) for i in used[:SHOWN_ROWS]] + ([f"{len(used) - SHOWN_ROWS} more"] * (len(used) > SHOWN_ROWS))
         rows = f"{'row' if len(used) == 1 else 'rows'} {', '.join(names)} and " if used else ""
         return f"{rows}the bounds cannot be kept together"
@@ -237,11 +235,8 @@ class ArrayProblem(Problem):
         except (TypeError, ValueError):
             x = np.zeros((0, 0))
         if x.shape != (self.program.num_variables,):
-            raise InputError(
-                "the answer to a program is a vector with one number a variable",
-                expected=f"({self.program.num_variables},)",
-                found=f"{x.shape}",
-            )
+            expected = f"({self.program.num_variables},)"
+            raise InputError("the answer to a program is a vector with one number a variable", expected=expected, found=f"{x.shape}")
         return x
 
 

@@ -83,9 +83,9 @@ def declared_instance(
     return instance, places
 
 
-def _each(given: Any, what: str, q: int) -> Floats:
+def _each(value: Any, what: str, q: int) -> Floats:
     """A number for all quantities, or one each."""
-    values = np.asarray(given, dtype=np.float64)
+    values = np.asarray(value, dtype=np.float64)
     if values.shape not in ((), (q,)):
         raise InputError(f"{what} must be a number, or one a quantity", expected=str(q), found=str(values.shape))
     return np.broadcast_to(values, q).copy()
@@ -95,17 +95,17 @@ def _numbered(letter: str, count: int) -> tuple[str, ...]:
     return tuple(f"{letter}{k + 1}" for k in range(count))
 
 
-def _bound(given: Any, n: int, none: float) -> Floats:
-    return np.full(n, none) if given is None else np.asarray(given, dtype=np.float64)
+def _bound(bound: Any, n: int, none: float) -> Floats:
+    return np.full(n, none) if bound is None else np.asarray(bound, dtype=np.float64)
 
 
 def _names(variables: Sequence[Any], columns: dict[int, int], n: int) -> tuple[str, ...]:
     """The variables' own names; auxiliary variables are CVXPY's."""
-    made = [f"auxiliary {k + 1}" for k in range(n)]
+    names = [f"auxiliary {k + 1}" for k in range(n)]
     for v in variables:
         for k in range(v.size):
-            made[columns[v.id] + k] = v.name() if v.size == 1 else f"{v.name()}[{k + 1}]"
-    return tuple(made)
+            names[columns[v.id] + k] = v.name() if v.size == 1 else f"{v.name()}[{k + 1}]"
+    return tuple(names)
 
 
 def _squares(quadratic: Any, q: int) -> tuple[CostTerm, ...]:

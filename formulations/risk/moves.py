@@ -8,7 +8,7 @@ traverse elements. Source: Xiao (2019), algorithm 2 in logarithms; docs/formulat
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -76,7 +76,7 @@ class MoveGraph:
         risks = [e.begin(self.graph, start)[1] for e in self.graph.traverse]
         memoryless = [e for e in self.graph.elements if not isinstance(e, TraverseElement)]
         risks += [float(self.graph.least_risks(e, [-1], [-1], [start])[0]) for e in memoryless]
-        return math.inf if any(r >= 1.0 for r in risks) else math.fsum(-math.log1p(-r) for r in risks)
+        return hazard_of(risks)
 
     def with_any_risk(self) -> MoveGraph:
         """The same moves without their risks."""
@@ -177,3 +177,44 @@ class MoveGraph:
         """Evidence ``move-potentials``: least hazards to the moves."""
         potentials = [None if math.isinf(p) else p for p in self.to_moves[:-1].tolist()]
         return Evidence("move-potentials", "least hazards of walks", value, {"potentials": potentials})
+
+
+class Memories:
+    """Memories of all traverse elements along paths, by number: equal memories and repeated moves are worked out once."""
+
+    def __init__(self, graph: RiskyGraph) -> None:
+        self.graph, self.elements = graph, graph.traverse
+        self._numbers: dict[tuple[Hashable, ...], int] = {}
+        self._known: list[tuple[Hashable, ...]] = []
+        self._steps: dict[tuple[int, int, int], tuple[int, float]] = {}
+        self._orders: dict[tuple[int, int], bool] = {}
+        self.begin = self._number(tuple(element.begin(graph, graph.start)[0] for element in self.elements))
+
+    def step(self, memory: int, state: int, after: int) -> tuple[int, float]:
+        """Number of the memory after a move, and the hazard of the move."""
+        key = memory, state, after
+        if key not in self._steps:
+            moved = [e.step(self.graph, m, state, after) for e, m in zip(self.elements, self._known[memory], strict=True)]
+            self._steps[key] = self._number(tuple(m for m, _ in moved)), hazard_of([r for _, r in moved])
+        return self._steps[key]
+
+    def no_worse(self, memory: int, other: int) -> bool:
+        """Whether whatever follows is at most as risky with ``memory`` as with ``other``."""
+        if memory == other:
+            return True
+        key = memory, other
+        if key not in self._orders:
+            pairs = zip(self.elements, self._known[memory], self._known[other], strict=True)
+            self._orders[key] = all(e.no_worse(a, b) for e, a, b in pairs)
+        return self._orders[key]
+
+    def _number(self, memory: tuple[Hashable, ...]) -> int:
+        if memory not in self._numbers:
+            self._numbers[memory] = len(self._known)
+            self._known.append(memory)
+        return self._numbers[memory]
+
+
+def hazard_of(risks: Sequence[float]) -> float:
+    """``-ln prod (1 - r)``; infinite where a risk is 1."""
+    return math.inf if any(r >= 1.0 for r in risks) else math.fsum(-math.log1p(-r) for r in risks)

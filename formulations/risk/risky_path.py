@@ -21,7 +21,7 @@ from ..evidence import Evidence, Reason
 from ..problem import PROBLEMS, Problem, refuse_settings
 from ..references import indices_of
 from .marked_paths import MOST_LABELS, CutShortError, free_reward
-from .moves import MoveGraph
+from .moves import MoveGraph, hazard_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -262,11 +262,6 @@ class RiskyPath(Problem):
 
     def __repr__(self) -> str:
         return f"<RiskyPath {self.name}: {self.objective}, {self.graph!r}>"
-
-
-def hazard_of(risks: Sequence[float]) -> float:
-    """``-ln prod (1 - r)``; infinite where a risk is 1."""
-    return math.inf if any(r >= 1.0 for r in risks) else math.fsum(-math.log1p(-r) for r in risks)
 
 
 def unreachable(problem: RiskyPath) -> Evidence | None:

@@ -52,10 +52,8 @@ def _shortest(problem: RiskyPath, cost: NDArray[np.float64]) -> Path | None:
 HEURISTICS.add(
     "additive-risk",
     Heuristic(
-        name="additive-risk",
-        families=("risky-path",),
-        features=frozenset({"objective:risk", "objective:hazard", "goals", "locale-risk", "action-risk", "traverse-risk"}),
-        run=run,
-        summary="least sum of the risks of places, as planners without history have it",
+        "additive-risk", ("risky-path",),
+        frozenset({"objective:risk", "objective:hazard", "goals", "locale-risk", "action-risk", "traverse-risk"}), run,
+        "least sum of the risks of places, as planners without history have it",
     ),
-)
+)  # fmt: skip

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...formulations.evidence import Guarantee
+from ...formulations.risk.moves import Memories
 from ...formulations.risk.risky_path import Path, RiskyPath
 from ...formulations.stop import Stop, Stopped
 from ...instances.errors import UsageError
-from ...solvers.engines.risk.risky_path_steps.least_hazard import Memories
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 
 LOOK = 256
@@ -38,7 +38,7 @@ def look_back(problem: RiskyPath, steps: int, stop: Stop, *, revisits: bool = Tr
 
     A label tells the last ``steps`` states apart. ``revisits`` says whether walks may come to a state twice, other than straight back.
     """
-    graph, moves, memories = problem.graph, problem.moves, Memories(problem)
+    graph, moves, memories = problem.graph, problem.moves, Memories(problem.graph)
     head, begin, serial = graph.head.tolist(), len(graph.tail), itertools.count()
 
     def path_of(label: _Label | None) -> Path:

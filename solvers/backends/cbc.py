@@ -45,24 +45,14 @@ MOST_THREADS = 99
 """What CBC takes as a number of threads: a hundred and above choose a mode of working, in some of which it crashes."""
 
 STATUS_MAP = {
-    "optimal": "optimal",
-    "infeasible": "infeasible",
-    "integer": "infeasible",
-    "unbounded": "unbounded",
-    "stopped": "unknown",
-}
+    "optimal": "optimal", "infeasible": "infeasible", "integer": "infeasible", "unbounded": "unbounded", "stopped": "unknown",
+}  # fmt: skip
 """First word of CBC's solution file to our status, before the log is asked what it means."""
 
 LIMITS = (
-    ("maximum nodes", "nodes"),
-    ("node limit", "nodes"),
-    ("maximum time", "time"),
-    ("time limit", "time"),
-    ("user event", "interrupt"),
-    ("integer gap", "gap"),
-    ("maximum solutions", "iterations"),
-    ("maximum iterations", "iterations"),
-)
+    ("maximum nodes", "nodes"), ("node limit", "nodes"), ("maximum time", "time"), ("time limit", "time"), ("user event", "interrupt"),
+    ("integer gap", "gap"), ("maximum solutions", "iterations"), ("maximum iterations", "iterations"),
+)  # fmt: skip
 """What CBC's log says when it ends early ("Exiting on maximum nodes") to our limit."""
 
 PRICED = 1e-6
@@ -76,7 +66,7 @@ _NONE = 1e49
 
 
 def _weakened(bound: float, line: str) -> float:
-    """A printed lower bound less what its printing may have added: three decimals at the end, seven digits before."""
+    """A printed lower bound less the most that its printing may have added: three decimals at the end, seven digits before."""
     if line.startswith("Lower bound"):
         return bound - 5e-4
     return bound - (0.5 * 10.0 ** (math.floor(math.log10(abs(bound))) - 6) if bound else 5e-7)
@@ -95,7 +85,7 @@ def find_cbc() -> str:
 
 @dataclass
 class Log:
-    """What CBC has written so far: bounds as they come, and how it ended."""
+    """CBC's log so far: bounds as they come, and how it ended."""
 
     bound: float | None = None
     end: str = ""
@@ -139,16 +129,9 @@ class Log:
 
 
 def run_cbc(cbc: str, program: Program, options: Options, control: Control, folder: Path, *, preprocess: bool = True) -> RawResult:
-    """Solve ``program`` with CBC; see ``ProgramBackend.run``.
+    """Solve ``program`` with CBC in a child process, by files in the empty ``folder``; see ``ProgramBackend.run``.
 
-    Parameters
-    ----------
-    cbc : str
-        Path of the program.
-    folder : Path
-        An empty one for its files.
-    preprocess : bool
-        Whether CBC may, where the user says nothing of it.
+    ``preprocess`` says whether CBC may, where the user says nothing of it.
     """
     _check_extra(cbc, options.extra)
     model, solution = folder / "model.mps", folder / "model.sol"
@@ -204,7 +187,7 @@ def _terminal() -> tuple[int, int]:
 
 
 def _follow(process: subprocess.Popen[bytes], output: int, log: Log, options: Options, control: Control) -> str:
-    """Pass bounds on until CBC ends; what asked it to, if anything did: ``interrupt`` or ``time``."""
+    """Pass bounds on until CBC ends; the reason why it was asked to, if it was: ``interrupt`` or ``time``."""
     deadline, again, end, why = time.perf_counter() + options.time_limit + OVERTIME, math.inf, math.inf, ""
     while True:
         if select.select([output], [], [], 0.05)[0]:

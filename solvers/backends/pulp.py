@@ -77,15 +77,14 @@ class PuLP(ProgramBackend):
         return super().converted(options)
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.search``."""
         if self.is_cbc:
-            began, found = time.perf_counter(), find_cbc()
+            began, cbc = time.perf_counter(), find_cbc()
             with scratch() as folder:
                 # Its preprocessing loses optima, 2 of 1,000 of the battery's programs; without it some runs crash.
-                result = run_cbc(found, program, options, control, folder, preprocess=not program.is_integer)
-                left = options.time_limit - (time.perf_counter() - began)
-                if result.status == "error" and program.is_integer and left > 0 and not control.stopped:
-                    result = run_cbc(found, program, replace(options, time_limit=left), control, folder)
+                result = run_cbc(cbc, program, options, control, folder, preprocess=not program.is_integer)
+                seconds = options.time_limit - (time.perf_counter() - began)
+                if result.status == "error" and program.is_integer and seconds > 0 and not control.stopped:
+                    result = run_cbc(cbc, program, replace(options, time_limit=seconds), control, folder)
             return result
         return _through_pulp(self._solver(program, options), self.title, program, options)
 
@@ -127,14 +126,14 @@ def _through_pulp(solver: Any, name: str, program: Program, options: Options) ->
 
     began = time.perf_counter()
     try:
-        status, found, x = _one_run(solver, program)
+        status, solution_status, x = _one_run(solver, program)
     except pulp.PulpSolverError as fault:
         return RawResult("error", message=f"{name} failed: {fault}")
     late = time.perf_counter() - began >= 0.98 * options.time_limit
-    said = f"{constants.LpStatus[status]}, {constants.LpSolution[found]}"
+    said = f"{constants.LpStatus[status]}, {constants.LpSolution[solution_status]}"
     limit = "time" if late else "none"
-    if found in (constants.LpSolutionOptimal, constants.LpSolutionIntegerFeasible) and program.residual(x) <= FEASIBLE_TOLERANCE:
-        proven = found == constants.LpSolutionOptimal and not late
+    if solution_status in (constants.LpSolutionOptimal, constants.LpSolutionIntegerFeasible) and program.residual(x) <= FEASIBLE_TOLERANCE:
+        proven = solution_status == constants.LpSolutionOptimal and not late
         if proven and options.gap > 0 and program.is_integer:
             proven, limit = False, "gap"
         bound = program.value(x) if proven else None

@@ -43,7 +43,6 @@ class FiniteNumbers(Reduction):
     may_refuse = True
 
     def apply(self, program: Program) -> tuple[Step, ...]:
-        """See ``Reduction.apply``."""
         parts = [program.cost, program.data, program.lower, program.upper, program.row_lower, program.row_upper]
         if program.quadratic is not None:
             parts.append(program.quadratic.data)
@@ -70,7 +69,6 @@ class Scip(ProgramBackend):
     reductions = (FiniteNumbers(),)
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.search``."""
         if options.iterations is not None and program.features() == LINEAR:
             raise UsageError("SCIP has no limit on the iterations of a linear program; use a time limit")
         import pyscipopt  # noqa: F401 - loading it is not counted against the limit
@@ -82,7 +80,7 @@ class Scip(ProgramBackend):
 
 
 class _Search:
-    """A SCIP model of a program, and what is believed of its end."""
+    """Search of a SCIP model of a program, and what is believed of its end."""
 
     def __init__(self, program: Program, options: Options, control: Control) -> None:
         import pyscipopt
@@ -109,7 +107,7 @@ class _Search:
         self.solving = False
 
     def _give(self, start: Floats) -> bool:
-        """Hand over a start, whose NaN are left for SCIP to complete; whether SCIP takes it."""
+        """Hand over a start, whose NaN are for SCIP to complete; whether SCIP takes it."""
         model, known = self.model, np.isfinite(start)
         whole = bool(known.all()) and not self.program.cones  # whose tips are variables of the model alone
         solution = model.createSol() if whole else model.createPartialSol()
@@ -169,8 +167,8 @@ class _Search:
 
     def bound(self) -> float | None:
         """SCIP's dual bound, None where it has none."""
-        found = float(self.model.getDualbound())
-        return found if abs(found) < self.model.infinity() else None
+        bound = float(self.model.getDualbound())
+        return bound if abs(bound) < self.model.infinity() else None
 
     def said(self) -> RawResult:
         """SCIP's last word."""

@@ -21,7 +21,6 @@ class ContinuousRelaxation(Reduction):
     may_refuse = True
 
     def apply(self, program: Program) -> tuple[Step, ...]:
-        """See ``Reduction.apply``."""
         if program.quadratic is not None or program.cones or program.circuits:
             raise Irreducible(f"form {program.name} is not linear; only linear programs are relaxed")
         whole = int(program.integer.sum())

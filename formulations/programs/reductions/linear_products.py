@@ -51,7 +51,6 @@ class LinearProducts(Reduction):
         return features - QUADRATIC if features >= INTEGERS | QUADRATIC else features
 
     def apply(self, program: Program) -> tuple[Step, ...]:
-        """See ``Reduction.apply``."""
         if program.quadratic is None or not program.is_integer:
             return ()
         import scipy.sparse as sp

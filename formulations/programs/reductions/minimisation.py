@@ -27,7 +27,6 @@ class Minimisation(Reduction):
     """Turns the sign of an objective to be maximised, and leaves out its constant."""
 
     def apply(self, program: Program) -> tuple[Step, ...]:
-        """See ``Reduction.apply``."""
         turned = program.sense == "max"
         if not turned and program.offset == 0.0:
             return ()

@@ -29,7 +29,6 @@ class OneSidedRows(Reduction):
     """Splits rows with two different finite sides; the lower ones come last, as blocks named ``low``."""
 
     def apply(self, program: Program) -> tuple[OneSided, ...]:
-        """See ``Reduction.apply``."""
         ranges = [(b.lower != b.upper) & np.isfinite(b.lower) & np.isfinite(b.upper) for b in program.rows]
         if not any(r.any() for r in ranges):
             return ()

@@ -23,7 +23,6 @@ class UniqueEntries(Reduction):
     """Adds up the coefficients of each column in a row."""
 
     def apply(self, program: Program) -> tuple[Step, ...]:
-        """See ``Reduction.apply``."""
         matrix = program.matrix
         if not matrix.nnz or matrix.has_canonical_format:
             return ()
@@ -51,7 +50,6 @@ class WholeBounds(Reduction):
     """
 
     def apply(self, program: Program) -> tuple[Step, ...]:
-        """See ``Reduction.apply``."""
         variables, count = [], 0
         for block in program.variables:
             low, high = block.lower, block.upper

@@ -91,7 +91,6 @@ class Units(Reduction):
     """Brings programs to ordinary units, the same for data in any unit."""
 
     def apply(self, program: Program) -> tuple[Step, ...]:
-        """See ``Reduction.apply``."""
         made = scaled(program)
         return () if made.program is program else (made,)
 

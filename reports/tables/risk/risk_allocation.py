@@ -40,10 +40,10 @@ def _together(problem: RiskAllocation, decision: Any) -> list[Row]:
     """The chain from the budget to the true probabilities."""
     rows = [] if problem.risk.total is None else [("allowed", f"{_risk(problem.risk.total)} in total, {problem.risk.kind}")]
     rows.append(("sum of the risks", _risk(problem.risks(decision).sum())))
-    for name, found in problem.joint_risk(decision).items():
-        sure = "proved" if found.confidence == 1.0 else f"with confidence {percent(found.confidence)}"
-        span = "exact" if found.exact else f"{_risk(found.low)} to {_risk(found.high)}, {sure}"
-        rows.append(("any fails" if name == "total" else f"any of {name} fails", f"{_risk(found.value)} ({span})"))
+    for name, probability in problem.joint_risk(decision).items():
+        sure = "proved" if probability.confidence == 1.0 else f"with confidence {percent(probability.confidence)}"
+        span = "exact" if probability.exact else f"{_risk(probability.low)} to {_risk(probability.high)}, {sure}"
+        rows.append(("any fails" if name == "total" else f"any of {name} fails", f"{_risk(probability.value)} ({span})"))
     if problem.risk.total is not None:
         joint = next(iter(problem.joint_risk(decision).values()))
         rows.append(("conservatism", f"{1.0 - joint.value / problem.risk.total:.1%} of the total is not used"))

@@ -56,7 +56,6 @@ class ConvexAllocation(Engine):
     order: ClassVar[int] = 2
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
         stop = self.begin(problem, options, control)
         assert isinstance(problem, RiskAllocation)
 

@@ -53,7 +53,6 @@ class DisjunctiveAllocation(Engine):
     order: ClassVar[int] = 3
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
         stop = self.begin(problem, options, control)
         assert isinstance(problem, RiskAllocation)
         joint = problem.risk.kind == "joint"
@@ -106,12 +105,12 @@ class _Tree(ProofTree[_Node]):
         if self.stop.reached():
             return False
         problem = self.problem.restricted(node.decisions())
-        left = np.bincount(problem.constraint, weights=problem.open)
+        alternatives = np.bincount(problem.constraint, weights=problem.open)
         self.begin(node)
         self.looked += 1
         part, rows = problem.convex_part()
         parent = node.parent
-        if (left == 0).any():  # the checker sees it
+        if (alternatives == 0).any():  # the checker sees it
             sizes = {
                 "rows": len(problem.row_lower), "chance": len(problem.limits), "budgets": len(problem.budgets),
                 "terms": sum(len(t[3]) for t in problem.terms), "cones": sum(1 + len(c[1]) for c in problem.cones),
@@ -123,15 +122,15 @@ class _Tree(ProofTree[_Node]):
         if isinstance(parent, _Node) and np.array_equal(rows, parent.rows):
             node.rows, node.decision_vector, node.own, node.evidence = rows, parent.decision_vector, parent.own, parent.evidence
         else:
-            found = SuccessiveTangents(part, self.options.seed).run(self.stop, NODE_GAP)
-            if found.status == "unknown" and self.stop.reached():
+            interval = SuccessiveTangents(part, self.options.seed).run(self.stop, NODE_GAP)
+            if interval.status == "unknown" and self.stop.reached():
                 self.nodes.pop()
                 return False
-            self.prove(node, problem, part_evidence(problem, rows, found))
-            node.rows, node.decision_vector = rows, None if found.answer is None else found.answer.decision
-            if found.answer is not None:
-                self._try(found.answer.decision, self.looked % DIVE_EVERY == 1)
-            elif found.status == "infeasible":
+            self.prove(node, problem, part_evidence(problem, rows, interval))
+            node.rows, node.decision_vector = rows, None if interval.answer is None else interval.answer.decision
+            if interval.answer is not None:
+                self._try(interval.answer.decision, self.looked % DIVE_EVERY == 1)
+            elif interval.status == "infeasible":
                 node.bound = max(node.bound, node.own)
                 (self.close if node.own == math.inf else self.wait)(node)
                 return True
@@ -156,13 +155,13 @@ class _Tree(ProofTree[_Node]):
 
     def _undecided(self, problem: RiskAllocation, node: _Node) -> list[int]:
         """The safest open row of the undecided constraint that the node's decision breaks most; none where all are decided."""
-        left = np.bincount(problem.constraint, weights=problem.open)
-        several = np.nonzero(left > 1)[0]
+        alternatives = np.bincount(problem.constraint, weights=problem.open)
+        several = np.nonzero(alternatives > 1)[0]
         if not len(several) or node.decision_vector is None:
             return []
         excess = problem.chance @ node.decision_vector - problem.limits
         excess = np.where(problem.open, excess / np.where(problem.deviation > 0.0, problem.deviation, 1.0), math.inf)
-        least = np.full(len(left), math.inf)
+        least = np.full(len(alternatives), math.inf)
         np.minimum.at(least, problem.constraint, excess)
         worst = int(several[int(np.argmax(least[several]))])
         return [int(np.nonzero((problem.constraint == worst) & (excess == least[worst]))[0][0])]
@@ -177,9 +176,9 @@ class _Tree(ProofTree[_Node]):
             excess = (p.chance @ x - p.limits) / np.where(p.deviation > 0.0, p.deviation, 1.0)
             order = np.lexsort((np.arange(len(excess)), excess, p.constraint))
             first = order[np.unique(p.constraint[order], return_index=True)[1]]
-            found = SuccessiveTangents(p.choosing(np.sort(first)), self.options.seed).run(self.stop, NODE_GAP)
-            if found.answer is not None:
-                self._take(found.answer.decision)
+            interval = SuccessiveTangents(p.choosing(np.sort(first)), self.options.seed).run(self.stop, NODE_GAP)
+            if interval.answer is not None:
+                self._take(interval.answer.decision)
 
     def _take(self, x: Floats) -> None:
         p = self.problem

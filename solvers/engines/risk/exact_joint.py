@@ -68,14 +68,12 @@ class ExactJoint(Engine):
     order: ClassVar[int] = 1
 
     def missing(self, problem: Problem) -> frozenset[str]:
-        """See ``Engine.missing``."""
         lacking = super().missing(problem)
         if not lacking and len(problem.limits) > MOST_ROWS:  # type: ignore[attr-defined]
             return frozenset({f"more than {MOST_ROWS} chance constraints"})
         return lacking
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
         stop = self.begin(problem, options, control)
         assert isinstance(problem, RiskAllocation)
         return _Planes(problem, options, control, stop).run()
@@ -106,12 +104,12 @@ class _Planes:
         aim, most, limit = max(self.options.gap, CLOSED), min(self.options.iterations or MOST_PLANES, MOST_PLANES), "none"
         self._take(inside)
         while True:
-            made = self.session.solve(stop)
-            if made.status != "optimal":
+            solved = self.session.solve(stop)
+            if solved.status != "optimal":
                 limit = stop.reached() or "none"
                 break
-            outside = made.x[: p.size] * self.units.columns
-            self.bound = max(self.bound, min(p.sign * made.value, p.sign * made.bound) / self.units.cost)
+            outside = solved.x[: p.size] * self.units.columns
+            self.bound = max(self.bound, min(p.sign * solved.value, p.sign * solved.bound) / self.units.cost)
             if self.value - self.bound <= aim * max(abs(self.value), 1e-300):
                 break
             if self.planes >= most:
@@ -135,10 +133,10 @@ class _Planes:
         )
 
     def _statistics(self) -> dict[str, Any]:
-        told: dict[str, Any] = {"planes": self.planes}
+        statistics: dict[str, Any] = {"planes": self.planes}
         if self.answer is not None:
-            told["joint_risk"] = next(iter(self.problem.joint_risk(self.answer.decision, self.options.seed).values())).value
-        return told if self.options.start is None else {**told, "start": "ignored"}
+            statistics["joint_risk"] = next(iter(self.problem.joint_risk(self.answer.decision, self.options.seed).values())).value
+        return statistics if self.options.start is None else {**statistics, "start": "ignored"}
 
     def _said(self, closed: bool, limit: str) -> str:
         return "" if closed or limit != "none" else "its samples of the joint risk tell no finer what is left between answer and bound"
@@ -152,9 +150,9 @@ class _Planes:
 
     def _start(self) -> Floats | None:
         """The best plan of allocated risk, which keeps the joint risk by Boole's inequality; or one of more risk; or where planes lead."""
-        found = SuccessiveTangents(self.problem.by_allocation(), self.options.seed).run(self.stop, CLOSED).answer
-        if found is not None:
-            return found.decision
+        answer = SuccessiveTangents(self.problem.by_allocation(), self.options.seed).run(self.stop, CLOSED).answer
+        if answer is not None:
+            return answer.decision
         beyond = beyond_boole(self.problem, self.options.seed, self.stop)
         return self._led() if beyond is None else beyond
 
@@ -163,11 +161,11 @@ class _Planes:
         for higher in HIGHER:
             self._raise(higher)
             while self.planes < MOST_PLANES:
-                made = self.session.solve(self.stop)
-                if made.status != "optimal":
-                    self.none = made.status == "infeasible" and higher == 0.0
+                solved = self.session.solve(self.stop)
+                if solved.status != "optimal":
+                    self.none = solved.status == "infeasible" and higher == 0.0
                     break
-                x = np.clip(made.x[: self.problem.size] * self.units.columns, self.problem.lower, self.problem.upper)
+                x = np.clip(solved.x[: self.problem.size] * self.units.columns, self.problem.lower, self.problem.upper)
                 if self._look(x)[0] >= 0.0:
                     self._raise(0.0)
                     return x
@@ -188,8 +186,8 @@ class _Planes:
 
     def _look(self, x: Floats) -> tuple[float, float]:
         """Deviations below the budgets, and those that the limits of the probabilities leave open."""
-        found = self._risks(x)
-        limits = np.array([(f.low, f.high) for f in (found[b.name] for b in self.problem.budgets)])
+        risks = self._risks(x)
+        limits = np.array([(f.low, f.high) for f in (risks[b.name] for b in self.problem.budgets)])
         return room(self.problem, x, self.options.seed), float(np.ptp(quantile(limits), axis=1).max(initial=0.0))
 
     def _take(self, x: Floats) -> None:
@@ -201,18 +199,18 @@ class _Planes:
 
     def _edge(self, inside: Floats, outside: Floats) -> Floats:
         """About the last allowed point on the way from ``inside`` to ``outside``: chords of a concave function stay inside."""
-        way, part, (beyond, _), (left, blur) = outside - inside, 0.0, self._look(outside), self._look(inside)
+        way, part, (beyond, _), (distance, blur) = outside - inside, 0.0, self._look(outside), self._look(inside)
         if beyond >= 0.0:
             return outside
         for _ in range(MOST_LOOKS):
             near = max(NEAR, FINE * blur)
-            if left <= near:
+            if distance <= near:
                 break
-            tried = part + (1.0 - part) * (left - 0.5 * near) / (left - beyond)
-            found, blur = self._look(inside + tried * way)
-            if found < 0.0:  # by its samples' noise
+            tried = part + (1.0 - part) * (distance - 0.5 * near) / (distance - beyond)
+            distance_there, blur = self._look(inside + tried * way)
+            if distance_there < 0.0:  # by its samples' noise
                 break
-            part, left = tried, found
+            part, distance = tried, distance_there
         return np.asarray(inside + part * way)
 
     def _support(self, edge: Floats, outside: Floats) -> bool:
@@ -222,8 +220,8 @@ class _Planes:
         for budget in p.budgets:
             self.stop.check()
             at = np.nonzero(np.isin(p.constraint, budget.constraints) & (p.deviation > 0.0))[0]
-            found = risks[budget.name]
-            level, least, most = quantile(np.array([found.value, found.high, found.low])).tolist()
+            risk = risks[budget.name]
+            level, least, most = quantile(np.array([risk.value, risk.high, risk.low])).tolist()
             density = math.exp(-0.5 * level * level) / math.sqrt(2.0 * math.pi)
             normal = -gradient(slack[at], p.covariance[np.ix_(at, at)]) / density @ p.chance[at]  # of the quantile, by the decision
             # most - normal (x - edge) >= quantile of the budget
@@ -250,12 +248,12 @@ def gradient(slack: Floats, covariance: Floats, *, points: int = POINTS) -> Floa
     for k in np.nonzero(density > 1e-12 * density.max(initial=0.0))[0].tolist():
         others = np.arange(len(z)) != k
         along = correlation[others, k]
-        left = correlation[np.ix_(others, others)] - np.outer(along, along)
-        own = np.diag(left).copy()
+        conditional = correlation[np.ix_(others, others)] - np.outer(along, along)
+        own = np.diag(conditional).copy()
         own[own < SINGULAR**2] = 0.0
-        left = left * np.outer(own > 0.0, own > 0.0)
-        np.fill_diagonal(left, own)
-        slopes[k] = -density[k] / deviation[k] * _all_hold(z[others] - along * z[k], left, points)
+        conditional = conditional * np.outer(own > 0.0, own > 0.0)
+        np.fill_diagonal(conditional, own)
+        slopes[k] = -density[k] / deviation[k] * _all_hold(z[others] - along * z[k], conditional, points)
     return slopes
 
 
@@ -282,14 +280,14 @@ def _hold_in_turn(z: Floats, factor: Floats, points: Floats) -> Floats:
     many, size = points.shape
     normal, holds = np.zeros((many, size)), np.ones(many)
     for k in range(size):
-        given = normal[:, :k] @ factor[k, :k]
+        expected = normal[:, :k] @ factor[k, :k]
         own = factor[k, k]
         if own > SINGULAR:
-            below = ndtr((z[k] - given) / own)
+            below = ndtr((z[k] - expected) / own)
             normal[:, k] = np.clip(ndtri(np.maximum(points[:, k], 1e-300) * below), -38.0, 38.0)
             holds *= below
         else:
-            holds *= given <= z[k] + 1e-9
+            holds *= expected <= z[k] + 1e-9
     return holds
 
 

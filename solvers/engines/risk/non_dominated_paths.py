@@ -163,7 +163,6 @@ class NonDominatedPaths(Engine):
     features = frozenset({"normal-costs", "risk-aversion"})
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
         stop = self.begin(problem, options, control)
         asked = cast("UncertainPath", problem)
         search = non_dominated_paths(asked.graph, stop=stop)

@@ -7,10 +7,11 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from ....formulations.problem import Problem
+from ....formulations.risk.moves import Memories
 from ....formulations.risk.risky_path import Path, RiskyPath, unreachable
 from ....formulations.stop import Stop
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
-from .risky_path_steps.least_hazard import Memories, least_hazard
+from .risky_path_steps.least_hazard import least_hazard
 from .risky_path_steps.most_reward import most_reward
 
 FEATURES = frozenset(
@@ -36,22 +37,21 @@ class RiskLabels(Engine):
     features = FEATURES
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
         stop = self.begin(problem, options, control)
         assert isinstance(problem, RiskyPath)
         if problem.objective == "reward-per-risk":
             return most_reward(problem, stop, options, control)
-        found = least_hazard(problem, problem.graph.goals, stop, labels=options.iterations)
-        bound = found.hazard if problem.objective == "hazard" else -math.expm1(-found.hazard)
-        statistics = {"labels": found.labels, "guarded_states": len(found.guarded)}
-        if found.path is not None:
-            evidence = (found.evidence(),) if found.labels else (problem.moves.evidence(bound),)
-            return RawResult("optimal", "none", found.path, bound, bound, statistics=statistics, evidence=evidence)
-        if found.limit == "none":
-            proof = unreachable(problem) or found.evidence()
+        search = least_hazard(problem, problem.graph.goals, stop, labels=options.iterations)
+        bound = search.hazard if problem.objective == "hazard" else -math.expm1(-search.hazard)
+        statistics = {"labels": search.labels, "guarded_states": len(search.guarded)}
+        if search.path is not None:
+            evidence = (search.evidence(),) if search.labels else (problem.moves.evidence(bound),)
+            return RawResult("optimal", "none", search.path, bound, bound, statistics=statistics, evidence=evidence)
+        if search.limit == "none":
+            proof = unreachable(problem) or search.evidence()
             message = "no goal can be reached at a risk below 1"
             return RawResult("infeasible", statistics=statistics, message=message, evidence=(proof,))
-        return RawResult("unknown", found.limit, None, None, bound, statistics=statistics)
+        return RawResult("unknown", search.limit, None, None, bound, statistics=statistics)
 
 
 LOOK = 1024
@@ -80,7 +80,6 @@ class PathEnumeration(Engine):
     features = FEATURES
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
         stop = self.begin(problem, options, control)
         assert isinstance(problem, RiskyPath)
         best, value, paths, limit = _enumerate(problem, stop, options.iterations, control)
@@ -95,7 +94,7 @@ class PathEnumeration(Engine):
 
 def _enumerate(problem: RiskyPath, stop: Stop, most: int | None, control: Control) -> tuple[Path | None, float, int, str]:
     """Best path, its value, the number of paths walked, and what cut it short."""
-    graph, moves, memories = problem.graph, problem.moves, Memories(problem)
+    graph, moves, memories = problem.graph, problem.moves, Memories(problem.graph)
     head, rewards, begin = graph.head.tolist(), problem.rewards.tolist(), len(graph.tail)
     ratio, ends = problem.objective == "reward-per-risk", frozenset(graph.goals)
     best: Path | None = None

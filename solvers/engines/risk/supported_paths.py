@@ -144,7 +144,6 @@ class SupportedPathsEngine(Engine):
     features = frozenset({"normal-costs", "risk-aversion"})
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
         stop = self.begin(problem, options, control)
         asked = cast("UncertainPath", problem)
         search = supported_paths(asked, stop)

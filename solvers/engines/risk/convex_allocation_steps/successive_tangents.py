@@ -121,22 +121,22 @@ class SuccessiveTangents:
         self.inside: Floats | None = None
         self.best: Solved | None = None
         self.least = LEAST
-        self.found = Interval()
+        self.interval = Interval()
 
     def run(self, stop: Stop, gap: float = 0.0) -> Interval:
         """Rounds until the interval is as narrow as ``gap`` asks, nothing moves any more, or ``stop``."""
-        found, aim, still = self.found, max(gap, CLOSED), 0
-        while found.rounds < MOST_ROUNDS and not stop.reached():
-            before = found.gap
+        interval, aim, still = self.interval, max(gap, CLOSED), 0
+        while interval.rounds < MOST_ROUNDS and not stop.reached():
+            before = interval.gap
             self.tail.use(0.0)
             below = self.session.solve(stop)
             if below.status != "optimal":
                 self._ended(below, stop)
                 break
-            found.rounds += 1
+            interval.rounds += 1
             excess = self._lower(below)
             added = self._touch(below)
-            if found.gap > aim and excess < NEAR:
+            if interval.gap > aim and excess < NEAR:
                 less = MARGIN * max(excess, self.least)
                 self.tail.use(less)
                 above = self.session.solve(stop)
@@ -144,23 +144,23 @@ class SuccessiveTangents:
                     self._bound(above, less)
                     if not self._upper(above.x, below.x):
                         self.least *= 10.0  # beyond what the solver and the judge round
-                    added += self._touch(above) if found.gap > aim else 0
-            self.publish(found)
-            if found.gap <= aim:
-                found.status = "optimal"
+                    added += self._touch(above) if interval.gap > aim else 0
+            self.publish(interval)
+            if interval.gap <= aim:
+                interval.status = "optimal"
                 break
-            still = still + 1 if math.isfinite(before) and not found.gap < 0.9 * before else 0
-            if (not added and found.answer is not None) or still > STALLED:
+            still = still + 1 if math.isfinite(before) and not interval.gap < 0.9 * before else 0
+            if (not added and interval.answer is not None) or still > STALLED:
                 break
-        if found.answer is None and found.status == "unknown" and not stop.reached():
+        if interval.answer is None and interval.status == "unknown" and not stop.reached():
             self._restricted(stop)
-        if self.best is not None and found.status != "infeasible":
-            found.prices = self._prices(self.best, self.best.duals)
-        if found.answer is not None:
-            found.answer = self.original.allocated(found.answer.decision)
-        if found.status == "unknown" and found.answer is not None:
-            found.status = "feasible"
-        return found
+        if self.best is not None and interval.status != "infeasible":
+            interval.prices = self._prices(self.best, self.best.duals)
+        if interval.answer is not None:
+            interval.answer = self.original.allocated(interval.answer.decision)
+        if interval.status == "unknown" and interval.answer is not None:
+            interval.status = "feasible"
+        return interval
 
     def _prices(self, solved: Solved, duals: Floats) -> dict[str, Floats]:
         p = self.problem
@@ -174,7 +174,7 @@ class SuccessiveTangents:
 
     def _bound(self, solved: Solved, less: float = 0.0) -> None:
         """Take the bound that the duals prove, of budgets that were smaller by the part ``less``."""
-        p, found = self.problem, self.found
+        p, interval = self.problem, self.interval
         z, risk = self.tail.parts(solved)
         chance = solved.duals[self.tail.chance : self.tail.budget][self.order]
         slope = np.maximum(-p.sign * chance, 0.0) * self.deviation
@@ -183,8 +183,8 @@ class SuccessiveTangents:
         more = float((least_margin(slope, spent, self.floor) - slope * z - spent * risk * self.tail.unit).sum())
         more -= less * float(prices @ self.budgets)
         bound = (p.sign * solved.value + more) / self.units.cost
-        if bound > found.bound:
-            found.bound, self.best = bound, solved
+        if bound > interval.bound:
+            interval.bound, self.best = bound, solved
 
     def _lower(self, solved: Solved) -> float:
         """Take the bound of a relaxation and try its decision; the largest part by which that exceeds a budget."""
@@ -212,17 +212,17 @@ class SuccessiveTangents:
             return False
         self.inside = inside
         self._between(inside, outside[: self.problem.size])
-        return self.found.answer is not None or self._take(inside)
+        return self.interval.answer is not None or self._take(inside)
 
     def _between(self, inside: Floats, outside: Floats) -> None:
         """Take the last point that keeps the budgets on the way from a decision that does to one that does not: risks are convex."""
         start, way = self.limits - self.slopes @ inside, self.slopes @ (outside - inside)
         most, part, last = self._excess(ndtr(way - start)), 0.0, 0.0
         for _ in range(CHORDS):  # a chord of a convex function crosses 0 before the function does
-            left = self._excess(ndtr(part * way - start))
-            if left >= 0.0 or most <= 0.0:
+            excess = self._excess(ndtr(part * way - start))
+            if excess >= 0.0 or most <= 0.0:
                 break
-            last, part = part, part + (1.0 - part) * left / (left - most)
+            last, part = part, part + (1.0 - part) * excess / (excess - most)
         if part > 0.0 and not self._take(inside + part * (outside - inside)):  # which rounding may have carried too far
             self._take(inside + last * (outside - inside))
 
@@ -231,12 +231,12 @@ class SuccessiveTangents:
         p = self.original
         decision = np.clip(x * self.units.columns, p.lower, p.upper)
         value = p.sign * p.value(decision)[0]
-        if value >= self.found.value:
+        if value >= self.interval.value:
             return False
         own = p.risks(decision)
         kept = self._excess(own) <= 0.0 and bool((own <= p.risk.each * (1.0 + 1e-7)).all())
         if kept:
-            self.found.value, self.found.answer = value, Allocation(decision)
+            self.interval.value, self.interval.answer = value, Allocation(decision)
         return kept
 
     def _restricted(self, stop: Stop) -> None:
@@ -257,11 +257,11 @@ class SuccessiveTangents:
 
     def _ended(self, solved: Solved, stop: Stop) -> None:
         """Take the status of a relaxation without optimum, and the evidence where there is no answer."""
-        found = self.found
-        found.status = solved.status if found.answer is None or solved.status != "unknown" else "feasible"
+        interval = self.interval
+        interval.status = solved.status if interval.answer is None or solved.status != "unknown" else "feasible"
         if solved.status == "infeasible":
             proofs = (self._proof(ray) for ray in (self._fewest(solved, stop), solved))
-            found.prices = next((prices for prices in proofs if prices is not None), None)
+            interval.prices = next((prices for prices in proofs if prices is not None), None)
 
     def _fewest(self, solved: Solved, stop: Stop) -> Solved:
         """A contradiction that needs few chance rows: each is left out where the others contradict each other without it."""

@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .....formulations.risk.marked_paths import CutShortError, risky_path
+from .....formulations.risk.moves import Memories
 from .....formulations.risk.risky_path import Path, RiskyPath
 from .....formulations.stop import Stop
 from ....backend import Control, Options, RawResult
-from .least_hazard import LOOK, Memories, least_hazard
+from .least_hazard import LOOK, least_hazard
 
 Floats = NDArray[np.float64]
 
@@ -36,7 +37,7 @@ def most_reward(problem: RiskyPath, stop: Stop, options: Options, control: Contr
 class _Search:
     def __init__(self, problem: RiskyPath, stop: Stop, options: Options, control: Control) -> None:
         self.problem, self.stop, self.control, self.budget = problem, stop, control, options.iterations
-        self.graph, self.moves, self.memories = problem.graph, problem.moves, Memories(problem)
+        self.graph, self.moves, self.memories = problem.graph, problem.moves, Memories(problem.graph)
         self.reach = self.moves.to_states()
         self.ends = np.ones(self.graph.num_states, dtype=bool)
         if self.graph.goals:

@@ -10,7 +10,8 @@ import waybound as wb
 from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.risk.checking import risky_path as module
 from waybound.formulations.risk.checking.risky_path import Remembered, following_moves, least_left
-from waybound.formulations.risk.risky_path import RiskyPath, hazard_of
+from waybound.formulations.risk.moves import hazard_of
+from waybound.formulations.risk.risky_path import RiskyPath
 from waybound.instances.errors import InputError
 from waybound.instances.risk.elements import LocaleRisk
 
