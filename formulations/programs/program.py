@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
-INFINITY = math.inf
-
 LINEAR: frozenset[str] = frozenset()
 INTEGERS = frozenset({"integers"})
 QUADRATIC = frozenset({"quadratic-objective"})
@@ -262,13 +260,13 @@ class Program:
 
     def to_highs(self, *, names: bool = False) -> Any:
         """A ``highspy.Highs`` model, ready to run."""
-        from .export.highs import to_highs
+        from .export.models import to_highs
 
         return to_highs(self, names=names)
 
     def to_pulp(self, *, names: bool = False) -> Any:
         """A ``pulp.LpProblem``; without names ``variables()`` lists them in column order, as ``x`` and the column, padded with zeros."""
-        from .export.pulp import to_pulp
+        from .export.models import to_pulp
 
         return to_pulp(self, names=names)
 
@@ -280,7 +278,7 @@ class Program:
 
     def to_mathopt(self, *, names: bool = False) -> Any:
         """An OR-Tools ``mathopt.Model``."""
-        from .export.mathopt import to_mathopt
+        from .export.models import to_mathopt
 
         return to_mathopt(self, names=names)
 

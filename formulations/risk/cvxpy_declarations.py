@@ -7,13 +7,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...instances.errors import InputError, UnsupportedError
 from ...instances.risk.allocation import MOST_RISK, Affine, ChanceConstraints, Cone, CostTerm, Risk, RiskAllocationInstance
 from ...instances.risk.gaussian import Quantities
-
-Floats = NDArray[np.float64]
+from .allocations import Floats
 
 Places = dict[str, tuple[int, tuple[int, ...]]]
 """By the name of a variable: the column of its first entry, and its shape."""

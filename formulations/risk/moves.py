@@ -32,9 +32,9 @@ class MoveGraph:
     """The moves of ``graph`` and their successors; not ``priced``, every risk counts as none.
 
     ``first`` and ``second`` are numbers of two moves, the second of which may follow the first, ``hazard`` the least hazard of the second
-    after
-    the first, finite, and ``own_hazard`` the part of it that is the same on every path: that of locale and action elements; shape (pairs,).
-    ``begin``, ``begin_hazard`` and ``own_begin_hazard`` are those of moves that leave the start, ``start_hazard`` that of the start itself.
+    after the first, finite, and ``own_hazard`` the part of it that is the same on every path: that of locale and action elements; shape
+    (pairs,). ``begin``, ``begin_hazard`` and ``own_begin_hazard`` are those of moves that leave the start, ``start_hazard`` that of the
+    start itself.
     """
 
     def __init__(self, graph: RiskyGraph, priced: bool = True) -> None:

@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.errors import InputError, UsageError
 from ...instances.risk.element import RiskElement, TraverseElement
@@ -21,12 +20,11 @@ from ..evidence import Evidence, Reason
 from ..problem import PROBLEMS, Problem, refuse_settings
 from ..references import indices_of
 from .marked_paths import MOST_LABELS, CutShortError, free_reward
-from .moves import MoveGraph, hazard_of
+from .moves import Floats, MoveGraph, hazard_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
 Path = tuple[int, ...]
 
 CHECKS = ("start", "end", "moves", "simple", "passable", "ratio")

@@ -73,10 +73,9 @@ class JointCosts:
 def joint_probabilities(mean: ArrayLike, covariance: ArrayLike, groups: ArrayLike) -> tuple[Floats, Floats]:
     """Probability of each group that the least of jointly normal costs is in it, equals sharing it, and standard errors.
 
-    ``groups``, of shape (paths,), are numbers from 0; the covariance may be singular. Each path's share is computed by itself, so that
-    the sum
-    differs from 1 by as much as the errors. Raises UsageError for more than ``MOST_PATHS`` paths.
-    Source: Genz (1992), Numerical computation of multivariate normal probabilities; docs/formulations/uncertain-path.md#shared-edges.
+    ``groups``, of shape (paths,), are numbers from 0; the covariance may be singular. Each path's share is computed by itself, so that the
+    sum differs from 1 by as much as the errors. Raises UsageError for more than ``MOST_PATHS`` paths. Source: Genz (1992), Numerical
+    computation of multivariate normal probabilities; docs/formulations/uncertain-path.md#shared-edges.
     """
     m, c = np.asarray(mean, dtype=np.float64), np.asarray(covariance, dtype=np.float64)
     if len(m) > MOST_PATHS:

@@ -13,9 +13,8 @@ def run(problem: RiskyPath, context: Context, *, normalised: bool = False) -> Ou
     """A path of least sum of the locale risks of its states, of these one of few moves, judged by its true risk like any other.
 
     With ``normalised`` the risks of each locale element are first spread over [0, 1], from the least to the largest, and weigh the same. No
-    guarantee: a sum prefers one state of risk 0.5 to two of 0.26, which together are at 0.4524, and what moves and histories cost is not
-    in it.
-    Source: Xiao (2019), (4.1), with the sum from the start on; docs/formulations/risky-path.md#sums-of-risks.
+    guarantee: a sum prefers one state of risk 0.5 to two of 0.26, which together are at 0.4524, and what moves and histories cost is not in
+    it. Source: Xiao (2019), (4.1), with the sum from the start on; docs/formulations/risky-path.md#sums-of-risks.
     """
     context.begin()
     graph = problem.graph

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...formulations.programs.program import Program, Variables
 from ...formulations.programs.rows import rows
-from ...formulations.risk.allocations import Allocation
+from ...formulations.risk.allocations import Allocation, Floats
 from ...formulations.risk.forms._blocks import Blocks, dense_rows
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
@@ -18,8 +18,6 @@ from ...solvers.engines.risk.convex_allocation_steps.session import open_session
 from ...solvers.engines.risk.convex_allocation_steps.units import Units
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .scenario import only_total, root
-
-Floats = NDArray[np.float64]
 
 MOST_ENTRIES = 5_000_000
 TRIES = 6
@@ -31,11 +29,9 @@ def cvar(problem: RiskAllocation, context: Context, *, samples: int = 1000) -> O
 
     The mean of the worst share of samples, the total's, bounds their quantile, so that on the samples the risk is kept. They are finitely
     many: the plan is validated by its true probability to fail, and the share halved until that is allowed. ``samples`` are at least 10,
-    and a
-    mean over the worst share needs ``samples * total`` of 10 or so; else, and beyond what the program can hold, UsageError is raised.
+    and a mean over the worst share needs ``samples * total`` of 10 or so; else, and beyond what the program can hold, UsageError is raised.
     ``statistics`` hold ``samples``, ``level`` (of the last share) and ``joint_risk_high``, the upper limit of the plan's probability to
-    fail,
-    with the confidence of ``joint_normal.CONFIDENCE``.
+    fail, with the confidence of ``joint_normal.CONFIDENCE``.
 
     Source: Rockafellar and Uryasev (2000), "Optimization of conditional value-at-risk"; Nemirovski and Shapiro (2006), "Convex
     approximations of chance constrained programs"; docs/formulations/risk-allocation.md#samples.
@@ -91,12 +87,8 @@ def _program(problem: RiskAllocation, drawn: Floats, noisy: NDArray[np.int64], l
 HEURISTICS.add(
     "cvar",
     Heuristic(
-        name="cvar",
-        families=("risk-allocation",),
-        features=frozenset({"joint-risk", "quadratic-cost", "cones"}),
-        run=cvar,
-        summary="the best plan by conditional value at risk over samples, validated by its true risk",
-        stated="no guarantee",
-        refuses=only_total,
+        "cvar", ("risk-allocation",), frozenset({"joint-risk", "quadratic-cost", "cones"}), cvar,
+        "the best plan by conditional value at risk over samples, validated by its true risk",
+        "no guarantee", only_total,
     ),
-)
+)  # fmt: skip

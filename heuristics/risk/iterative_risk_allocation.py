@@ -6,7 +6,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.risk.allocations import Allocation
 from ...formulations.risk.forms.fixed_risks import fixed_margins_program, margins, uniform_risks
@@ -17,8 +16,6 @@ from ...solvers.engines.risk.convex_allocation_steps.session import open_session
 from ...solvers.engines.risk.convex_allocation_steps.units import Units
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 
-Floats = NDArray[np.float64]
-
 ACTIVE = 1e-7
 """Deviations by which the argument of an active constraint's tail may lie above that of its allowed risk."""
 
@@ -28,12 +25,10 @@ def iterative(
 ) -> Outcome:
     """Iterative risk allocation (Ono and Williams 2008), from equal risks, where every constraint is in one budget.
 
-    Each round plans for fixed risks. Constraints that are not active keep ``alpha``, in (0, 1), of the risk that they do not use; what
-    they give
-    is shared evenly among the active ones. The plan of a round stays allowed in the next, so that the cost never grows, and the risks
-    always keep the budgets. ``decay``, in (0, 1], is the factor of ``alpha`` from round to round; it ends when a round gains less than
-    the share
-    ``epsilon`` of the cost, or after ``rounds``. No guarantee.
+    Each round plans for fixed risks. Constraints that are not active keep ``alpha``, in (0, 1), of the risk that they do not use; what they
+    give is shared evenly among the active ones. The plan of a round stays allowed in the next, so that the cost never grows, and the risks
+    always keep the budgets. ``decay``, in (0, 1], is the factor of ``alpha`` from round to round; it ends when a round gains less than the
+    share ``epsilon`` of the cost, or after ``rounds``. No guarantee.
 
     ``statistics["end"]`` is ``small gain``; ``all active`` (it stalls: no constraint has risk to give, however unequal its worth, so that
     the allocation may be far from the best); ``none active``; ``rounds``; or ``infeasible`` where equal risks allow no plan.
@@ -107,12 +102,8 @@ def _refuses(problem: RiskAllocation) -> frozenset[str]:
 HEURISTICS.add(
     "iterative",
     Heuristic(
-        name="iterative",
-        families=("risk-allocation",),
-        features=frozenset({"allocated-risk", "joint-risk", "quadratic-cost", "cones"}),
-        run=iterative,
-        summary="iterative risk allocation: unused risk goes to the active constraints, plan after plan",
-        stated="no guarantee (never worse than equal risks; stalls where all constraints are active)",
-        refuses=_refuses,
+        "iterative", ("risk-allocation",), frozenset({"allocated-risk", "joint-risk", "quadratic-cost", "cones"}), iterative,
+        "iterative risk allocation: unused risk goes to the active constraints, plan after plan",
+        "no guarantee (never worse than equal risks; stalls where all constraints are active)", _refuses,
     ),
-)
+)  # fmt: skip

@@ -156,11 +156,9 @@ def run(problem: RiskyPath, context: Context, *, steps: int = 2) -> Outcome:
 HEURISTICS.add(
     "look-back",
     Heuristic(
-        name="look-back",
-        families=("risky-path",),
-        features=frozenset({"objective:risk", "objective:hazard", "goals", "locale-risk", "action-risk", "traverse-risk"}),
-        run=run,
-        summary="one label for the last states of a path: the approximate planner of risk-aware paths",
-        stated="least risk, without traverse risks and where no walk is less risky than all paths",
+        "look-back", ("risky-path",),
+        frozenset({"objective:risk", "objective:hazard", "goals", "locale-risk", "action-risk", "traverse-risk"}), run,
+        "one label for the last states of a path: the approximate planner of risk-aware paths",
+        "least risk, without traverse risks and where no walk is less risky than all paths",
     ),
-)
+)  # fmt: skip

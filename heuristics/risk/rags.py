@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
 
 from ...formulations.risk.path_sets import FIRST_EDGES, PathSet, cheapest_set_probabilities
 from ...formulations.risk.shared_edges import JointCosts, joint_probabilities
+from ...formulations.risk.uncertain_path import UncertainPath
 from ...formulations.tolerance import EQUAL
 from ...instances.errors import UsageError
 from ...instances.risk.uncertain_graph import Floats, UncertainGraph
 from ...solvers.engines.risk.non_dominated_paths import NonDominated, non_dominated_paths
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from ._graph_policies import Following
-
-if TYPE_CHECKING:
-    from ...formulations.risk.uncertain_path import UncertainPath
 
 RULES = ("best", "scan")
 """The next vertex of the largest probability, or the champion of pairwise comparisons in ascending order of the least mean."""
@@ -125,9 +123,8 @@ def rags(
     """The path of RAGS without observations (Skeele 2016, Algorithm 5, corrected).
 
     It looks for where the hindsight-cheapest path probably lies, which is not what the problem's value asks. ``rule`` is ``best`` or
-    ``scan``,
-    ``dominance`` (of the paths that are compared) ``weak``, ``pareto`` or ``strict``, ``comparison`` ``independent`` or ``joint``,
-    ``first_edges`` ``separate`` or ``shared``. See docs/formulations/uncertain-path.md#risk-aware-graph-search.
+    ``scan``, ``dominance`` (of the paths that are compared) ``weak``, ``pareto`` or ``strict``, ``comparison`` ``independent`` or
+    ``joint``, ``first_edges`` ``separate`` or ``shared``. See docs/formulations/uncertain-path.md#risk-aware-graph-search.
     """
     stop = context.begin()
     paths = non_dominated_paths(problem.graph, dominance, stop)

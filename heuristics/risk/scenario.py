@@ -6,17 +6,14 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...formulations.risk.allocations import Allocation
+from ...formulations.risk.allocations import Allocation, Floats
 from ...formulations.risk.forms.fixed_risks import fixed_margins_program
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
 from ...solvers.engines.risk.convex_allocation_steps.session import open_session
 from ...solvers.engines.risk.convex_allocation_steps.units import Units
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-
-Floats = NDArray[np.float64]
 
 MOST_SAMPLES = 5_000_000
 PORTION = 2_000_000
@@ -27,8 +24,8 @@ def enough_samples(risk: float, confidence: float, support: int) -> int | None:
     """The least number of samples with which a plan of ``support`` decisions keeps ``risk`` with ``confidence``; None above
     ``MOST_SAMPLES``.
 
-    It is the least M with ``sum over i < support of C(M, i) risk^i (1 - risk)^(M - i) <= 1 - confidence``.
-    Source: Campi and Garatti (2008), "The exact feasibility of randomized solutions of uncertain convex programs", theorem 1.
+    It is the least M with ``sum over i < support of C(M, i) risk^i (1 - risk)^(M - i) <= 1 - confidence``. Source: Campi and Garatti
+    (2008), "The exact feasibility of randomized solutions of uncertain convex programs", theorem 1.
     """
     from scipy.stats import binom
 
@@ -53,14 +50,10 @@ def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0
     """The best plan that no sample of the noise breaks, of a problem with joint risk and a total alone.
 
     As the noise does not depend on the decision, each constraint is as tight as its worst sample. ``confidence``, in (0, 1), is that over
-    the
-    samples drawn that the plan's probability to fail is the total at most; ``samples`` is how many, 0 for as many as the confidence
-    takes, for
-    as many decisions as there are, or constraints if these are fewer. Raises UsageError for a parameter out of its range, or more samples
-    than
-    can be drawn. ``statistics`` hold ``samples``, ``confidence`` (NaN for fewer samples than it takes) and ``support``; the judge
-    computes what
-    is true of the plan.
+    the samples drawn that the plan's probability to fail is the total at most; ``samples`` is how many, 0 for as many as the confidence
+    takes, for as many decisions as there are, or constraints if these are fewer. Raises UsageError for a parameter out of its range, or
+    more samples than can be drawn. ``statistics`` hold ``samples``, ``confidence`` (NaN for fewer samples than it takes) and ``support``;
+    the judge computes what is true of the plan.
 
     Source: Calafiore and Campi (2006), "The scenario approach to robust control design"; docs/formulations/risk-allocation.md#samples.
     """
@@ -99,12 +92,8 @@ def only_total(problem: RiskAllocation) -> frozenset[str]:
 HEURISTICS.add(
     "scenario",
     Heuristic(
-        name="scenario",
-        families=("risk-allocation",),
-        features=frozenset({"joint-risk", "quadratic-cost", "cones"}),
-        run=scenario,
-        summary="the best plan that keeps every constraint in each of so many samples",
-        stated="no guarantee of the cost; the joint risk is kept with the confidence asked for (Campi and Garatti 2008)",
-        refuses=only_total,
+        "scenario", ("risk-allocation",), frozenset({"joint-risk", "quadratic-cost", "cones"}), scenario,
+        "the best plan that keeps every constraint in each of so many samples",
+        "no guarantee of the cost; the joint risk is kept with the confidence asked for (Campi and Garatti 2008)", only_total,
     ),
-)
+)  # fmt: skip

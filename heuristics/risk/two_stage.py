@@ -18,9 +18,8 @@ def run(problem: RiskyPath, context: Context, *, steps: int = 2) -> Outcome:
     """The candidates of look-back, the start alone among them, compared by reward per risk.
 
     A guarantee holds where risks are of locale and action elements alone and no walk of least risk comes to a state twice: the optimum
-    where
-    the last reward alone counts; where all count and the end is free, the total reward over the least that is collected on the way to any
-    state with one. ``steps`` is that of look-back.
+    where the last reward alone counts; where all count and the end is free, the total reward over the least that is collected on the way to
+    any state with one. ``steps`` is that of look-back.
     """
     stop = context.begin()
     try:
@@ -72,11 +71,9 @@ def _guarantee(problem: RiskyPath, steps: int, paths: dict[int, Path], looped: f
 HEURISTICS.add(
     "two-stage",
     Heuristic(
-        name="two-stage",
-        families=("risky-path",),
-        features=frozenset({"objective:reward-per-risk", "goals", "any-end", "locale-risk", "action-risk", "traverse-risk"}),
-        run=run,
-        summary="best reward per risk among the least risky paths to all states",
-        stated="all rewards over the least on a least risky path to one (1 where the last alone counts), without traverse risks",
+        "two-stage", ("risky-path",),
+        frozenset({"objective:reward-per-risk", "goals", "any-end", "locale-risk", "action-risk", "traverse-risk"}), run,
+        "best reward per risk among the least risky paths to all states",
+        "all rewards over the least on a least risky path to one (1 where the last alone counts), without traverse risks",
     ),
-)
+)  # fmt: skip

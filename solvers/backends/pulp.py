@@ -28,10 +28,10 @@ from .highs import named_options, sound
 class PuLP(ProgramBackend):
     """CBC (Forrest & Lougee-Heimer 2005) through PuLP, or another solver that PuLP finds.
 
-    CBC reads the program as MPS and is driven directly, because PuLP's own account of it is not to be trusted: it says
-    ``Optimal`` for whatever incumbent a limit left behind, and drops the bound. The truth is in CBC's log.
-    ``iterations`` counts nodes of a mixed-integer program and iterations of a linear one. Extra options are CBC's own
-    parameters by name (``cuts=off``), or the keywords of PuLP's class for ``NAME``.
+    CBC reads the program as MPS and is driven directly, because PuLP's own account of it is not to be trusted: it says ``Optimal`` for
+    whatever incumbent a limit left behind, and drops the bound. The truth is in CBC's log. ``iterations`` counts nodes of a mixed-integer
+    program and iterations of a linear one. Extra options are CBC's own parameters by name (``cuts=off``), or the keywords of PuLP's class
+    for ``NAME``.
     """
 
     name = "pulp"

@@ -26,8 +26,8 @@ from ...evidence import ENDLESS
 def check_endless_ray(problem: Any, data: Mapping[str, Any]) -> bool:
     """Whether a program has points, and those along a ray prove that its objective has no bound.
 
-    ``point`` and ``ray`` hold one number a variable each; InputError is raised for anything else.
-    Source: Schrijver (1986), "Theory of Linear and Integer Programming", sections 8.2 and 16.2.
+    ``point`` and ``ray`` hold one number a variable each; InputError is raised for anything else. Source: Schrijver (1986), "Theory of
+    Linear and Integer Programming", sections 8.2 and 16.2.
     """
     if problem.family != "arrays":
         raise InputError("a ray is evidence for programs given as arrays", found=problem.family)

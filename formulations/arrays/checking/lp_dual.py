@@ -42,9 +42,8 @@ def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     number a row, positive where the lower side of the row counts, in either sense of the program. The bound is minus infinity (``min``) or
     infinity (``max``) where nothing is proved, and the other way round where the ray, or limits of a variable between which there is no
     number, prove that no x is within the limits. Raises InputError for a list that is missing, of another length, or of other than finite
-    numbers.
-    Source: Neumaier and Shcherbina (2004), "Safe bounds in linear and mixed-integer linear programming"; docs/formulations/arrays.md#row-
-    duals.
+    numbers. Source: Neumaier and Shcherbina (2004), "Safe bounds in linear and mixed-integer linear programming";
+    docs/formulations/arrays.md#row-duals.
     """
     if problem.family != "arrays":
         raise InputError("row duals are evidence for programs given as arrays", found=problem.family)

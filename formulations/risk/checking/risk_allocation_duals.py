@@ -46,10 +46,9 @@ def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
     cone one for its limit and one a row. ``infeasible``, true: the cost counts as 0, and prices of a positive value prove that there
     is no answer. Where risk is ``joint``, budgets have no price: no constraint may have more risk than all of its budgets.
 
-    The bound is minus infinity (``min``) or infinity (``max``) where nothing is proved, and the other one where it is proved that there
-    is no
-    answer. Raises InputError for a list that is missing, has another length, or holds anything but finite numbers.
-    Source: Lagrangian duality; docs/formulations/risk-allocation.md#the-bound. Sums are rounded to the safe side by ``lp-dual``'s rules.
+    The bound is minus infinity (``min``) or infinity (``max``) where nothing is proved, and the other one where it is proved that there is
+    no answer. Raises InputError for a list that is missing, has another length, or holds anything but finite numbers. Source: Lagrangian
+    duality; docs/formulations/risk-allocation.md#the-bound. Sums are rounded to the safe side by ``lp-dual``'s rules.
     """
     if problem.family != "risk-allocation":
         raise InputError("prices of chance constraints are evidence for risk allocation", found=problem.problem)

@@ -7,18 +7,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...evidence import Evidence
-from ...programs.cones import Cones
+from ...programs.cones import Cones, Floats
 from ...programs.program import Program, Rows, Variables
 from ...programs.rows import rows
 from ...programs.size import ProgramSize
-from ..risk_allocation import RiskAllocation
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
+from ..risk_allocation import Ints, RiskAllocation
 
 SHORTENED = 1e-9
 """Part by which prices of cones are made smaller, so that what is left of the cost of a variable that only a cone bounds has its sign."""

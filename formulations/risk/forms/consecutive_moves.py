@@ -7,7 +7,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...evidence import Evidence
@@ -16,9 +15,8 @@ from ...programs.compiled import Compiled
 from ...programs.program import Program, Variables
 from ...programs.rows import rows
 from ...programs.size import ProgramSize
+from ..moves import Floats
 from ..risky_path import Path, RiskyPath
-
-Floats = NDArray[np.float64]
 
 
 def build(problem: RiskyPath) -> Compiled:

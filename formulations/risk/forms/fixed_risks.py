@@ -17,19 +17,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.exactness import Exactness
 from ...programs.program import INTEGERS, LINEAR, QUADRATIC, Program, Variables
 from ...programs.rows import rows
-from ..allocations import Allocation
+from ..allocations import Allocation, Floats
 from ..normal import ndtr, ndtri
 from ..risk_allocation import RiskAllocation
 from ._blocks import Blocks, dense_rows, size_of
-
-Floats = NDArray[np.float64]
 
 FEATURES = frozenset({"allocated-risk", "joint-risk", "alternatives", "quadratic-cost", "cones"})
 

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...evidence import Evidence
 from ...forms import FORMS, Form
@@ -25,14 +24,11 @@ from ...programs.compiled import Compiled
 from ...programs.exactness import Exactness
 from ...programs.program import Program, Rows, Variables
 from ...programs.rows import rows
-from ..allocations import Allocation
+from ..allocations import Allocation, Floats
 from ..normal import ndtr, ndtri
-from ..risk_allocation import RiskAllocation
+from ..risk_allocation import Ints, RiskAllocation
 from ._blocks import Blocks, dense_rows, evidence_of, prices, size_of
 from .fixed_risks import FEATURES, add_choices, largest, makes, refuses, spared
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 POINTS = 60
 """Points of each constraint, of both forms."""

@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import math
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ....formulations.risk.allocations import Allocation
+from ....formulations.risk.allocations import Allocation, Floats
 from ....formulations.risk.risk_allocation import RiskAllocation
+from ....formulations.solution import Solution
 from ....instances.errors import UsageError
 from ....instances.risk.gaussian import Quantities
 from .. import PLOTS
 from ..drawing import ALARM, COLOURS, INK, LABELLED_BARS, QUIET, chart_axes, entitled, new_axes
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
-
-Floats = NDArray[np.float64]
 
 VIEWS = ("trajectory", "risks", "violations")
 SAMPLES = 20_000

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....formulations.risk.risky_path import RiskyPath
+from ....formulations.solution import Solution
 from .. import PLOTS
 from ..drawing import ALARM, COLOURS, INK, QUIET, bare, chart_axes, entitled, new_axes
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
 
 FEW_STATES = 4000
 """Up to this many states are drawn one by one."""

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.risk.uncertain_path import UncertainPath
+from ....formulations.solution import Solution
 from ....formulations.stop import Stop
-from ....instances.risk.uncertain_graph import UncertainGraph
+from ....instances.risk.uncertain_graph import Floats, UncertainGraph
 from ....solvers.engines.risk.non_dominated_paths import non_dominated_paths
 from .. import PLOTS
 from ..drawing import COLOURS, INK, QUIET, bare, entitled, new_axes
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
-
-Floats = NDArray[np.float64]
 
 MAP_EDGES = 4000
 """More edges than this are left out of a map: they would hide it."""

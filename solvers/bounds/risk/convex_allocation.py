@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....formulations.evidence import Evidence
 from ....formulations.risk.risk_allocation import Ints, RiskAllocation
 from ....formulations.stop import Stop
+from ...engines.risk.convex_allocation_steps.successive_tangents import Interval, SuccessiveTangents
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
-
-if TYPE_CHECKING:
-    from ...engines.risk.convex_allocation_steps.successive_tangents import Interval
 
 
 def missing(problem: Any) -> frozenset[str]:
@@ -24,8 +22,6 @@ def missing(problem: Any) -> frozenset[str]:
 
 def compute(problem: RiskAllocation, stop: Stop, linear: LinearPrograms) -> Evidence | None:
     """Prices by successive tangents, for the part of the problem without alternatives, and without sums where risk is joint."""
-    from ...engines.risk.convex_allocation_steps.successive_tangents import SuccessiveTangents
-
     part, rows = problem.convex_part()
     return next(iter(part_evidence(problem, rows, SuccessiveTangents(part, linear.seed).run(stop))), None)
 

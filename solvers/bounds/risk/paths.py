@@ -5,19 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
+from ....formulations.risk.risky_path import RiskyPath
+from ....formulations.risk.uncertain_path import UncertainPath
 from ....formulations.stop import Stop, until
 from ...engines.risk.risky_path_steps.least_hazard import least_hazard
 from ...engines.risk.supported_paths import supported_paths
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
-
-if TYPE_CHECKING:
-    from ....formulations.risk.risky_path import RiskyPath
-    from ....formulations.risk.uncertain_path import UncertainPath
 
 
 def move_potentials(problem: RiskyPath, stop: Stop, linear: LinearPrograms) -> Evidence | None:

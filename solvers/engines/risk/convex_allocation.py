@@ -8,19 +8,16 @@ from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.certificate import verified_bound
 from ....formulations.problem import Problem
 from ....formulations.programs.exactness import Exactness
-from ....formulations.risk.allocations import Allocation
+from ....formulations.risk.allocations import Allocation, Floats
 from ....formulations.risk.normal import ndtri
 from ....formulations.risk.risk_allocation import RiskAllocation
 from ....formulations.stop import Stop
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from .convex_allocation_steps.successive_tangents import Interval, SuccessiveTangents
-
-Floats = NDArray[np.float64]
 
 PROVED = 1e-6
 """Part of the sum of a cost's terms by which the proof of an optimum may be behind it at most."""

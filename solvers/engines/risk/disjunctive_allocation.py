@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ....formulations.evidence import Evidence
 from ....formulations.problem import Problem
 from ....formulations.programs.exactness import Exactness
-from ....formulations.risk.allocations import Allocation
+from ....formulations.risk.allocations import Allocation, Floats
 from ....formulations.risk.risk_allocation import RiskAllocation
 from ....formulations.stop import Stop
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
@@ -21,8 +21,6 @@ from ...bounds.proof_tree import Node, ProofTree
 from ...bounds.risk.convex_allocation import part_evidence
 from .convex_allocation import LEANING, leans
 from .convex_allocation_steps.successive_tangents import SuccessiveTangents
-
-Floats = NDArray[np.float64]
 
 CLOSED = 1e-6
 """Gap at which a search for an optimum ends."""

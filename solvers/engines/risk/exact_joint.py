@@ -10,11 +10,10 @@ import math
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.problem import Problem
 from ....formulations.programs.rows import rows
-from ....formulations.risk.allocations import Allocation
+from ....formulations.risk.allocations import Allocation, Floats
 from ....formulations.risk.forms.fixed_risks import fixed_margins_program, margins
 from ....formulations.risk.joint_normal import Probability, any_fails
 from ....formulations.risk.normal import ndtr, ndtri
@@ -25,8 +24,6 @@ from .convex_allocation import beyond_boole, quantile, room
 from .convex_allocation_steps.session import open_session
 from .convex_allocation_steps.successive_tangents import SuccessiveTangents
 from .convex_allocation_steps.units import Units
-
-Floats = NDArray[np.float64]
 
 SHIFTS, POINTS = 12, 251
 """Random shifts of the lattice, and its points: a prime."""

@@ -11,19 +11,15 @@ from __future__ import annotations
 import heapq
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from ....formulations.problem import Problem
+from ....formulations.risk.uncertain_path import Path, UncertainPath
 from ....formulations.stop import NEVER, Stop
 from ....instances.errors import UsageError
+from ....instances.risk.uncertain_graph import Floats, UncertainGraph
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
-
-if TYPE_CHECKING:
-    from ....formulations.risk.uncertain_path import Path, UncertainPath
-    from ....instances.risk.uncertain_graph import Floats, UncertainGraph
-
 
 DOMINANCE = ("weak", "pareto", "strict")
 """One path dominates another if neither moment is larger (of equals, the first found stays); if one is smaller besides; if both are."""
@@ -50,8 +46,7 @@ def non_dominated_paths(graph: UncertainGraph, dominance: str = "weak", stop: St
     """All simple paths from start to goal that no other one dominates in (mean, variance).
 
     ``dominance`` is a name of ``DOMINANCE``, else UsageError is raised; under ``strict``, a graph without variances has every simple path
-    in
-    the set. Source: Hansen (1980), Bicriterion path problems; Skeele (2016), (5.6) and Algorithm 5, corrected:
+    in the set. Source: Hansen (1980), Bicriterion path problems; Skeele (2016), (5.6) and Algorithm 5, corrected:
     docs/formulations/uncertain-path.md#non-dominated-paths.
     """
     if dominance not in DOMINANCE:
@@ -164,12 +159,12 @@ class NonDominatedPaths(Engine):
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         stop = self.begin(problem, options, control)
-        asked = cast("UncertainPath", problem)
-        search = non_dominated_paths(asked.graph, stop=stop)
+        assert isinstance(problem, UncertainPath)
+        search = non_dominated_paths(problem.graph, stop=stop)
         statistics = {"paths": len(search.paths), "labels": search.labels}
         if not search.paths:
             return RawResult("unknown", stop.reached(), statistics=statistics)
-        values = [asked.value(m, v) for m, v in zip(search.means.tolist(), search.variances.tolist(), strict=True)]
+        values = [problem.value(m, v) for m, v in zip(search.means.tolist(), search.variances.tolist(), strict=True)]
         best = min(range(len(values)), key=values.__getitem__)
         if not search.complete:
             return RawResult("feasible", stop.reached(), search.paths[best], values[best], statistics=statistics)

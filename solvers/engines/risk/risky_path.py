@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any, ClassVar
 
 from ....formulations.problem import Problem
 from ....formulations.risk.moves import Memories
@@ -31,7 +29,6 @@ class RiskLabels(Engine):
     interrupts = "keeps the best path"
     one_thread = True
     honours = frozenset({"iterations"})
-    options: ClassVar[Mapping[str, Any]] = {}
     order = 5
     family = "risky-path"
     features = FEATURES
@@ -74,7 +71,6 @@ class PathEnumeration(Engine):
     interrupts = "keeps the best path"
     one_thread = True
     honours = frozenset({"iterations"})
-    options: ClassVar[Mapping[str, Any]] = {}
     order = 200
     family = "risky-path"
     features = FEATURES

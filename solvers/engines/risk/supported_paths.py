@@ -10,21 +10,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
 from ....formulations.problem import Problem
+from ....formulations.risk.uncertain_path import Path, UncertainPath
 from ....formulations.stop import Stop
+from ....instances.risk.uncertain_graph import Floats, UncertainGraph
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
-
-if TYPE_CHECKING:
-    from ....formulations.risk.uncertain_path import Path, UncertainPath
-    from ....instances.risk.uncertain_graph import UncertainGraph
-
-Floats = NDArray[np.float64]
 
 SAME = 1e-13
 """Relative: weighted sums closer than this are one."""
@@ -145,11 +139,11 @@ class SupportedPathsEngine(Engine):
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         stop = self.begin(problem, options, control)
-        asked = cast("UncertainPath", problem)
-        search = supported_paths(asked, stop)
-        value = asked.value(search.best.mean, search.best.variance)
+        assert isinstance(problem, UncertainPath)
+        search = supported_paths(problem, stop)
+        value = problem.value(search.best.mean, search.best.variance)
         status, limit = ("optimal", "none") if search.complete else ("feasible", stop.reached())
         bound = value if search.complete else None
         return RawResult(
-            status, limit, search.best.path, value, bound, statistics={"weights": len(search.paths)}, evidence=(search.evidence(asked),)
+            status, limit, search.best.path, value, bound, statistics={"weights": len(search.paths)}, evidence=(search.evidence(problem),)
         )

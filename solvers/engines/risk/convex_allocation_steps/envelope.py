@@ -24,10 +24,9 @@ from .....formulations.risk.forms._blocks import Blocks, dense_rows
 from .....formulations.risk.forms.piecewise import density, mean_risk, points
 from .....formulations.risk.normal import ndtr
 from .....formulations.risk.risk_allocation import RiskAllocation
-from .session import Solved, open_session
+from .session import Ints, Solved, open_session
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 TINY = float(np.finfo(np.float64).tiny)
 

@@ -32,8 +32,7 @@ class Solved:
 
     ``status`` is ``optimal``, ``infeasible``, ``unbounded`` or ``unknown``; ``value`` and ``bound`` are the objective of ``x`` and the
     solver's own bound, NaN without a point. ``duals`` (none of programs with integers) are d objective / d right side, ``cone_duals`` of
-    shape
-    (rows of cones,) members of the dual cones. ``ray`` of shape (rows,) is that of an infeasible program, of either sign.
+    shape (rows of cones,) members of the dual cones. ``ray`` of shape (rows,) is that of an infeasible program, of either sign.
     """
 
     status: str

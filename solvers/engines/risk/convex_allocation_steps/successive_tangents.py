@@ -14,10 +14,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .....formulations.evidence import Evidence
-from .....formulations.risk.allocations import Allocation
+from .....formulations.risk.allocations import Allocation, Floats
 from .....formulations.risk.forms._blocks import evidence_of, prices
 from .....formulations.risk.forms.piecewise import mean_risk, piecewise_program, points
 from .....formulations.risk.normal import ndtr, ndtri
@@ -26,8 +25,6 @@ from .....formulations.stop import Stop
 from .envelope import Envelope
 from .session import Solved, open_session
 from .units import Units
-
-Floats = NDArray[np.float64]
 
 FIRST_POINTS, FIRST_LEAST = 6, 0.2
 """Tangents of each constraint at the start, from its largest risk to this part of a mean one."""
@@ -70,8 +67,7 @@ class Interval:
     """Interval that holds the optimum of a risk allocation, its answer, and the prices that prove its bound.
 
     ``status`` is ``optimal`` (closed to what was asked), ``feasible``, ``infeasible``, ``unbounded`` or ``unknown``. ``bound`` and
-    ``value``
-    are at most and at least the optimum, in the sense of minimisation, and infinite where nothing is known.
+    ``value`` are at most and at least the optimum, in the sense of minimisation, and infinite where nothing is known.
     """
 
     status: str = "unknown"

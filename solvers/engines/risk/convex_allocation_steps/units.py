@@ -22,8 +22,7 @@ class Units:
     """A problem in its units, and the way back.
 
     A decision is ``columns`` times its value in ``problem``; rows and chance rows of ``problem`` are those of the original times ``rows``
-    and
-    ``chance``, and its costs times ``cost``, as are the rows of each cone and each term of the cost times ``cones`` and ``terms``.
+    and ``chance``, and its costs times ``cost``, as are the rows of each cone and each term of the cost times ``cones`` and ``terms``.
     """
 
     problem: RiskAllocation

@@ -52,8 +52,7 @@ def least_hazard(
     """A path without repetition of least hazard to one of ``goals``.
 
     ``memories`` may be shared by searches of one problem. Paths of hazard ``most`` or more are of no use: where there are no others, none
-    is
-    returned, and ``hazard`` is at least this. ``labels`` is how many may be grown.
+    is returned, and ``hazard`` is at least this. ``labels`` is how many may be grown.
     """
     moves, graph = problem.moves, problem.graph
     if graph.start in goals:
