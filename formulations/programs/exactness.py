@@ -1,4 +1,4 @@
-"""How a program's optimum relates to the optimum of the problem that was asked."""
+"""Exactness of programs: what their optimum says of the problem that was asked."""
 
 from __future__ import annotations
 

@@ -31,8 +31,8 @@ class Allocation:
     @classmethod
     def of(cls, decision: ArrayLike, risks: ArrayLike | None = None) -> Allocation:
         """An allocation of anything that numpy takes for vectors."""
-        given = None if risks is None else np.array(risks, dtype=np.float64)
-        return cls(np.array(decision, dtype=np.float64), given)
+        allowed = None if risks is None else np.array(risks, dtype=np.float64)
+        return cls(np.array(decision, dtype=np.float64), allowed)
 
     def __repr__(self) -> str:
         return f"<Allocation: {len(self.decision)} decisions{'' if self.risks is None else f', {len(self.risks)} risks'}>"

@@ -29,9 +29,9 @@ def contradiction(problem: RiskAllocation, data: Mapping[str, Any]) -> str:
     return said + held if fixed else said
 
 
-def _named(given: Any, names: Sequence[str]) -> list[str]:
+def _named(values: Any, names: Sequence[str]) -> list[str]:
     """Names of entries with a price, a list or positions and values: in their order, or the dearest first where they are many."""
-    prices = dict(zip(given["at"], given["values"], strict=True)) if isinstance(given, Mapping) else dict(enumerate(given))
+    prices = dict(zip(values["at"], values["values"], strict=True)) if isinstance(values, Mapping) else dict(enumerate(values))
     priced = sorted((at for at, price in prices.items() if price != 0.0), key=lambda at: -abs(prices[at]))
     return [names[at] for at in (priced if len(priced) > SHOWN_NAMES else sorted(priced))]
 

@@ -15,7 +15,7 @@ from ...instances.risk.gaussian import Quantities
 from .allocations import Floats
 
 Places = dict[str, tuple[int, tuple[int, ...]]]
-"""By the name of a variable: the column of its first entry, and its shape."""
+"""Column of the first entry of each variable, and its shape, by its name."""
 
 
 def declared_instance(

@@ -173,8 +173,8 @@ class _Union:
         many = int(min(points, max(1000, WORK / (len(self.z) * (root.shape[1] + 10)))))
         if most - least <= self.total * bits / many:  # finer than samples see
             return Probability(0.5 * (least + most), least, most, 1.0, most)
-        pilot, found = self._counted(many // PILOT, root, rng), self._counted(many - many // PILOT, root, rng)
-        apart = [self.base - self.total * part for part in _mean_between(pilot, found, bits)]
+        pilot, counts = self._counted(many // PILOT, root, rng), self._counted(many - many // PILOT, root, rng)
+        apart = [self.base - self.total * part for part in _mean_between(pilot, counts, bits)]
         blur = BLURRED * self.total
         value, high, low = (min(max(p, least), most) for p in (apart[0], apart[1] + blur, apart[2] - blur))
         return Probability(value, low, high, 1.0 - doubt, most)
@@ -244,14 +244,14 @@ def _spanning_tree(pairs: Floats) -> tuple[Ints, Ints]:
     return one, other
 
 
-def _mean_between(pilot: Counts, found: Counts, bits: float) -> tuple[float, float, float]:
+def _mean_between(pilot: Counts, counts: Counts, bits: float) -> tuple[float, float, float]:
     """Mean of numbers from 0 to 1, and limits that hold their expectation but with the probability 2 exp(-bits).
 
     Whoever stakes a fixed part of their capital on each number, at even odds if the expectation is m, is expected to end with what they
     began with, so that exp(bits) times as much is as rare as exp(-bits) (Markov): an m that would make them so rich is refused. The parts
     come from other numbers, the pilot's.
     """
-    numbers, often = found
+    numbers, often = counts
     many, mean = float(often.sum()), float(numbers @ often / often.sum())
     first = float(pilot[0] @ pilot[1] / pilot[1].sum())
     spread = float((pilot[0] - first) ** 2 @ pilot[1] / pilot[1].sum()) + 1.0 / float(pilot[1].sum())

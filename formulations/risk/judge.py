@@ -48,7 +48,7 @@ def evaluate_allocation(problem: RiskAllocation, answer: Allocation) -> Evaluati
             judged += [_judge_chance(p, near, allowed), _judge_risks(p, allowed), _judge_budgets(p, allowed)]
         else:
             judged += [_judge_risks(p, own), _judge_joint(p, near, known)]
-    checks, violations = tuple(check for check, _ in judged), tuple(v for _, found in judged for v in found)
+    checks, violations = tuple(check for check, _ in judged), tuple(v for _, broken in judged for v in broken)
     return Evaluation((value,), checks, violations, _quantities(p, near, own) if known else {}, (terms,), VECTOR)
 
 
@@ -77,13 +77,13 @@ def _row_sizes(p: RiskAllocation, x: Floats) -> Floats:
 
 def _quantities(p: RiskAllocation, x: Floats, own: Floats) -> dict[str, float]:
     joint = next(iter(p.joint_risk(x).values()))
-    told = {
+    quantities = {
         "sum_of_risks": float(own.sum()), "joint_risk": joint.value, "joint_risk_low": joint.low, "joint_risk_high": joint.high,
         "joint_risk_confidence": joint.confidence,
     }  # fmt: skip
     if p.risk.total is not None:
-        told["unused_share_of_risk"] = 1.0 - joint.value / p.risk.total
-    return told
+        quantities["unused_share_of_risk"] = 1.0 - joint.value / p.risk.total
+    return quantities
 
 
 def _judge_rows(p: RiskAllocation, x: Floats) -> Judged:

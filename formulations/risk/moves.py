@@ -140,8 +140,8 @@ class MoveGraph:
         order = np.argsort(self.first, kind="stable")
         ends = np.cumsum(np.bincount(self.first, minlength=m))[:-1]
         rows = zip(np.split(self.second[order], ends), np.split(self.own_hazard[order], ends), strict=True) if m else ()
-        made = [(moves.tolist(), hazards.tolist()) for moves, hazards in rows]
-        return [*made, (self.begin.tolist(), self.own_begin_hazard.tolist())]
+        followers = [(moves.tolist(), hazards.tolist()) for moves, hazards in rows]
+        return [*followers, (self.begin.tolist(), self.own_begin_hazard.tolist())]
 
     @cached_property
     def _walks(self) -> Indices:

@@ -276,8 +276,8 @@ def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RiskyPath:
     names = [instance.state_name(k) for k in range(instance.num_states)]
     for key in ("start", "goals"):
         if key in settings:
-            given = [part.strip() for part in str(settings[key]).split(",") if part.strip()]
-            chosen = tuple(indices_of(given, {name: k for k, name in enumerate(names)}, "state"))
+            asked = [part.strip() for part in str(settings[key]).split(",") if part.strip()]
+            chosen = tuple(indices_of(asked, {name: k for k, name in enumerate(names)}, "state"))
             if key == "start" and len(chosen) != 1:
                 raise UsageError("start must be one state")
             changed[key] = chosen[0] if key == "start" else chosen

@@ -51,9 +51,9 @@ class RiskAware(Following):
         self._ahead = [(_sums(graph.mean[used]), _sums(graph.variance[used])) for used in edges]
 
     def fresh(self) -> Self:
-        made = super().fresh()
-        made.risks = []
-        return made
+        policy = super().fresh()
+        policy.risks = []
+        return policy
 
     def next_vertex(self, at: int, known: Floats) -> int:
         ways = self.ways(at)

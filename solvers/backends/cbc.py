@@ -42,7 +42,7 @@ EXACT = ".bin"
 """Suffix of the file in which CBC saves its point."""
 
 MOST_THREADS = 99
-"""What CBC takes as a number of threads: a hundred and above choose a mode of working, in some of which it crashes."""
+"""Most threads of CBC: a hundred and above choose a mode of working, in some of which it crashes."""
 
 STATUS_MAP = {
     "optimal": "optimal", "infeasible": "infeasible", "integer": "infeasible", "unbounded": "unbounded", "stopped": "unknown",
@@ -53,7 +53,7 @@ LIMITS = (
     ("maximum nodes", "nodes"), ("node limit", "nodes"), ("maximum time", "time"), ("time limit", "time"), ("user event", "interrupt"),
     ("integer gap", "gap"), ("maximum solutions", "iterations"), ("maximum iterations", "iterations"),
 )  # fmt: skip
-"""What CBC's log says when it ends early ("Exiting on maximum nodes") to our limit."""
+"""Words of CBC's log when it ends early ("Exiting on maximum nodes"), and our limit."""
 
 PRICED = 1e-6
 """Share of the largest cost up to which a reduced cost counts as 0."""
@@ -108,9 +108,9 @@ class Log:
     def _take(self, line: str) -> None:
         if line.strip():
             self.tail = [*self.tail[-4:], line.strip()]
-        found = _BOUND.search(line) or _LOWER.match(line)
-        if found and abs(float(found[1])) < _NONE:
-            self.bound = max(_weakened(float(found[1]), line), -math.inf if self.bound is None else self.bound)
+        bound_there = _BOUND.search(line) or _LOWER.match(line)
+        if bound_there and abs(float(bound_there[1])) < _NONE:
+            self.bound = max(_weakened(float(bound_there[1]), line), -math.inf if self.bound is None else self.bound)
         if counted := _NODES.search(line):
             self.nodes = int(counted[1])
         if "Exiting on" in line or "Exiting as" in line or (line.startswith("Result -") and not self.end):

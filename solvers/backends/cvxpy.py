@@ -26,7 +26,7 @@ PROGRAMS = {
     "ECOS": (CONES,),
     "HIGHS": (INTEGERS,),
 }
-"""What each solver takes. HiGHS would take quadratic objectives, but what CVXPY 1.9 makes of them has another optimum."""
+"""Programs that each solver takes. HiGHS would take quadratic objectives, but CVXPY 1.9 hands over others, of another optimum."""
 
 
 LIBRARIES = {"CLARABEL": "clarabel", "SCS": "scs", "ECOS": "ecos", "HIGHS": "highspy"}
@@ -113,7 +113,7 @@ PRECISIONS = {
 """Options of each solver that are set to ``PRECISION``."""
 
 MOST_ITERATIONS = {"CLARABEL": ("max_iter", None), "SCS": ("max_iters", 10_000_000), "ECOS": ("max_iters", 1_000)}
-"""What each solver calls its limit of iterations, and how many it has by default; None leaves its own."""
+"""Name of each solver's limit of iterations, and its default; None leaves the solver's own."""
 
 KNOWN = {
     "SCS": {

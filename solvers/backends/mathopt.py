@@ -34,7 +34,7 @@ PROGRAMS = {
     "cp-sat": (INTEGERS,),
     "pdlp": (QUADRATIC,),
 }
-"""What each solver takes. MathOpt hands no quadratic objective to HiGHS, GLOP and CP-SAT."""
+"""Programs that each solver takes. MathOpt hands no quadratic objective to HiGHS, GLOP and CP-SAT."""
 
 ENGINES = {"highs": "HiGHS", "gscip": "SCIP", "glop": "GLOP", "cp-sat": "CP-SAT", "pdlp": "PDLP"}
 

@@ -27,7 +27,7 @@ from ..program_backend import ProgramBackend
 SECOND_ORDER = frozenset(kind for kind in CONES if kind.startswith("second-order"))
 
 BROKEN = 1e-6
-"""From which excess on a cone counts as broken, in the units of the program: a solver's own tolerance of a row."""
+"""Excess from which on a cone counts as broken, in the units of the program: a solver's own tolerance of a row."""
 
 FRACTIONAL_ROUNDS = 30
 """Continuous relaxations that are solved at most before the first program with integers."""

@@ -21,7 +21,7 @@ DUAL_TOLERANCE = 1e-7
 SECOND_ORDER = frozenset(kind for kind in CONES if kind.startswith("second-order"))
 
 INFINITE = 1e20
-"""What SCIP takes for infinite."""
+"""Numbers from which on SCIP takes them for infinite."""
 
 LIMITS = {
     "timelimit": "time", "nodelimit": "nodes", "totalnodelimit": "nodes", "memlimit": "memory", "userinterrupt": "interrupt",

@@ -34,37 +34,39 @@ from ..problem import ArrayProblem
 
 def build(problem: ArrayProblem) -> Compiled:
     """The problem's own program, with answers that are vectors; see the module's text."""
-    given = problem.program
+    program = problem.program
 
     def encode(answer: Floats) -> Floats:
         x = np.asarray(answer, dtype=np.float64)
-        if x.shape != (given.num_variables,):
-            raise InputError("the start is no vector with one number a variable", expected=f"({given.num_variables},)", found=str(x.shape))
+        if x.shape != (program.num_variables,):
+            raise InputError(
+                "the start is no vector with one number a variable", expected=f"({program.num_variables},)", found=str(x.shape)
+            )
         return x
 
     def dual_evidence(row_duals: Floats, of: Problem = problem) -> Evidence:
         program = of.program  # type: ignore[attr-defined]
         # Solvers disagree on the sign of a maximisation's duals (HiGHS' interior point without crossover reverses it).
-        sign = 1.0 if given.sense == "min" else -1.0
+        sign = 1.0 if program.sense == "min" else -1.0
         duals = max((np.asarray(row_duals, dtype=np.float64) * s for s in (1.0, -1.0)), key=lambda y: sign * dual_value(program, y))
         return Evidence("lp-dual", "LP relaxation of the program", dual_value(program, duals), {"duals": [float(y) for y in duals]})
 
     def ray_evidence(ray: Floats) -> Evidence:
-        none = math.inf if given.sense == "min" else -math.inf
+        none = math.inf if program.sense == "min" else -math.inf
         return Evidence("lp-dual", "a ray of the program's rows", none, {"ray": [float(y) for y in ray]})
 
     def at_most(column: int, most: int) -> Decision:
         return {"variable": column, "most": most}, True
 
-    linear = given.quadratic is None and not given.cones and not given.circuits
-    compiled = Compiled(replace(given, name="arrays"), problem, lambda x: x, encode, ray_evidence=ray_evidence, at_most=at_most)
+    linear = program.quadratic is None and not program.cones and not program.circuits
+    compiled = Compiled(replace(program, name="arrays"), problem, lambda x: x, encode, ray_evidence=ray_evidence, at_most=at_most)
     return replace(compiled, dual_evidence=dual_evidence) if linear else compiled
 
 
 def size(problem: ArrayProblem) -> ProgramSize:
     """Size of what is joined of the program, which is there, and of a solver's copy."""
-    given = problem.program
-    return ProgramSize(given.num_variables, given.num_rows, float(len(given.data)) + sum(len(c.data) for c in given.cones))
+    program = problem.program
+    return ProgramSize(program.num_variables, program.num_rows, float(len(program.data)) + sum(len(c.data) for c in program.cones))
 
 
 def build_products(problem: ArrayProblem) -> Compiled:

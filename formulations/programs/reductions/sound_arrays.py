@@ -10,7 +10,7 @@ from ..program import Program, Rows
 from .reduction import Reduction, Step
 
 SLACK = 1e-9
-"""How far beyond a whole number a bound still means that number."""
+"""Distance from a whole number up to which a bound means that number."""
 
 
 class Added(Step):

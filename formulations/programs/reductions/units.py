@@ -80,19 +80,19 @@ def scaled(program: Program) -> Scaled:
     if not math.isfinite(_times(program.offset, objective)):
         objective = 0
     with np.errstate(over="ignore"):
-        made = _apply(program, columns, rows, objective)
-    if any(np.isfinite(new).sum() < np.isfinite(old).sum() for old, new in zip(_numbers(program), _numbers(made), strict=True)):
+        result = _apply(program, columns, rows, objective)
+    if any(np.isfinite(new).sum() < np.isfinite(old).sum() for old, new in zip(_numbers(program), _numbers(result), strict=True)):
         return same  # numbers too far apart for any unit
     told = f"{program.num_variables} variables and {program.num_rows} rows brought to ordinary sizes by powers of two"
-    return Scaled(program=made, told=told, columns=columns, rows=rows, objective=objective)
+    return Scaled(program=result, told=told, columns=columns, rows=rows, objective=objective)
 
 
 class Units(Reduction):
     """Brings programs to ordinary units, the same for data in any unit."""
 
     def apply(self, program: Program) -> tuple[Step, ...]:
-        made = scaled(program)
-        return () if made.program is program else (made,)
+        step = scaled(program)
+        return () if step.program is program else (step,)
 
 
 UNITS = Units()
@@ -211,7 +211,7 @@ def _counted(values: Floats, group: NDArray[np.int64], groups: int) -> _Counts:
     np.minimum.at(least, group, values)
     top, low = (np.frexp(np.where((ends > 0) & np.isfinite(ends), ends, 1.0))[1].astype(np.int64) - 1 for ends in (largest, least))
     units = np.where(largest > 0, np.maximum(top - (LARGEST - 1), np.minimum(top - COMMON, low)), 0)
-    found = np.zeros(groups)
+    counted_in = np.zeros(groups)
     for decimals in (1.0, 10.0, 100.0, 1000.0):
         if not len(values):
             break
@@ -227,10 +227,10 @@ def _counted(values: Floats, group: NDArray[np.int64], groups: int) -> _Counts:
         good = _ordinary(most / lowest / decimals)
         good[group[bad]] = False
         units[good] = (top - _BITS + np.log2(lowest).astype(np.int64))[good]
-        found[good] = decimals
+        counted_in[good] = decimals
         left = ~good[group]
         values, group = values[left], group[left]
-    return _Counts(units, found, largest)
+    return _Counts(units, counted_in, largest)
 
 
 def _ordinary(sizes: Floats) -> NDArray[np.bool_]:
@@ -291,10 +291,10 @@ def _apply(program: Program, columns: NDArray[np.int64], rows: NDArray[np.int64]
     for block in program.variables:
         by = columns[first : first + block.size]
         first += block.size
-        made = replace(
+        scaled_block = replace(
             block, lower=np.ldexp(block.lower, -by), upper=np.ldexp(block.upper, -by), cost=np.ldexp(block.cost, by + objective)
         )  # fmt: skip
-        variables.append(made)
+        variables.append(scaled_block)
     scaled_rows, first = [], 0
     for part in program.rows:
         by = rows[first : first + part.size]

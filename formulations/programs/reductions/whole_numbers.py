@@ -34,7 +34,7 @@ ROW_ERROR = 1e-7
 """Most by which rounding may loosen a row, in the row's own units."""
 
 OBJECTIVE_ERROR = 1e-9
-"""How far, relative to the sum of all that the objective may hold, rounding should move it; ``LARGEST_OBJECTIVE`` comes first."""
+"""Error of the objective that rounding should keep to, in parts of the sum of its terms; ``LARGEST_OBJECTIVE`` comes first."""
 
 LARGEST_OBJECTIVE = 2.0**60
 
@@ -113,12 +113,12 @@ class IntegerProgram:
 UNLIMITED = 2**62
 
 
-def integer_program(given: Program, bounded: Program | None = None) -> IntegerProgram:
+def integer_program(source: Program, bounded: Program | None = None) -> IntegerProgram:
     """The program in integers; raises Irreducible where numbers, bounds or continuous variables do not allow it.
 
     Its rows hold each column once. ``bounded`` is the same program with bounds derived where it has none, which need not be met exactly.
     """
-    program = bounded or given
+    program = bounded or source
     sense = 1.0 if program.sense == "min" else -1.0
     endless = ~(np.isfinite(program.lower) & np.isfinite(program.upper))
     if endless.any():
@@ -136,7 +136,7 @@ def integer_program(given: Program, bounded: Program | None = None) -> IntegerPr
     sides = np.stack([program.row_lower - moved, program.row_upper - moved])
     row_scale, unit, group = _unimodular(program, row, column, value, whole)
     bounds = np.stack([np.where(fixed, 0.0, program.lower), np.where(fixed, 0.0, program.upper)])
-    met = np.where(np.isfinite([given.lower, given.upper]), bounds, 0.0)
+    met = np.where(np.isfinite([source.lower, source.upper]), bounds, 0.0)
     factor, exact = _group_factors(row, column, value, sides, bounds, np.where(whole, 0.0, met / unit), whole, row_scale, unit, group)
     row_factor, unit = row_scale * factor[group[:m]], np.where(whole, 1.0, unit / factor[group[m:]])
     indptr, indices, data, row_lower, row_upper = _rounded_rows(
@@ -154,7 +154,7 @@ def integer_program(given: Program, bounded: Program | None = None) -> IntegerPr
         lower=low.astype(np.int64), upper=high.astype(np.int64), cost=weights[:n].astype(np.int64), pairs=pairs,
         factors=weights[n:].astype(np.int64), indptr=indptr, indices=indices, data=data, row_lower=row_lower, row_upper=row_upper,
         unit=unit, shift=shift, sense=sense, scale=scale, error=error, constant=constant, exact=bool(exact.all()) and error == 0.0,
-        source=given,
+        source=source,
     )  # fmt: skip
 
 

@@ -89,33 +89,33 @@ def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
     return float(problem.sign * bound)
 
 
-def _allowed_terms(problem: Any, given: Floats) -> tuple[Floats, float]:
+def _allowed_terms(problem: Any, prices: Floats) -> tuple[Floats, float]:
     """Vectors v with ``term(r) >= v r + constant``: the given ones, cut to what the weights allow; and the sum of the constants."""
-    made, constants, start = given.copy(), [], 0
+    allowed, constants, start = prices.copy(), [], 0
     for kind, weight, _, constant in problem.terms:
         part = slice(start, start + len(constant))
         start = part.stop
         if kind == "absolute":
-            made[part] = np.clip(made[part], -weight, weight)
+            allowed[part] = np.clip(allowed[part], -weight, weight)
         elif kind == "norm":
-            made[part] = _shortened(made[part], weight)
+            allowed[part] = _shortened(allowed[part], weight)
         elif weight > 0.0:
-            square = math.fsum((made[part] ** 2).tolist()) / (4.0 * weight)
+            square = math.fsum((allowed[part] ** 2).tolist()) / (4.0 * weight)
             constants.append(-square * (1.0 + 8.0 * _EPS))
         else:
-            made[part] = 0.0
-    return made, math.fsum(constants)
+            allowed[part] = 0.0
+    return allowed, math.fsum(constants)
 
 
-def _allowed_cones(problem: Any, given: Floats) -> Floats:
+def _allowed_cones(problem: Any, prices: Floats) -> Floats:
     """Numbers (t, v) with t >= |v|, cone after cone."""
-    made, start = given.copy(), 0
+    allowed, start = prices.copy(), 0
     for _, constant, _, _ in problem.cones:
         part = slice(start + 1, start + 1 + len(constant))
-        made[start] = max(made[start], 0.0)
-        made[part] = _shortened(made[part], float(made[start]))
+        allowed[start] = max(allowed[start], 0.0)
+        allowed[part] = _shortened(allowed[part], float(allowed[start]))
         start = part.stop
-    return made
+    return allowed
 
 
 def _shortened(vector: Floats, length: float) -> Floats:

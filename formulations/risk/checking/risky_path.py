@@ -196,10 +196,10 @@ def check_guarded_walks(problem: RiskyPath, data: Mapping[str, Any]) -> float:
         return math.inf
     memoryless = tuple(e for e in graph.elements if not isinstance(e, TraverseElement))
     own, whole = following_moves(graph, memoryless), following_moves(graph)
-    found = None if own is None or whole is None else _least(problem, own, least_left(problem, whole), frozenset(guarded), most)
-    if found is None:
+    least = None if own is None or whole is None else _least(problem, own, least_left(problem, whole), frozenset(guarded), most)
+    if least is None:
         return -math.inf
-    low = max(0.0, found * (1.0 - 16.0 * _EPS * (graph.num_states + 4)))
+    low = max(0.0, least * (1.0 - 16.0 * _EPS * (graph.num_states + 4)))
     return low if problem.objective == "hazard" or low == math.inf else -math.expm1(-low) * (1.0 - 4.0 * _EPS)
 
 

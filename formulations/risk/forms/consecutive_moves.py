@@ -33,7 +33,7 @@ def build(problem: RiskyPath) -> Compiled:
     graph, moves = problem.graph, problem.moves
     m, names = len(graph.tail), [graph.state_name(s) for s in range(graph.num_states)]
     ends = np.nonzero(np.isin(graph.head, list(graph.goals)) & (graph.head != graph.start))[0]
-    told = [f"{names[a]} {names[b]}" for a, b in zip(graph.tail.tolist(), graph.head.tolist(), strict=True)]
+    move_names = [f"{names[a]} {names[b]}" for a, b in zip(graph.tail.tolist(), graph.head.tolist(), strict=True)]
     blocks, place = [], 0
     at = {}
     for name, keys, cost in (
@@ -41,14 +41,14 @@ def build(problem: RiskyPath) -> Compiled:
     ):  # fmt: skip
         size = len(keys[0])
         price = np.zeros(size) if cost is None else cost
-        blocks.append(Variables(name, keys, (told,) * len(keys), np.zeros(size), np.ones(size), price, integer=True))
+        blocks.append(Variables(name, keys, (move_names,) * len(keys), np.zeros(size), np.ones(size), price, integer=True))
         at[name] = np.arange(place, place + size)
         place += size
     begin, follow, end = at["begin"], at["follow"], at["end"]
     start = rows("start", 1, [(np.zeros(len(begin), int), begin, 1.0)], 1.0, 1.0)
     flow = rows(
         "flow", m, [(moves.begin, begin, 1.0), (moves.second, follow, 1.0), (moves.first, follow, -1.0), (ends, end, -1.0)],
-        0.0, 0.0, (np.arange(m),), (told,),
+        0.0, 0.0, (np.arange(m),), (move_names,),
     )  # fmt: skip
     head = graph.head.astype(np.int64)
     visit = rows(

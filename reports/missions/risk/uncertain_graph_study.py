@@ -57,7 +57,7 @@ LEVEL = "level"
 
 @dataclass(frozen=True)
 class Size:
-    """How much is played."""
+    """Size of a study."""
 
     variances: tuple[float, ...] = (5.0, 10.0, 20.0)
     graphs: int = 20
@@ -87,8 +87,8 @@ def plays(levels: Sequence[Any], key: str, graphs: int, draws: int, **settings: 
                     last = log.iloc[-1]
                     if not last["arrived"]:
                         raise AssertionError(f"{method} does not arrive on graph {graph}, draw {draw}")
-                    told = {name: float(last[name]) for name in ("cost", "hindsight", "excess")}
-                    rows.append({LEVEL: level, "graph": graph, "draw": draw, "method": method, **told})
+                    figures = {name: float(last[name]) for name in ("cost", "hindsight", "excess")}
+                    rows.append({LEVEL: level, "graph": graph, "draw": draw, "method": method, **figures})
     return pd.DataFrame(rows)
 
 

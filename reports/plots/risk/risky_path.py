@@ -13,7 +13,7 @@ from .. import PLOTS
 from ..drawing import ALARM, COLOURS, INK, QUIET, bare, chart_axes, entitled, new_axes
 
 FEW_STATES = 4000
-"""Up to this many states are drawn one by one."""
+"""Most states that are drawn one by one."""
 
 
 def plot_risky_path(

@@ -15,10 +15,10 @@ from .. import PLOTS
 from ..drawing import COLOURS, INK, QUIET, bare, entitled, new_axes
 
 MAP_EDGES = 4000
-"""More edges than this are left out of a map: they would hide it."""
+"""Most edges that are drawn: more would hide the map."""
 
 NAMED = 30
-"""Up to this many vertices are named."""
+"""Most vertices that are named."""
 
 PATIENCE = 1.0
 """Seconds that the non-dominated paths behind an answer may take."""

@@ -18,14 +18,14 @@ def _budgets(budgets: dict[str, float]) -> list[Row]:
     return [("budgets", ", ".join(f"{name} {number(risk)}" for name, risk in budgets.items()) or "none")]
 
 
-def answer(problem: RiskAllocation, given: Any) -> list[Table]:
+def answer(problem: RiskAllocation, allocation: Any) -> list[Table]:
     """Probability that any constraint fails, beside what was allowed; and the risk of each, the largest first.
 
     Where risk is joint no constraint is allowed one of its own.
     """
-    if given is None:
+    if allocation is None:
         return []
-    frame = problem.answer_to_frame(given).sort_values("risk", ascending=False, kind="stable")
+    frame = problem.answer_to_frame(allocation).sort_values("risk", ascending=False, kind="stable")
     shown, rest = frame.head(SHOWN_ROWS), frame[SHOWN_ROWS:]
     rows = [(str(name), _risk(allowed), _risk(risk)) for name, allowed, risk in shown.to_numpy().tolist()]
     if len(rest):
@@ -33,7 +33,7 @@ def answer(problem: RiskAllocation, given: Any) -> list[Table]:
     columns = [Column("constraint"), Column("allowed", right=True), Column("risk", right=True)]
     step = 2 if problem.risk.kind == "joint" else 1
     each = Table("Risks", tuple(columns[::step]), tuple(tuple(row)[::step] for row in rows))
-    return [each, Table("Together", (Column(""), Column("", wide=True)), tuple(_together(problem, problem.answer_of(given).decision)))]
+    return [each, Table("Together", (Column(""), Column("", wide=True)), tuple(_together(problem, problem.answer_of(allocation).decision)))]
 
 
 def _together(problem: RiskAllocation, decision: Any) -> list[Row]:

@@ -115,11 +115,11 @@ class HighsSession:
             if status == s.kTimeLimit and not self._integer:
                 continue
             if status in (s.kOptimal, s.kModelEmpty) or (self._integer and info.primal_solution_status == 2):
-                found, value = model.getSolution(), float(info.objective_function_value)
-                duals = np.zeros(0) if self._integer else np.array(found.row_dual)
+                solution, value = model.getSolution(), float(info.objective_function_value)
+                duals = np.zeros(0) if self._integer else np.array(solution.row_dual)
                 bound = float(info.mip_dual_bound) if self._integer else value
                 return Solved(
-                    "optimal" if status in (s.kOptimal, s.kModelEmpty) else "unknown", value, bound, np.array(found.col_value), duals
+                    "optimal" if status in (s.kOptimal, s.kModelEmpty) else "unknown", value, bound, np.array(solution.col_value), duals
                 )
             if status == s.kInfeasible:
                 known, ray = (False, None) if self._integer else model.getDualRay()[1:]

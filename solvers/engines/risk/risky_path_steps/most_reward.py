@@ -75,12 +75,12 @@ class _Search:
                 break
             most = -math.log1p(-min(float(rewards[able[k]]) / self.value, 1.0)) if self.value > rewards[able[k]] else math.inf
             left = None if self.budget is None else max(self.budget - self.grown, 0)
-            found = least_hazard(self.problem, (int(able[k]),), self.stop, self.memories, most, left)
-            self.grown += found.labels
-            if found.path is not None:
-                self.offer(found.path)
-            elif found.limit != "none":
-                return self._result(found.limit, max(float(hopes[k]), self.value))
+            search = least_hazard(self.problem, (int(able[k]),), self.stop, self.memories, most, left)
+            self.grown += search.labels
+            if search.path is not None:
+                self.offer(search.path)
+            elif search.limit != "none":
+                return self._result(search.limit, max(float(hopes[k]), self.value))
             bound = self.value
         return self._result("none", max(bound, self.value))
 

@@ -94,7 +94,7 @@ def roadmaps(risk: float) -> Family:
 
 
 def _gambles(stages: int, variance: float, risk: float) -> Case:
-    """In each stage an edge of mean 1 and some variance, and a way round of mean 1.01 and none."""
+    """Stages, each with an edge of mean 1 and some variance, and a way round of mean 1.01 and none."""
     edges: list[Edge] = []
     for k in range(stages):
         edges += [(2 * k, 2 * k + 2, 1.0, variance), (2 * k, 2 * k + 1, 0.505, 0.0), (2 * k + 1, 2 * k + 2, 0.505, 0.0)]
