@@ -97,6 +97,11 @@ class FurtherLevel:
         return float(self.cost @ x) + self.offset
 
 
+def _joined_blocks(blocks: str, name: str) -> cached_property[Floats]:
+    """Array ``name`` of all blocks of a program, one after the other."""
+    return cached_property(lambda program: _joined([getattr(block, name) for block in getattr(program, blocks)], np.float64))
+
+
 @dataclass(frozen=True, eq=False)
 class Program:
     """minimise or maximise ``cost x + x' quadratic x / 2 + offset`` over rows, bounds and integrality: arrays and nothing else.
@@ -131,6 +136,13 @@ class Program:
 
     # -- the whole, as arrays ----------------------------------------------------------------------------------------
 
+    cost = _joined_blocks("variables", "cost")
+    lower = _joined_blocks("variables", "lower")
+    upper = _joined_blocks("variables", "upper")
+    row_lower = _joined_blocks("rows", "lower")
+    row_upper = _joined_blocks("rows", "upper")
+    data = _joined_blocks("rows", "data")
+
     @property
     def num_variables(self) -> int:
         return sum(b.size for b in self.variables)
@@ -140,42 +152,18 @@ class Program:
         return sum(b.size for b in self.rows)
 
     @cached_property
-    def cost(self) -> Floats:
-        return _joined([b.cost for b in self.variables], np.float64)
-
-    @cached_property
-    def lower(self) -> Floats:
-        return _joined([b.lower for b in self.variables], np.float64)
-
-    @cached_property
-    def upper(self) -> Floats:
-        return _joined([b.upper for b in self.variables], np.float64)
-
-    @cached_property
     def integer(self) -> NDArray[np.bool_]:
         return np.repeat([b.integer for b in self.variables], [b.size for b in self.variables]).astype(bool)
-
-    @cached_property
-    def row_lower(self) -> Floats:
-        return _joined([b.lower for b in self.rows], np.float64)
-
-    @cached_property
-    def row_upper(self) -> Floats:
-        return _joined([b.upper for b in self.rows], np.float64)
-
-    @cached_property
-    def indptr(self) -> Indices:
-        starts = np.cumsum([0] + [len(b.indices) for b in self.rows])
-        parts = [b.indptr[:-1] + start for b, start in zip(self.rows, starts[:-1], strict=True)]
-        return _joined([*parts, starts[-1:]], np.int32)
 
     @cached_property
     def indices(self) -> Indices:
         return _joined([b.indices for b in self.rows], np.int32)
 
     @cached_property
-    def data(self) -> Floats:
-        return _joined([b.data for b in self.rows], np.float64)
+    def indptr(self) -> Indices:
+        starts = np.cumsum([0] + [len(b.indices) for b in self.rows])
+        parts = [b.indptr[:-1] + start for b, start in zip(self.rows, starts[:-1], strict=True)]
+        return _joined([*parts, starts[-1:]], np.int32)
 
     @property
     def matrix(self) -> sp.csr_matrix:

@@ -12,15 +12,16 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...instances.errors import InputError
+from ...instances.errors import InputError, UsageError
+from ...instances.generators.settings import Setting
 from ...instances.printable import printable
-from ...instances.risk.allocation import MOST_RISK, Risk, RiskAllocationInstance
+from ...instances.risk.allocation import MOST_RISK, RISKS, Risk, RiskAllocationInstance
 from ...instances.risk.allocation_arrays import allocation_from_arrays
+from ...instances.suggestions import did_you_mean
 from ..evaluation import Evaluation
 from ..evidence import Evidence
-from ..problem import Decision, Problem
-from .allocations import Allocation, allocation_from_json
-from .contradictions import contradiction
+from ..problem import PROBLEMS, Decision, Problem
+from .allocations import Allocation, allocation_from_json, contradiction
 from .joint_normal import MORE_POINTS, POINTS, Probability, any_fails
 from .judge import evaluate_allocation, judged_slack, safest_risks
 
@@ -29,6 +30,12 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+SETTINGS = {
+    "risk": Setting(None, "how risk is counted: allocated (Boole) or joint", type=str, choices=RISKS),
+    "total": Setting(None, "risk of all constraints together", type=float),
+}
+"""Settings of ``--set``."""
 
 
 class RiskAllocation(Problem):
@@ -401,3 +408,20 @@ class RiskAllocation(Problem):
 
     def __repr__(self) -> str:
         return f"<RiskAllocation {self.name}: {self.risk.kind}, {len(self.lower)} decisions, {len(self.names)} chance constraints>"
+
+
+@PROBLEMS.register("risk-allocation")
+def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RiskAllocation:
+    if not isinstance(instance, RiskAllocationInstance):
+        raise UsageError(f"{instance.name} holds no chance constraints, so it cannot be read as {problem}")
+    settings = {key: value for key, value in settings.items() if key != "convention" or value != "exact"}
+    unknown = settings.keys() - SETTINGS.keys()
+    if unknown:
+        raise UsageError(f"{problem} has no setting {min(unknown)!r}; it takes {', '.join(SETTINGS)}{did_you_mean(min(unknown), SETTINGS)}")
+    values = {key: SETTINGS[key].value(key, value) for key, value in settings.items()}
+    changes: dict[str, Any] = {"kind": values["risk"]} if values.get("risk") else {}
+    if values.get("total") is not None:
+        old = instance.risk
+        each = np.full(len(old.each), values["total"]) if old.total is not None and (old.each == old.total).all() else old.each
+        changes |= {"total": values["total"], "each": each}
+    return RiskAllocation(instance.with_risk(**changes) if changes else instance)

@@ -10,9 +10,10 @@ import pytest
 from risk_problems import around_a_box, problem, run
 
 import waybound as wb
+from waybound.formulations.problem import problem_from_instance
 from waybound.formulations.risk.allocations import Allocation
 from waybound.formulations.risk.risk_allocation import RiskAllocation
-from waybound.instances.errors import InputError
+from waybound.instances.errors import InputError, UsageError
 from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 
 
@@ -67,6 +68,17 @@ def test_the_joint_risk_is_that_of_a_simulation() -> None:
 def test_numbers_whose_products_are_none_are_refused(changes: dict[str, Any]) -> None:
     with pytest.raises(InputError, match="their means or variances are no finite numbers"):
         problem(**changes)
+
+
+def test_settings_change_the_risk() -> None:
+    p = wb.generate("risk-allocation", steps=3).instance
+    other = problem_from_instance(p, risk="joint", total=0.2)
+    assert isinstance(other, RiskAllocation)
+    assert (other.risk.kind, other.risk.total, other.caps.tolist()) == ("joint", 0.2, [0.2] * 3)
+    with pytest.raises(UsageError, match="has no setting 'speed'; it takes risk, total"):
+        problem_from_instance(p, speed=1)
+    with pytest.raises(UsageError, match="no chance constraints"):
+        wb.read("demo-c25", problem="risk-allocation")
 
 
 # -- problems made of another one ----------------------------------------------------------------------------------------
