@@ -25,28 +25,12 @@ def declared_instance(
     """The instance of ``RiskAllocation.from_cvxpy``, and where CVXPY's variables are among its decisions."""
     import cvxpy as cp
 
-    expression = cp.vec(cp.Expression.cast_to_const(quantities), order="F")
-    if not expression.is_affine():
-        raise InputError("the quantities of chance constraints must be affine in the variables", found=str(quantities)[:60])
-    if not isinstance(model, cp.Problem) or not model.is_dcp():
-        raise InputError("the model must be a convex cvxpy.Problem (DCP)", found=type(model).__name__)
-    if model.is_mixed_integer():
-        raise UnsupportedError("risk allocation by CVXPY", {"integer variables"})
-    q = expression.size
-    mean = cp.Variable(q, name="quantities")
-    own = {v.name(): cp.Variable(v.shape, name=v.name()) for v in model.variables()}  # which keep their places, whatever attributes v has
-    if len(own) < len(model.variables()):
-        raise InputError("two variables of the model have the same name", expected="different names")
-    held = [own[v.name()] == v for v in model.variables()]
-    whole = cp.Problem(model.objective, [*model.constraints, *held, mean == expression])
-    data = whole.get_problem_data(cp.CLARABEL)[0]
-    stuffed, dims = data["param_prob"], data["dims"]
-    if dims.exp or dims.psd or dims.p3d or getattr(dims, "pnd", None):
-        raise UnsupportedError("risk allocation by CVXPY", {"exponential, power or semidefinite cones"})
+    data, own, mean = _canonical_program(model, quantities)
+    stuffed, dims, q = data["param_prob"], data["dims"], mean.size
     matrix, side = np.asarray(data["A"].todense(), dtype=np.float64), np.asarray(data["b"], dtype=np.float64)
     n = matrix.shape[1]
-    maximise = isinstance(model.objective, cp.Maximize)
-    sign = -1.0 if maximise else 1.0
+    sense = "max" if isinstance(model.objective, cp.Maximize) else "min"
+    sign = -1.0 if sense == "max" else 1.0
     linear = sign * np.asarray(data["c"], dtype=np.float64)
     offset = sign * float(np.asarray(stuffed.apply_parameters(quad_obj=data.get("P") is not None)[-3]).item())
 
@@ -76,10 +60,34 @@ def declared_instance(
                           constraint_names, np.arange(q)),
         Risk(risk, total, _each(caps, "each", q)),
         affine(matrix[:linear_rows], np.zeros(linear_rows)), lower_sides, side[:linear_rows], _numbered("row", linear_rows),
-        _squares(data.get("P"), q), tuple(cones), "max" if maximise else "min", name, "cvxpy",
+        _squares(data.get("P"), q), tuple(cones), sense, name, "cvxpy",
     )  # fmt: skip
     places = {name: (columns[v.id], v.shape) for name, v in own.items()}
     return instance, places
+
+
+def _canonical_program(model: Any, quantities: Any) -> tuple[dict[str, Any], dict[str, Any], Any]:
+    """Clarabel's data of a model, its variables by name, and the variable that stands for the quantities."""
+    import cvxpy as cp
+
+    expression = cp.vec(cp.Expression.cast_to_const(quantities), order="F")
+    if not expression.is_affine():
+        raise InputError("the quantities of chance constraints must be affine in the variables", found=str(quantities)[:60])
+    if not isinstance(model, cp.Problem) or not model.is_dcp():
+        raise InputError("the model must be a convex cvxpy.Problem (DCP)", found=type(model).__name__)
+    if model.is_mixed_integer():
+        raise UnsupportedError("risk allocation by CVXPY", {"integer variables"})
+    mean = cp.Variable(expression.size, name="quantities")
+    own = {v.name(): cp.Variable(v.shape, name=v.name()) for v in model.variables()}  # which keep their places, whatever attributes v has
+    if len(own) < len(model.variables()):
+        raise InputError("two variables of the model have the same name", expected="different names")
+    held = [own[v.name()] == v for v in model.variables()]
+    whole = cp.Problem(model.objective, [*model.constraints, *held, mean == expression])
+    data = whole.get_problem_data(cp.CLARABEL)[0]
+    dims = data["dims"]
+    if dims.exp or dims.psd or dims.p3d or getattr(dims, "pnd", None):
+        raise UnsupportedError("risk allocation by CVXPY", {"exponential, power or semidefinite cones"})
+    return data, own, mean
 
 
 def _each(value: Any, what: str, q: int) -> Floats:
