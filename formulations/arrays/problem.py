@@ -156,7 +156,7 @@ class ArrayProblem(Problem):
         return np.maximum.reduce([columns, *own[:2]]), np.maximum.reduce([rows, *own[2:]])
 
     def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
-        """Difference of what ``evidence`` proves where every row is as wide as the answer's largest residual makes it."""
+        """Difference that it makes to the bound of ``evidence`` if every row is as wide as the answer's largest residual."""
         from ..certificate import verified_bound
 
         residual = next((c.residual for c in evaluation.checks if c.name == "rows"), 0.0)

@@ -170,7 +170,7 @@ def _cbc(text: str) -> SolverFile:
 
 
 def _glpk(text: str) -> SolverFile:
-    """GLPK's raw text: ``s`` what it is, ``j`` a column by number."""
+    """GLPK's raw text: a line ``s`` with kind and sizes, and a line ``j`` a column, by number."""
     file, places = SolverFile("GLPK", numbered=True), {"mip": 2, "ipt": 2, "bas": 3}
     place, ended = 2, False
     for line, row in lines_of(text):

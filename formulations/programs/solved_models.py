@@ -27,7 +27,7 @@ def vector_from(program: Program, solution: Any) -> Floats:
 
 
 def solved_model(model: Any) -> SolverFile | None:
-    """Values in a model of HiGHS, PuLP, CVXPY or PySCIPOpt, or in MathOpt's result; None for what is none of these.
+    """Values in a model of HiGHS, PuLP, CVXPY or PySCIPOpt, or in MathOpt's result; None for any other object.
 
     Raises InputError for a model that was not solved, or has no solution.
     """

@@ -28,7 +28,7 @@ POINTS, MORE_POINTS = 24_000, 96_000
 """Samples; more where an answer is judged by them."""
 
 WORK = 4e8
-"""Multiplications that a probability may take: of more constraints fewer samples are drawn."""
+"""Most multiplications for a probability: the more constraints, the fewer samples are drawn."""
 
 PILOT = 8
 """One part in so many of the samples, the pilot, says how much to bet on the others."""
@@ -161,7 +161,7 @@ class _Union:
         return len(self.z) > 2
 
     def probability(self, rng: np.random.Generator, points: int, doubt: float) -> Probability:
-        """Exact for one row or two; else between proved limits and what samples say, but for the probability ``doubt``."""
+        """Exact for one row or two; else between proved limits and those of samples, which hold but with the probability ``doubt``."""
         if not self.sampled:
             all_fail = len(self.z) == 2 and not self.single.any()
             either = min(max(self.base, float(self.tails.max())), 1.0)

@@ -104,7 +104,7 @@ def _judge_cones(p: RiskAllocation, x: Floats) -> Judged:
 
 
 def _judge_chance(p: RiskAllocation, x: Floats, risks: Floats) -> Judged:
-    """Whether each constraint fails no more likely than its risk: however far its limit is, deviations are what counts."""
+    """Check that each constraint fails no more likely than its risk, counted in deviations, however far its limit is."""
     quantile = -ndtri(np.maximum(risks, SMALLEST_RISK))[p.constraint]
     margin = np.where(p.deviation == 0.0, 0.0, p.deviation * quantile)
     excess = np.where(np.isnan(margin), math.inf, p.chance @ x + margin - p.limits)
@@ -131,8 +131,7 @@ def _judge_budgets(p: RiskAllocation, risks: Floats) -> Judged:
 
 
 def _judge_joint(p: RiskAllocation, x: Floats, known: bool) -> Judged:
-    """Whether the upper limits of the probabilities keep the budgets, so that their errors count against the answer; and how sure that is.
-    Whether the upper limits of the probabilities keep the budgets, so that their errors count against the answer; and how sure that is."""
+    """Check of the budgets by the upper limits of the probabilities, so that errors count against the answer; and its confidence."""
     joint = p.joint_risk(x) if known else {}
     spent = np.array([joint[b.name].high if known else math.nan for b in p.budgets])
     most = np.array([b.risk for b in p.budgets])

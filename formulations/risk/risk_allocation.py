@@ -280,7 +280,7 @@ class RiskAllocation(Problem):
         return evaluate_allocation(self, self.answer_of(answer))
 
     def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
-        """Difference of what ``evidence`` proves where every limit is as wide as the answer's largest residuals make it."""
+        """Difference that it makes to the bound of ``evidence`` if every limit is as wide as the answer's largest residuals."""
         from ..certificate import verified_bound
 
         residual = {check.name: check.residual for check in evaluation.checks}

@@ -27,7 +27,7 @@ MOST_PATHS = 60
 """Most paths of an exact comparison: the lattice loses its evenness in more dimensions."""
 
 POINTS, SHIFTS = 2039, 16
-"""Points of the lattice, and random shifts of it: their spread tells the error."""
+"""Points of the lattice, and its random shifts, whose spread is the error."""
 
 CHUNK = 1 << 21
 """Random numbers that sampling holds at once."""

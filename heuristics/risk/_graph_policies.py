@@ -55,7 +55,7 @@ class Hindsight(LeastMean):
 
 
 class Following(Policy):
-    """A policy that keeps to a set of paths, of which those stay that begin as the walk has gone."""
+    """A policy that keeps to a set of paths: those that begin with the vertices walked so far."""
 
     def __init__(self, graph: UncertainGraph, paths: NonDominated) -> None:
         self.graph, self.paths = graph, paths
@@ -84,7 +84,7 @@ class Following(Policy):
 
 
 class Greedy(Following):
-    """The observed edge of the least cost, among those by which a non-dominated path goes on."""
+    """The observed edge of the least cost, among those on which a non-dominated path goes on."""
 
     def next_vertex(self, at: int, known: Floats) -> int:
         ways = self.ways(at)

@@ -36,7 +36,7 @@ AGAIN = 0.25
 """Seconds between two such requests."""
 
 OVERTIME = 0.5
-"""Seconds past its own time limit after which it is asked to stop: it looks at its clock between two steps only, and some take long."""
+"""Seconds past its time limit after which CBC is asked to stop: it looks at its clock only between steps, and some take long."""
 
 EXACT = ".bin"
 """Suffix of the file in which CBC saves its point."""
@@ -47,7 +47,7 @@ MOST_THREADS = 99
 STATUS_MAP = {
     "optimal": "optimal", "infeasible": "infeasible", "integer": "infeasible", "unbounded": "unbounded", "stopped": "unknown",
 }  # fmt: skip
-"""First word of CBC's solution file to our status, before the log is asked what it means."""
+"""Our status for the first word of CBC's solution file, before the log says more."""
 
 LIMITS = (
     ("maximum nodes", "nodes"), ("node limit", "nodes"), ("maximum time", "time"), ("time limit", "time"), ("user event", "interrupt"),
@@ -98,7 +98,7 @@ class Log:
     _rest: str = ""
 
     def feed(self, text: str) -> float | None:
-        """Take what is new; a better bound, if there is one."""
+        """Read new text of the log; a better bound, if it holds one."""
         *lines, self._rest = (self._rest + text).replace("\r", "").split("\n")
         before = self.bound
         for line in lines:

@@ -35,7 +35,7 @@ COMMON_PARAMETERS = {
 """CP-SAT's parameters that have a name common to all solvers."""
 
 UNSOUND = ("instantiate_all_variables", "fill_tightened_domains_in_response", "stop_after_presolve", "enumerate_all_solutions")
-"""Parameters with which the answer or the bound is not what it is taken for."""
+"""Parameters that change the meaning of the answer or the bound."""
 
 ASK_AGAIN = 0.05
 """Seconds between two requests to stop: one that comes before the search begins is lost."""

@@ -90,7 +90,7 @@ class CVXPY(ProgramBackend):
 
 
 def solvers_found() -> tuple[str, ...]:
-    """Solvers of ``PROGRAMS`` whose library is there."""
+    """Solvers of ``PROGRAMS`` whose library is installed."""
     return tuple(solver for solver, library in LIBRARIES.items() if is_installed(library))
 
 

@@ -170,7 +170,7 @@ def _put_highs(parameters: Any, chosen: dict[str, Any]) -> None:
 
 
 def _scip_parameters(parameters: Any, own: dict[str, Any]) -> None:
-    """SCIP tells only in the run whether it has a parameter of this name and type."""
+    """Set SCIP's own parameters, in the type of their text: SCIP says only in the run whether it has them."""
     for name, value in own.items():
         text = str(value)
         if text.lower() in ("true", "false"):

@@ -134,7 +134,7 @@ class _Search:
                 return self._ended(replace(said, limit=limit), self.best)
 
     def _solve(self, *, whole: bool, heard: Control | None = None) -> RawResult:
-        """The program with the rows that there are, continuous or ``whole``."""
+        """Solve the program with the rows so far, continuous or ``whole``."""
         linear = replace(self.program, cones=(), rows=(*self.program.rows, *self.rows))
         if not whole:
             linear = replace(linear, variables=tuple(replace(block, integer=False) for block in linear.variables))

@@ -89,7 +89,7 @@ class PuLP(ProgramBackend):
         return _through_pulp(self._solver(program, options), self.title, program, options)
 
     def _solver(self, program: Program, options: Options) -> Any:
-        """PuLP's solver object for ``variant``, with those of the common options that it knows."""
+        """PuLP's solver object for ``variant``, with the common options that it has."""
         import pulp
 
         common = {"msg": False, "timeLimit": options.time_limit, "gapRel": options.gap, "threads": options.threads}
@@ -120,7 +120,7 @@ def _found() -> list[str]:
 
 
 def _through_pulp(solver: Any, name: str, program: Program, options: Options) -> RawResult:
-    """Solve with one of PuLP's own interfaces, and take its word only where it can be right."""
+    """Solve with one of PuLP's own interfaces; its word is taken only where it can be right."""
     import pulp
     from pulp import constants
 

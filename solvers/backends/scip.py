@@ -80,7 +80,7 @@ class Scip(ProgramBackend):
 
 
 class _Search:
-    """Search of a SCIP model of a program, and what is believed of its end."""
+    """A search in SCIP, and the part of its outcome that is believed."""
 
     def __init__(self, program: Program, options: Options, control: Control) -> None:
         import pyscipopt
@@ -227,7 +227,7 @@ def _fill(model: Any, program: Program) -> tuple[list[Any], list[Any]]:
 
 
 def _add_cones(model: Any, cones: Cones, columns: list[Any]) -> None:
-    """Rows ``norm of v <= t``; what is more than a multiple of one variable becomes a variable of its own, which SCIP takes out again."""
+    """Add rows ``norm of v <= t``, with a variable for each affine t and v, which SCIP takes out again."""
     import pyscipopt
 
     def image(row: int) -> Any:

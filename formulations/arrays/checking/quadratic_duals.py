@@ -36,7 +36,7 @@ from ...checking.row_duals import least_value
 from ...evidence import CHECKERS
 
 MOST_STEPS = 100_000
-"""Products of fractions that finding out about a matrix may take; more prove nothing."""
+"""Most products of fractions in the test whether a matrix is semidefinite; a matrix that needs more proves nothing."""
 
 _EPS = float(np.finfo(np.float64).eps)
 

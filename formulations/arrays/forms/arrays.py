@@ -64,7 +64,7 @@ def build(problem: ArrayProblem) -> Compiled:
 
 
 def size(problem: ArrayProblem) -> ProgramSize:
-    """Size of what is joined of the program, which is there, and of a solver's copy."""
+    """Size of the joined arrays and of a solver's copy; the program itself is there already."""
     program = problem.program
     return ProgramSize(program.num_variables, program.num_rows, float(len(program.data)) + sum(len(c.data) for c in program.cones))
 

@@ -114,8 +114,8 @@ class _Search:
         )
 
     def _take(self, upper: NDArray[np.bool_], high: Floats, lower: NDArray[np.bool_], low: Floats, *, ask: bool = False) -> bool:
-        """Put finite ``high`` and ``low`` where ``upper`` and ``lower`` say so, rounded to whole numbers up to what rows ask where ``ask``.
-        Put finite ``high`` and ``low`` where ``upper`` and ``lower`` say so, rounded to whole numbers up to what rows ask where ``ask``."""
+        """Take finite ``high`` and ``low`` as bounds where ``upper`` and ``lower`` say so; with ``ask`` they are rounded up to what rows
+        need."""
         near = tuple(_SLACK * np.maximum(1.0, np.where(np.isfinite(v), np.abs(v), 0.0)) for v in (high, low))
         whole = (np.ceil(high - near[0]), np.floor(low + near[1])) if ask else (np.floor(high + near[0]), np.ceil(low - near[1]))
         high, low = np.where(self.integer, whole[0], high + near[0]), np.where(self.integer, whole[1], low - near[1])

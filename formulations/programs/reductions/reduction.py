@@ -18,21 +18,21 @@ if TYPE_CHECKING:
 
 
 class Irreducible(ValueError):
-    """A program that cannot be written so; the text is the feature of it that stands in the way."""
+    """A program that a reduction cannot rewrite; the text names the feature that stands in the way."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Step:
-    """A program written otherwise, and the way back: identities, where a reduction says nothing else.
+    """A rewritten program, and the way back: identities, where a reduction says nothing else.
 
     Parameters
     ----------
     program : Program
-        What it became; for solvers that count in integers alone an ``IntegerProgram``.
+        The rewritten program; for solvers that count in integers alone an ``IntegerProgram``.
     exactness : Exactness
-        How its optimum relates to that of the program it was made of.
+        How its optimum relates to that of the program before.
     told : str
-        What was done.
+        Description of the rewriting.
     """
 
     name: ClassVar[str]
@@ -45,33 +45,33 @@ class Step:
         return Link(self.name, self.exactness, self.told)
 
     def vector(self, x: Any) -> Floats:
-        """Point of the program as it was, for a point of what it became."""
+        """Point of the program before, for a point of the rewritten one."""
         return x  # type: ignore[no-any-return]
 
     def encoded(self, x: Floats) -> Floats:
-        """Point of what it became, for a start of the program as it was, whose NaN stay unknown."""
+        """Point of the rewritten program, for a start of the one before; NaN stay unknown."""
         return x
 
     def value(self, value: float) -> float:
-        """Objective of the program as it was."""
+        """Objective of the program before."""
         return value
 
     def bound(self, bound: float) -> float:
-        """Bound of the program as it was, rounded outwards."""
+        """Bound of the program before, rounded outwards."""
         return self.value(bound)
 
     def duals(self, duals: Floats) -> Floats:
-        """Row duals of the program as it was."""
+        """Row duals of the program before."""
         return duals
 
 
 class Reduction(ABC):
-    """Writes programs otherwise.
+    """Rewrites programs.
 
     Class attributes
     ----------------
     may_refuse : bool
-        Whether there are programs that it cannot write.
+        Whether there are programs that it cannot rewrite.
     """
 
     may_refuse: bool = False
@@ -87,7 +87,7 @@ class Reduction(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """A program and the steps that led to what a solver is given."""
+    """A program and the steps that led from it to the one that a solver is given."""
 
     source: Program
     steps: tuple[Step, ...] = ()

@@ -38,7 +38,7 @@ class UniqueEntries(Reduction):
 
 
 class Rounded(Step):
-    """The same variables, those that are integer with whole bounds."""
+    """The same variables, with whole bounds of those that are integer."""
 
     name = "whole-bounds"
 

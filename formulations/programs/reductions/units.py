@@ -108,10 +108,10 @@ def _numbers(p: Program) -> tuple[Floats, ...]:
 
 
 def _column_units(program: Program, row: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Binary exponents of S: integers are counted by one, continuous variables as their bounds and what else stands in their rows.
+    """Binary exponents of S; integers are counted by one.
 
-    Where not all of these are short decimals their bounds decide, else their size; what stands beside nothing but other continuous
-    variables follows these.
+    Continuous variables are counted as their bounds and as the other numbers in their rows are, where all of these are short decimals; else
+    their bounds decide, else their size. A variable beside nothing but other continuous variables follows these.
     """
     none = np.zeros(program.num_variables, dtype=np.int64)
     if program.integer.all():
@@ -197,7 +197,7 @@ class _Counts:
 
 
 def _counted(values: Floats, group: NDArray[np.int64], groups: int) -> _Counts:
-    """The unit of each group, the same whatever its numbers were multiplied by.
+    """The unit of each group of numbers, the same whatever all of them are multiplied by.
 
     It is the largest power of two of which all of them, times 1, 10, 100 or 1000, are multiples, if the largest number is then of ordinary
     size, so that whole numbers and short decimals stay so. Else it brings the largest to the common size, or the least to 1 if that is
@@ -245,7 +245,7 @@ def _shift(sizes: Floats) -> NDArray[np.int64]:
 
 
 def _sizes(program: Program, row: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
-    """Sizes of variables by their bounds, or by what the rows that hold them speak of, 0 where nothing tells; and groups of one size.
+    """Sizes of variables by their bounds, or by the numbers in their rows, 0 where neither tells; and groups of one size.
 
     A block has one size, as its variables are of one kind, so that rows that add them up keep their coefficients of 1; but each variable
     has its own where they are more than 2**SPREAD apart.

@@ -39,7 +39,7 @@ OBJECTIVE_ERROR = 1e-9
 LARGEST_OBJECTIVE = 2.0**60
 
 LARGEST = 2.0**55
-"""No sum along a row or the objective may exceed this: far enough from what 64 bits hold for sums of sums."""
+"""Largest sum along a row or the objective: far enough below the limit of 64 bits for sums of sums."""
 
 FUZZ = 1e-12
 """Relative error that sums of the data may carry. Where they are scaled finely this is loosened too, else a row that holds with equality
@@ -281,7 +281,7 @@ def _rounded_rows(
     program: Program, row: Integers, column: Integers, value: Floats, sides: Floats, bounds: Floats, whole: NDArray[np.bool_],
     row_factor: Floats, exact: NDArray[np.bool_],
 ) -> tuple[Integers, Integers, Integers, Integers, Integers]:  # fmt: skip
-    """Rows in integers; those that are not exact are loosened by the most that rounding their coefficients can amount to."""
+    """Rows in integers; rows that are not exact are loosened by the largest error that rounding their coefficients can make."""
     m = program.num_rows
     scaled, top = value * row_factor[row], np.abs(bounds).max(axis=0)[column]
     rounded = np.where(whole[column], np.rint(scaled), np.sign(scaled))
@@ -380,7 +380,7 @@ class Whole(Step):
 
 
 class WholeVariables(Reduction):
-    """Makes all variables integer and gives them finite bounds, where that leaves their values as they are."""
+    """Makes all variables integer and gives them finite bounds, where that does not change their values."""
 
     may_refuse = True
 

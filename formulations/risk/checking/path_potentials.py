@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 _EPS = float(np.finfo(np.float64).eps)
 
 _LARGEST, _TINY = 1e300, 1e-300
-"""Potentials beyond overflow where they are added up; weights of means below prove nothing that those of variances alone do not."""
+"""Potentials from the first on overflow in sums; weights of means below the second prove no more than those of variances alone."""
 
 MOST_PAIRS = 10_000
 """Half-planes that are read: each has as many numbers as the graph has vertices."""

@@ -47,7 +47,7 @@ class FollowingMoves:
     start_hazard: float
 
     def successors(self) -> dict[int, list[tuple[int, float]]]:
-        """Moves that may follow each move, with their hazards; by -1 those that leave the start."""
+        """Moves that may follow each move, with their hazards; under -1 the moves that leave the start."""
         after: dict[int, list[tuple[int, float]]] = {}
         for earlier, later, hazard in zip(self.earlier.tolist(), self.later.tolist(), self.hazard.tolist(), strict=True):
             after.setdefault(earlier, []).append((later, hazard))
@@ -285,7 +285,7 @@ MOST_PATHS = 30_000
 """Beginnings of paths that are walked."""
 
 CANCELLED = 1e-3
-"""Part of all rewards under which what is left of them is added up anew, not found by subtraction."""
+"""Part of all rewards below which those not yet collected are added up anew, instead of subtracted from all."""
 
 
 @CHECKERS.register("all-paths")

@@ -16,7 +16,7 @@ from ...programs.size import ProgramSize
 from ..risk_allocation import Ints, RiskAllocation
 
 SHORTENED = 1e-9
-"""Part by which prices of cones are made smaller, so that what is left of the cost of a variable that only a cone bounds has its sign."""
+"""Part by which prices of cones are reduced, so that the reduced cost of a variable that only a cone bounds keeps its sign."""
 
 
 def dense_rows(name: str, matrix: Floats, lower: Any, upper: Any, extra: Any = (), keys: tuple[Ints, ...] = (), labels: Any = ()) -> Rows:
@@ -44,7 +44,7 @@ def size_of(problem: RiskAllocation, pieces: int = 0) -> ProgramSize:
 
 @dataclass
 class Blocks:
-    """A program under construction; ``columns`` counts what is there."""
+    """A program under construction; ``columns`` counts its variables."""
 
     problem: RiskAllocation
     variables: list[Variables] = field(default_factory=list)

@@ -40,7 +40,7 @@ NEGLIGIBLE = 1e-8
 """Part of a limit up to which the largest margin of a row is written as a number, in place of a variable, by restrictions."""
 
 SMALL, ORDINARY, LARGE = -10, 8, 18
-"""Binary exponents: rows of smaller deviations are written in larger numbers, though none beyond, and those of larger ones in ordinary."""
+"""Binary exponents of deviations and limits: rows below the first are scaled up, as far as the last, rows above the second scaled down."""
 
 
 def density(z: Floats) -> Floats:

@@ -46,7 +46,7 @@ COLOURS = {
 }  # fmt: skip
 
 MOST = 99.0
-"""Percentile at which histograms end: their last bin holds what lies beyond."""
+"""Percentile at which histograms end: the last bin holds all values beyond."""
 
 STEPS = 60
 """Steps of a run: more than any policy needs on these graphs."""

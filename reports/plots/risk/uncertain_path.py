@@ -63,7 +63,7 @@ def plot_uncertain_path(
 
 
 def draw_edges(ax: Any, graph: UncertainGraph, at: Floats) -> None:
-    """All edges, unless they are too many, as dark as they are uncertain."""
+    """Draw all edges, unless they are too many, the darker the more uncertain."""
     from matplotlib.collections import LineCollection
 
     if graph.num_edges > MAP_EDGES:
@@ -74,7 +74,7 @@ def draw_edges(ax: Any, graph: UncertainGraph, at: Floats) -> None:
 
 
 def draw_vertices(ax: Any, graph: UncertainGraph, at: Floats) -> None:
-    """Vertices, start and goal, with their names where there are few."""
+    """Draw vertices, start and goal, with names where there are few."""
     ax.scatter(*at.T, s=10, color="white", edgecolors=QUIET if graph.num_vertices > NAMED else INK, linewidths=0.6, zorder=4)
     for vertex, marker in ((graph.start, "o"), (graph.goal, "s")):
         ax.scatter(*at[vertex], s=70, marker=marker, color=COLOURS[2], edgecolors="white", zorder=5)

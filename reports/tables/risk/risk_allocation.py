@@ -12,7 +12,7 @@ from ..table import Column, Row, Table
 
 
 def _budgets(budgets: dict[str, float]) -> list[Row]:
-    """One line for a few of them, their number where there are many."""
+    """Budgets in one line where they are few, else their number."""
     if len(budgets) > 4:
         return [("budgets", f"{len(budgets)}, the first {next(iter(budgets))} of {number(next(iter(budgets.values())))}")]
     return [("budgets", ", ".join(f"{name} {number(risk)}" for name, risk in budgets.items()) or "none")]

@@ -75,7 +75,7 @@ def _point(program: Program, stop: Stop) -> Floats | None:
 
 
 def _whole(ray: Floats, denominator: int) -> Floats:
-    """The nearest fractions of at most this denominator, times what makes all of them whole."""
+    """The nearest fractions of at most this denominator, multiplied so that all are whole."""
     near = [Fraction(float(r) / float(np.abs(ray).max())).limit_denominator(denominator) for r in ray]
     factor = math.lcm(*(f.denominator for f in near))
     return np.array([float(f * factor) if abs(f * factor) < 2**53 else math.nan for f in near])

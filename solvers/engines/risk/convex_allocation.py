@@ -83,11 +83,11 @@ def leans(problem: RiskAllocation, answer: Allocation, value: float, proved: flo
 
 
 def _unproved(problem: RiskAllocation, interval: Interval, gap: float) -> str:
-    """Why a closed interval proves no optimum; empty where it does. Its bound is then what its prices prove, and it is closed no longer.
+    """Reason why a closed interval proves no optimum; empty where it does. It is opened then, its bound that of its prices.
 
-    One that is open bounds what its prices prove, too: interior points that stop early may be on the wrong side. Where they prove nothing
-    because of a decision without bounds, they are asked of a box that has the answer in it: as the problem is convex, what is best there
-    is best.
+    The bound of an open interval is that of its prices, too: interior points that stop early may be on the wrong side. Where prices prove
+    nothing because of a decision without bounds, they are asked of a box that has the answer in it: as the problem is convex, what is best
+    there is best.
     """
 
     def proved_of(problem: RiskAllocation) -> float:

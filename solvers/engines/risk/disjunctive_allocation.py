@@ -28,7 +28,7 @@ CLOSED = 1e-6
 NODE_GAP = 1e-7
 
 DIVE_EVERY = 8
-"""Nodes between two plans that take the safest alternatives of a node's decision."""
+"""Nodes between two plans with the safest alternatives of a node's decision."""
 
 
 @BACKENDS.register("disjunctive-allocation")

@@ -29,7 +29,7 @@ SHIFTS, POINTS = 12, 251
 """Random shifts of the lattice, and its points: a prime."""
 
 SINGULAR = 1e-7
-"""Part of a standard deviation left by those before, under which a constraint depends on them alone."""
+"""Part of a standard deviation below which a constraint depends on the constraints before it alone."""
 
 
 MOST_ROWS = 60
@@ -38,7 +38,7 @@ MOST_ROWS = 60
 CLOSED = 1e-6
 MOST_PLANES = 200
 NEAR, FINE, MOST_LOOKS = 1e-8, 0.3, 30
-"""Deviations from the boundary at which a point is taken to be there, or this part of what the limits leave open; looks at most."""
+"""Deviations from the boundary up to which a point counts as on it, or this part of the width of the limits; and most looks."""
 
 HIGHER = (1e-2, 1e-3, 1e-5, 0.0)
 """Deviations above its budget's quantile, to which a plan is looked for that is allowed."""

@@ -89,7 +89,7 @@ class PathEnumeration(Engine):
 
 
 def _enumerate(problem: RiskyPath, stop: Stop, most: int | None, control: Control) -> tuple[Path | None, float, int, str]:
-    """Best path, its value, the number of paths walked, and what cut it short."""
+    """Best path, its value, the number of paths walked, and the limit that ended it."""
     graph, moves, memories = problem.graph, problem.moves, Memories(problem.graph)
     head, rewards, begin = graph.head.tolist(), problem.rewards.tolist(), len(graph.tail)
     ratio, ends = problem.objective == "reward-per-risk", frozenset(graph.goals)

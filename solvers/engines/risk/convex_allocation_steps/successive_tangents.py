@@ -59,7 +59,7 @@ HIGHEST = 1.0 / math.sqrt(2.0 * math.pi)
 """The normal density at 0."""
 
 MOST_NAMED = 60
-"""Chance rows of a contradiction that are left out one by one, to see which of them it takes."""
+"""Most chance rows of a contradiction that are left out one by one, to find those that it needs."""
 
 
 @dataclass
@@ -94,7 +94,7 @@ class Interval:
 
 
 class SuccessiveTangents:
-    """The rounds, of a problem with ``allocated`` risk and without alternatives; ``publish`` is told of each better interval."""
+    """Rounds of tangents for a problem with ``allocated`` risk and without alternatives; ``publish`` gets each better interval."""
 
     def __init__(self, problem: RiskAllocation, seed: int = 1, publish: Callable[[Interval], None] = lambda interval: None) -> None:
         self.original, self.units, self.publish = problem, Units.of(problem), publish
@@ -223,7 +223,7 @@ class SuccessiveTangents:
             self._take(inside + last * (outside - inside))
 
     def _take(self, x: Floats) -> bool:
-        """Take a decision that is better than what is known and keeps its risks in the judge's arithmetic; whether it does."""
+        """Keep a decision that is better than the best so far and keeps its risks in the judge's arithmetic; whether it does."""
         p = self.original
         decision = np.clip(x * self.units.columns, p.lower, p.upper)
         value = p.sign * p.value(decision)[0]
@@ -243,7 +243,7 @@ class SuccessiveTangents:
             self._take(solved.x[: self.problem.size])
 
     def _touch(self, solved: Solved) -> int:
-        """Add tangents where constraints have more risk than the program says; how many."""
+        """Add tangents where constraints have more risk than the program counts; their number."""
         slack, risk = self.limits - self.slopes @ solved.x[: self.problem.size], self.tail.parts(solved)[1]
         short = ndtr(-slack) / self.tail.unit - risk
         at = np.nonzero(short > max(1e-11, TOUCHED * float(short.max(initial=0.0))))[0]

@@ -14,7 +14,7 @@ from .....formulations.risk.risk_allocation import RiskAllocation
 Floats = NDArray[np.float64]
 
 ORDINARY = (1e-3, 1e5)
-"""Sizes between which numbers are left as they are."""
+"""Sizes between which numbers are not scaled."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class Units:
         return cls(scaled, columns, per_row, per_chance, cost, per_cone, per_term)
 
     def prices(self, prices: dict[str, Floats]) -> dict[str, Floats]:
-        """Prices of the original problem, from those in its units."""
+        """Prices of the original problem, from prices of the problem in its units."""
         widths = [1 + len(c) for _, c, _, _ in self.problem.cones]
         return {
             "rows": prices["rows"] * self.rows / self.cost,

@@ -85,7 +85,7 @@ class _Search:
         self.budget, self.grown = labels, 0
 
     def run(self, guarded: frozenset[int]) -> tuple[Path | None, float, str]:
-        """The first walk to a goal that comes to no guarded state twice, the least hazard of such walks, and what cut it short."""
+        """The first walk to a goal that comes to no guarded state twice, the least hazard of such walks, and the limit that ended it."""
         moves, left, head, memories = self.moves, self.left, self.head, self.memories
         begin = len(head)
         bit = {state: 1 << k for k, state in enumerate(sorted(guarded))}

@@ -138,7 +138,7 @@ class _Search:
         return RawResult(status, limit, self.best, self.value, bound if math.isfinite(bound) else None, statistics=statistics)
 
     def _without_reward(self) -> str:
-        """Offer any path with a risk, as none earns anything; what cut it short."""
+        """Offer any path with a risk, as none earns anything; the limit that ended the search."""
         try:
             path = risky_path(self.problem, self.stop, None if self.budget is None else max(self.budget - self.grown, 0))
         except CutShortError as cut:
@@ -149,7 +149,7 @@ class _Search:
 
 
 class _Hopes:
-    """The most reward per risk of any path that continues one: the rewards ahead in the order of what they cost at least."""
+    """Upper bounds on the reward per risk of paths that continue one: rewards ahead in the order of their least cost."""
 
     def __init__(self, problem: RiskyPath, reach: Floats) -> None:
         graph, moves = problem.graph, problem.moves
