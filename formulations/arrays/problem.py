@@ -131,7 +131,7 @@ class ArrayProblem(Problem):
             message = partial("{0} do not make up what they should".format, f"the used arcs of circuit {graph.name}")
             judged.append(judge(graph.name, np.array([graph.excess(near)]), message, VECTOR))
         checks = tuple(check for check, _ in judged)
-        violations = tuple(v for _, found in judged for v in found)
+        violations = tuple(v for _, violated in judged for v in violated)
         return Evaluation((value,), checks, violations, {}, (math.fsum(map(abs, terms)) if known else math.nan,), self._precision)
 
     def answer_at_hand(self) -> Floats:
@@ -259,8 +259,8 @@ def _check_shapes(program: Program) -> None:
             raise InputError(f"rows {rows.name} name a column that does not exist", expected=f"0 to {program.num_variables - 1}")
     for cones in program.cones:
         if cones.kind not in CONE_KINDS or cones.width < 2 or (cones.kind == "exponential" and cones.width != 3):
-            found = f"{cones.kind} of width {cones.width}"
-            raise InputError(f"cones {cones.name} must be second-order of width 2 or more, or exponential of width 3", found=found)
+            shape = f"{cones.kind} of width {cones.width}"
+            raise InputError(f"cones {cones.name} must be second-order of width 2 or more, or exponential of width 3", found=shape)
         if len(cones.offset) % cones.width or len(cones.indptr) != len(cones.offset) + 1 or len(cones.indices) != len(cones.data):
             raise InputError(f"the arrays of cones {cones.name} have different lengths")
         if len(cones.indices) and not (cones.indices.min() >= 0 and cones.indices.max() < program.num_variables):

@@ -47,7 +47,7 @@ class Circuit:
         return max(1.0, worst) if np.isnan(worst) or self._apart(flow > 0.5) else worst
 
     def _apart(self, used: NDArray[np.bool_]) -> bool:
-        """Whether used arcs other than loops fall apart, with ``several`` from node 0."""
+        """True if the used arcs other than loops fall apart, with ``several`` from node 0."""
         import scipy.sparse as sp
         from scipy.sparse.csgraph import connected_components
 

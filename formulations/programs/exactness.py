@@ -32,17 +32,17 @@ class Exactness(Enum):
 
     @property
     def bound_is_valid(self) -> bool:
-        """Whether a dual bound of the program bounds the problem."""
+        """True if a dual bound of the program bounds the problem."""
         return self in (Exactness.EXACT, Exactness.RELAXATION)
 
     @property
     def infeasibility_is_valid(self) -> bool:
-        """Whether an infeasible program proves the problem infeasible."""
+        """True if an infeasible program proves the problem infeasible."""
         return self.bound_is_valid
 
     @property
     def answer_is_valid(self) -> bool:
-        """Whether a feasible point of the program is promised to be an answer of the problem."""
+        """True if a feasible point of the program is promised to be an answer of the problem."""
         return self in (Exactness.EXACT, Exactness.RESTRICTION)
 
 

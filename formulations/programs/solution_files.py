@@ -281,7 +281,7 @@ READERS: tuple[tuple[Callable[[str], bool], Callable[[str], SolverFile]], ...] =
     (_starts(r"(?:termination|solutions|solve_stats)\s*\{|\{\s*\"(?:termination|solutions|solveStats)\""), _mathopt),
     (_starts(r"(?:#[^\n]*\n\s*)*#\s*(?:Solution for model|Objective value)"), _plain),
 )
-"""Whether a text is meant as a file of each solver, and its reader."""
+"""For each solver, the test if a text is a file of it, and the reader."""
 
 
 # -- as a vector -----------------------------------------------------------------------------------------------------------
@@ -332,7 +332,7 @@ def _named(program: Program, read: SolverFile) -> Mapping[int, float]:
 
 
 def _agrees(program: Program, x: Floats, stated: float) -> bool:
-    """Whether a stated objective is that of the values; solvers drop its constant, or turn its sign to minimise."""
+    """True if a stated objective is that of the values; solvers drop its constant, or turn its sign to minimise."""
     value, terms = program.value(x), np.abs(program.cost * x)
     size = max(abs(value), abs(stated), float(terms.max(initial=0.0)), 1e-300)
     meant = (stated, stated + program.offset, -stated, -stated + program.offset)
@@ -340,7 +340,7 @@ def _agrees(program: Program, x: Floats, stated: float) -> bool:
 
 
 def is_solver_json(data: object) -> bool:
-    """Whether a parsed document is a result of MathOpt."""
+    """True if a parsed document is a result of MathOpt."""
     return isinstance(data, dict) and "solutions" in data and "termination" in data
 
 

@@ -62,7 +62,7 @@ class Probability:
 
     @property
     def exact(self) -> bool:
-        """Whether it is computed, but for rounding."""
+        """True if it is computed without samples, exact but for rounding."""
         return self.low == self.high
 
     def kept(self, risk: float) -> float:
@@ -157,7 +157,7 @@ class _Union:
 
     @property
     def sampled(self) -> bool:
-        """Whether samples may be needed: of more than two rows."""
+        """True if samples may be needed: there are more than two rows."""
         return len(self.z) > 2
 
     def probability(self, rng: np.random.Generator, points: int, doubt: float) -> Probability:

@@ -199,7 +199,7 @@ class Memories:
         return self._steps[key]
 
     def no_worse(self, memory: int, other: int) -> bool:
-        """Whether whatever follows is at most as risky with ``memory`` as with ``other``."""
+        """True if all that may follow is at most as risky with ``memory`` as with ``other``."""
         if memory == other:
             return True
         key = memory, other

@@ -23,7 +23,7 @@ from ...instances.errors import InputError, UsageError
 Floats = NDArray[np.float64]
 
 FIRST_EDGES = ("separate", "shared")
-"""Whether each path of a set has a copy of the first edge's cost to itself (Skeele 2016), or all share one."""
+"""Cost of the first edge: each path of a set has a copy of it to itself (Skeele 2016), or all share one."""
 
 REACH = 7.0
 """Standard deviations beyond which, on either side, a normal cost lies with a probability of 1.3e-12."""

@@ -213,7 +213,7 @@ class RiskAllocation(Problem):
 
     @property
     def disjunctive(self) -> bool:
-        """Whether some constraint has alternatives."""
+        """True if some constraint has alternatives."""
         return len(self.names) < len(self.constraint)
 
     def digest(self) -> str:

@@ -113,13 +113,13 @@ def _by_shift(upper: Floats, covariance: Floats) -> Floats:
     y = np.zeros((len(points), n))
     whole = np.ones(len(points))
     for k in range(n):
-        left = u[k] - y[:, :k] @ factor[k, :k]
+        slack = u[k] - y[:, :k] @ factor[k, :k]
         if factor[k, k] > 0:
-            part = ndtr(left / factor[k, k])
+            part = ndtr(slack / factor[k, k])
             if k < n - 1:
                 y[:, k] = ndtri(np.clip(points[:, k] * part, 1e-300, 1.0 - 1e-16))
         else:
-            part = (left >= -1e-9 * (1.0 + abs(u[k]))).astype(np.float64)  # settled by those before
+            part = (slack >= -1e-9 * (1.0 + abs(u[k]))).astype(np.float64)  # settled by those before
         whole *= part
     return np.asarray(whole.reshape(SHIFTS, POINTS).mean(axis=1))
 
@@ -138,9 +138,9 @@ def _pivoted(upper: Floats, covariance: Floats) -> tuple[Floats, Floats]:
     for k in range(n):
         spread = np.maximum(1.0 - (factor[k:] ** 2).sum(axis=1), 0.0)
         spread[spread < 1e-12] = 0.0
-        left = u[k:] - factor[k:] @ y
+        slack = u[k:] - factor[k:] @ y
         with np.errstate(divide="ignore", invalid="ignore"):
-            j = k + int(np.argmin(np.where(spread > 0, ndtr(left / np.sqrt(spread)), 2.0)))
+            j = k + int(np.argmin(np.where(spread > 0, ndtr(slack / np.sqrt(spread)), 2.0)))
         for values in (order, u, factor):
             values[[k, j]] = values[[j, k]]
         c[[k, j]] = c[[j, k]]
@@ -149,7 +149,7 @@ def _pivoted(upper: Floats, covariance: Floats) -> tuple[Floats, Floats]:
             break
         factor[k, k] = math.sqrt(spread[j - k])
         factor[k + 1 :, k] = (c[k + 1 :, k] - factor[k + 1 :] @ factor[k]) / factor[k, k]
-        most = left[j - k] / factor[k, k]
+        most = slack[j - k] / factor[k, k]
         y[k] = -math.exp(-0.5 * most * most) / math.sqrt(2.0 * math.pi) / max(float(ndtr(most)), 1e-300)
     return factor, u
 

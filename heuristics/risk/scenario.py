@@ -64,8 +64,8 @@ def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0
     needed = enough_samples(problem.risk.total, confidence, support)
     many = samples or needed
     if many is None or many > MOST_SAMPLES:
-        told = "more samples are" if many is None else f"{many} samples are"
-        raise UsageError(f"scenario: {told} needed, and at most {MOST_SAMPLES} are drawn: ask for less confidence or more risk")
+        demand = "more samples are" if many is None else f"{many} samples are"
+        raise UsageError(f"scenario: {demand} needed, and at most {MOST_SAMPLES} are drawn: ask for less confidence or more risk")
     stop, noise, units = context.begin(), root(problem.covariance), Units.of(problem)
     worst = np.full(len(problem.limits), -math.inf)
     portion = max(1, PORTION // max(1, len(worst)))

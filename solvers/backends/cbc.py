@@ -250,13 +250,13 @@ def _said(solution: Path, log: Log, program: Program, options: Options, code: in
 
 
 def _may_be_endless(program: Program) -> bool:
-    """Whether a program may be unbounded: CBC calls such programs infeasible where variables are whole."""
+    """True if a program may be unbounded: CBC calls such programs infeasible where variables are whole."""
     falls = ((program.cost < 0) & np.isinf(program.upper)) | ((program.cost > 0) & np.isinf(program.lower))
     return bool(falls.any())
 
 
 def _unpriced(program: Program, duals: Floats) -> bool:
-    """Whether a variable without a bound still lowers the objective: CBC calls unbounded linear programs optimal that have free columns."""
+    """True if a variable without a bound still lowers the objective: CBC calls unbounded linear programs optimal that have free columns."""
     reduced = program.cost - program.matrix.T @ duals
     least = PRICED * float(np.abs(program.cost).max(initial=0.0))
     return bool((((reduced < -least) & np.isinf(program.upper)) | ((reduced > least) & np.isinf(program.lower))).any())

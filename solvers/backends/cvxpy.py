@@ -125,10 +125,11 @@ KNOWN = {
 """Options of solvers that do not list them, with their defaults."""
 
 COMMON = {
-    "time_limit": "the time limit", "time_limit_secs": "the time limit", "max_iter": "the iterations", "max_iters": "the iterations",
-    "max_threads": "the threads", "verbose": "the verbosity",
-}  # fmt: skip
-"""Options that have a name common to all solvers."""
+    "CLARABEL": {"time_limit": "the time limit", "max_iter": "the iterations", "max_threads": "the threads", "verbose": "the verbosity"},
+    "SCS": {"time_limit_secs": "the time limit", "max_iters": "the iterations", "verbose": "the verbosity"},
+    "ECOS": {"max_iters": "the iterations", "verbose": "the verbosity"},
+}
+"""Options of each solver that have a name common to all solvers."""
 
 
 def _chosen_options(solver: str, program: Program, options: Options) -> dict[str, Any]:
@@ -145,7 +146,7 @@ def _chosen_options(solver: str, program: Program, options: Options) -> dict[str
 
         chosen["max_threads"], settings = int(options.threads), clarabel.DefaultSettings()
         known = {n: getattr(settings, n) for n in dir(settings) if not n.startswith("_")}
-    return {**chosen, **own_options(f"cvxpy:{solver}", options.extra, known, COMMON)}
+    return {**chosen, **own_options(f"cvxpy:{solver}", options.extra, known, COMMON[solver])}
 
 
 def _highs_options(program: Program, options: Options) -> dict[str, Any]:

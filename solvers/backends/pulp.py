@@ -57,12 +57,12 @@ class PuLP(ProgramBackend):
 
     @classmethod
     def available(cls) -> tuple[str, ...]:
-        found = _found()
-        return (cls.name, *(f"{cls.name}:{variant}" for variant in cls.variants if variant in found))
+        installed = _found()
+        return (cls.name, *(f"{cls.name}:{variant}" for variant in cls.variants if variant in installed))
 
     @property
     def is_cbc(self) -> bool:
-        """Whether CBC is meant."""
+        """True if CBC is to solve the program."""
         return self.variant.upper() in ("", "CBC", "PULP_CBC_CMD", "COIN_CMD")
 
     def converted(self, options: Options) -> Options:

@@ -24,7 +24,7 @@ from ...evidence import ENDLESS
 
 @ENDLESS.register("endless-ray")
 def check_endless_ray(problem: Any, data: Mapping[str, Any]) -> bool:
-    """Whether a program has points, and those along a ray prove that its objective has no bound.
+    """Check that a program has points, and that those along a ray prove its objective unbounded.
 
     ``point`` and ``ray`` hold one number a variable each; InputError is raised for anything else. Source: Schrijver (1986), "Theory of
     Linear and Integer Programming", sections 8.2 and 16.2.

@@ -131,7 +131,7 @@ def _tangent(terms: Mapping[tuple[int, int], Fraction], point: Floats) -> Line |
 
 
 def _semidefinite(terms: Mapping[tuple[int, int], Fraction]) -> bool:
-    """Whether the symmetric matrix of a quadratic form is positive semidefinite, by elimination; False where that takes too long."""
+    """Test by elimination if the symmetric matrix of a quadratic form is positive semidefinite; False where that takes too long."""
     rows: dict[int, dict[int, Fraction]] = {}
     for (i, j), q in terms.items():
         rows.setdefault(i, {})[j] = rows.setdefault(j, {})[i] = 2 * q if i == j else q

@@ -46,8 +46,8 @@ class FiniteBounds(Reduction):
         for block in program.variables:
             mine = slice(first, first := first + block.size)
             variables.append(replace(block, lower=search.lower[mine], upper=search.upper[mine]))
-        told = f"bounds of {count} variables from rows and objective"
-        return (Bounded(program=replace(program, variables=tuple(variables)), told=told),)
+        note = f"bounds of {count} variables from rows and objective"
+        return (Bounded(program=replace(program, variables=tuple(variables)), told=note),)
 
 
 FINITE_BOUNDS = FiniteBounds()

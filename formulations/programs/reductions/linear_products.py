@@ -85,8 +85,8 @@ class LinearProducts(Reduction):
         ends = np.cumsum([0, *(v.size for v in program.variables)])
         blocks = tuple(replace(v, cost=cost[s:e]) for v, s, e in zip(program.variables, ends[:-1], ends[1:], strict=True))
         linear = replace(program, variables=(*blocks, z), rows=(*program.rows, *wanted), quadratic=None)
-        told = f"{count} products, {int(square.sum())} squares"
-        return (Linearised(program=linear, told=told, columns=n, rows=program.num_rows, pairs=np.stack([b, y], axis=1)),)
+        note = f"{count} products, {int(square.sum())} squares"
+        return (Linearised(program=linear, told=note, columns=n, rows=program.num_rows, pairs=np.stack([b, y], axis=1)),)
 
 
 def _rows(name: str, matrix: sp.csr_matrix, most: np.ndarray, side: Floats) -> Rows:

@@ -34,8 +34,8 @@ class Minimisation(Reduction):
         if turned:
             quadratic = None if program.quadratic is None else -program.quadratic
             minimised = replace(minimised, variables=tuple(replace(b, cost=-b.cost) for b in program.variables), quadratic=quadratic)
-        told = [*(["sign turned"] if turned else []), *([f"constant {program.offset:g} left out"] if program.offset else [])]
-        return (Minimised(program=minimised, told=", ".join(told), sign=-1.0 if turned else 1.0, constant=program.offset),)
+        notes = [*(["sign turned"] if turned else []), *([f"constant {program.offset:g} left out"] if program.offset else [])]
+        return (Minimised(program=minimised, told=", ".join(notes), sign=-1.0 if turned else 1.0, constant=program.offset),)
 
 
 MINIMISATION = Minimisation()

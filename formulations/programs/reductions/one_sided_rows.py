@@ -40,8 +40,8 @@ class OneSidedRows(Reduction):
                 origins.append(first + np.nonzero(split)[0])
             first += block.size
         rows = np.concatenate([np.arange(first), *origins])
-        told = f"{len(rows) - first} ranges split"
-        return (OneSided(program=replace(program, rows=(*upper, *lower)), told=told, rows=rows, num_rows=first),)
+        note = f"{len(rows) - first} ranges split"
+        return (OneSided(program=replace(program, rows=(*upper, *lower)), told=note, rows=rows, num_rows=first),)
 
 
 def _below(block: Rows, split: np.ndarray) -> Rows:

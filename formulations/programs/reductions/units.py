@@ -83,8 +83,8 @@ def scaled(program: Program) -> Scaled:
         result = _apply(program, columns, rows, objective)
     if any(np.isfinite(new).sum() < np.isfinite(old).sum() for old, new in zip(_numbers(program), _numbers(result), strict=True)):
         return same  # numbers too far apart for any unit
-    told = f"{program.num_variables} variables and {program.num_rows} rows brought to ordinary sizes by powers of two"
-    return Scaled(program=result, told=told, columns=columns, rows=rows, objective=objective)
+    note = f"{program.num_variables} variables and {program.num_rows} rows brought to ordinary sizes by powers of two"
+    return Scaled(program=result, told=note, columns=columns, rows=rows, objective=objective)
 
 
 class Units(Reduction):
@@ -228,8 +228,8 @@ def _counted(values: Floats, group: NDArray[np.int64], groups: int) -> _Counts:
         good[group[bad]] = False
         units[good] = (top - _BITS + np.log2(lowest).astype(np.int64))[good]
         counted_in[good] = decimals
-        left = ~good[group]
-        values, group = values[left], group[left]
+        uncounted = ~good[group]
+        values, group = values[uncounted], group[uncounted]
     return _Counts(units, counted_in, largest)
 
 

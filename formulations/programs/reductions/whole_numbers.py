@@ -207,7 +207,7 @@ def _unimodular(
 
 
 def _is_network(i: Integers, j: Integers, sign: Floats, m: int, n: int) -> bool:
-    """Whether rows hold at most one 1 and one -1, or columns do where rows of one entry do not count."""
+    """True if rows hold at most one 1 and one -1, or columns do where rows of one entry do not count."""
     inner = np.bincount(i, minlength=m)[i] > 1
     i, j, sign = i[inner], j[inner], sign[inner]
 
@@ -367,10 +367,10 @@ class WholeNumbers(Reduction):
         """See ``Reduction.apply``; the rows hold each column once."""
         bounded = FINITE_BOUNDS.apply(program)
         counted = integer_program(program, bounded[-1].program if bounded else None)
-        told = f"objective in steps of {1.0 / counted.scale:g}"
+        note = f"objective in steps of {1.0 / counted.scale:g}"
         if not counted.exact:
-            told += f", rounded by {counted.error:g} at most, rows loosened by {ROW_ERROR:g} at most"
-        return (*bounded, Counted(program=counted, exactness=Exactness.EXACT if counted.exact else Exactness.RELAXATION, told=told))
+            note += f", rounded by {counted.error:g} at most, rows loosened by {ROW_ERROR:g} at most"
+        return (*bounded, Counted(program=counted, exactness=Exactness.EXACT if counted.exact else Exactness.RELAXATION, told=note))
 
 
 class Whole(Step):

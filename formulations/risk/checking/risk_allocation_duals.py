@@ -58,10 +58,10 @@ def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
     }  # fmt: skip
     rows, chance, budgets, terms, cones = (numbers(data, key, size) for key, size in sizes.items())
     infeasible = data.get("infeasible") is True
-    left = np.bincount(problem.constraint, weights=problem.open, minlength=len(problem.names))
-    if (left == 0.0).any():
+    alternatives = np.bincount(problem.constraint, weights=problem.open, minlength=len(problem.names))
+    if (alternatives == 0.0).any():
         return float(problem.sign * math.inf)
-    single = problem.open & (left[problem.constraint] == 1.0)
+    single = problem.open & (alternatives[problem.constraint] == 1.0)
     chance = np.where(single, np.maximum(chance, 0.0), 0.0)
     budgets = np.maximum(budgets, 0.0) if problem.risk.kind == "allocated" else np.zeros(len(budgets))
     terms, constant = _allowed_terms(problem, np.zeros(len(terms)) if infeasible else terms)

@@ -208,15 +208,15 @@ def least_left(problem: RiskyPath, pairs: FollowingMoves) -> Floats:
     goals = list(problem.graph.goals)
     if not goals:
         return np.zeros(len(problem.graph.tail))
-    left = np.where(np.isin(problem.graph.head, goals), 0.0, math.inf)
+    to_goal = np.where(np.isin(problem.graph.head, goals), 0.0, math.inf)
     inner = pairs.earlier >= 0
     earlier, later, hazard = pairs.earlier[inner], pairs.later[inner], pairs.hazard[inner]
-    for _ in range(len(left)):
-        before = left.copy()
-        np.minimum.at(left, earlier, hazard + before[later])
-        if (left == before).all():
+    for _ in range(len(to_goal)):
+        before = to_goal.copy()
+        np.minimum.at(to_goal, earlier, hazard + before[later])
+        if (to_goal == before).all():
             break
-    return left * (1.0 - 1e-12)
+    return to_goal * (1.0 - 1e-12)
 
 
 class Remembered:

@@ -78,7 +78,7 @@ class ConvexAllocation(Engine):
 
 
 def leans(problem: RiskAllocation, answer: Allocation, value: float, proved: float) -> bool:
-    """Whether an answer has a better value, of a minimisation, than is ``proved`` possible: by limits broken within tolerance."""
+    """True if an answer has a value below the lower bound ``proved``, as limits broken within tolerance allow."""
     return proved - value > PROVED * problem.value(answer.decision)[1]
 
 

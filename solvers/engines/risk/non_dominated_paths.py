@@ -106,7 +106,7 @@ class _Front:
         return self.smaller if self.dominance == "strict" else self.least
 
     def dominates(self, mean: float, variance: float) -> bool:
-        """Whether a settled label dominates one of ``mean``, which is at least that of all settled ones."""
+        """True if a settled label dominates one of ``mean``, which is at least that of all settled ones."""
         below = self.least if mean > self.mean else self.smaller  # least variance of smaller means
         if self.dominance == "strict":
             return below < variance
@@ -121,7 +121,7 @@ class _Front:
 
 
 def _passes(settled: list[tuple[int, int]], label: int, vertex: int, dominance: str) -> bool:
-    """Whether a partial path goes through a vertex; under ``weak`` dominance none that does is left."""
+    """True if a partial path goes through a vertex; under ``weak`` dominance no such path remains."""
     if dominance == "weak":
         return False
     while label >= 0:

@@ -107,8 +107,8 @@ class HighsSession:
         if self._integer:
             model.setOptionValue("mip_rel_gap", gap)
         while not stop.reached():
-            left = stop.seconds_left
-            model.setOptionValue("time_limit", model.getRunTime() + (left if self._integer else min(SLICE, left)))
+            seconds = stop.seconds_left
+            model.setOptionValue("time_limit", model.getRunTime() + (seconds if self._integer else min(SLICE, seconds)))
             with stop.telling(model.cancelSolve):
                 model.run()
             status, info = model.getModelStatus(), model.getInfo()

@@ -78,8 +78,8 @@ def _column_sizes(p: RiskAllocation, entries: Floats, sides: Floats) -> Floats:
     """Size of each decision by its larger bound, else by what its rows leave it, or 1; in the cost alone the largest of all."""
     bounds = np.maximum(*(np.where(np.isfinite(side), np.abs(side), 0.0) for side in (p.lower, p.upper)))
     with np.errstate(divide="ignore", invalid="ignore"):
-        left = np.where((entries > 0.0) & (sides[:, None] > 0.0), sides[:, None] / entries, math.inf)
-    rows = left.min(axis=0, initial=math.inf)
+        allowed = np.where((entries > 0.0) & (sides[:, None] > 0.0), sides[:, None] / entries, math.inf)
+    rows = allowed.min(axis=0, initial=math.inf)
     sizes = np.where(bounds > 0.0, bounds, np.where(np.isfinite(rows), rows, 1.0))
     parts = [entries, *(f for _, _, f, _ in p.terms), *(np.abs(f) + np.abs(g) for f, _, g, _ in p.cones)]
     loose = ~np.concatenate(parts).any(axis=0) & (bounds == 0.0)

@@ -74,8 +74,8 @@ class _Search:
             if hopes[k] <= self.value:
                 break
             most = -math.log1p(-min(float(rewards[able[k]]) / self.value, 1.0)) if self.value > rewards[able[k]] else math.inf
-            left = None if self.budget is None else max(self.budget - self.grown, 0)
-            search = least_hazard(self.problem, (int(able[k]),), self.stop, self.memories, most, left)
+            labels = None if self.budget is None else max(self.budget - self.grown, 0)
+            search = least_hazard(self.problem, (int(able[k]),), self.stop, self.memories, most, labels)
             self.grown += search.labels
             if search.path is not None:
                 self.offer(search.path)
