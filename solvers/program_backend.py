@@ -15,9 +15,8 @@ from ..formulations.evidence import Evidence
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import CIRCUITS, CONES, INTEGERS, LINEAR, QUADRATIC, Program, described
 from ..formulations.programs.reductions.reduction import Chain, Irreducible, Reduction
-from ..formulations.programs.reductions.unique_entries import UNIQUE_ENTRIES
+from ..formulations.programs.reductions.sound_arrays import UNIQUE_ENTRIES, WHOLE_BOUNDS
 from ..formulations.programs.reductions.units import UNITS, Scaled
-from ..formulations.programs.reductions.whole_bounds import WHOLE_BOUNDS
 from ..formulations.programs.soundness import refuse_numbers
 from ..instances.errors import UnsupportedError
 from .backend import BACKENDS, Backend, Control, Options, RawResult, solver_named

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SHOWN_ROWS = 6
-"""Rows that are named where they contradict each other."""
+"""Most rows that are named where they contradict each other."""
 
 _WHOLE = 2**53
 """Below it doubles hold every whole number."""
@@ -131,7 +131,7 @@ class ArrayProblem(Problem):
             message = partial("{0} do not make up what they should".format, f"the used arcs of circuit {graph.name}")
             judged.append(judge(graph.name, np.array([graph.excess(near)]), message, VECTOR))
         checks = tuple(check for check, _ in judged)
-        violations = tuple(v for _, found in judged for v in found)
+        violations = tuple(v for _, violated in judged for v in violated)
         return Evaluation((value,), checks, violations, {}, (math.fsum(map(abs, terms)) if known else math.nan,), self._precision)
 
     def answer_at_hand(self) -> Floats:
@@ -141,13 +141,13 @@ class ArrayProblem(Problem):
 
     @cached_property
     def _precision(self) -> float:
-        """Sums of whole numbers times costs are as exact as any sum."""
+        """Precision of the objective: sums of whole numbers times costs are as exact as any sum."""
         p = self.program
         return EQUAL if p.quadratic is None and bool(p.integer[p.cost != 0].all()) else VECTOR
 
     @cached_property
     def _sizes(self) -> tuple[Floats, Floats]:
-        """Of each variable and each row the larger of its own limits and, unless it is empty, of the unit in which solvers count it."""
+        """Size of each variable and row: the larger of its limits and, unless it is empty, of the unit in which solvers count it."""
         p, units = self.program, scaled(self.program)
         own = [np.where(np.isfinite(end), np.abs(end), 0.0) for end in (p.lower, p.upper, p.row_lower, p.row_upper)]
         columns, rows = np.ldexp(np.ones(p.num_variables), units.columns), np.zeros(p.num_rows)
@@ -156,7 +156,7 @@ class ArrayProblem(Problem):
         return np.maximum.reduce([columns, *own[:2]]), np.maximum.reduce([rows, *own[2:]])
 
     def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
-        """How much less ``evidence`` proves where every row is as wide as the answer's largest residual makes it."""
+        """Difference that it makes to the bound of ``evidence`` if every row is as wide as the answer's largest residual."""
         from ..certificate import verified_bound
 
         residual = next((c.residual for c in evaluation.checks if c.name == "rows"), 0.0)
@@ -167,11 +167,9 @@ class ArrayProblem(Problem):
         return abs(verified_bound(self, evidence) - verified_bound(wider, evidence))
 
     def check_statement(self, statement: Any) -> None:
-        """``{"variable": column, "most": whole number}``: an integer variable is at most that. All others are then one more at least."""
-        if not isinstance(statement, Mapping) or statement.keys() != {"variable", "most"}:
-            column = most = None
-        else:
-            column, most = statement["variable"], statement["most"]
+        """``{"variable": column, "most": whole number}``: an integer variable is at most that; all others are then one more at least."""
+        known = isinstance(statement, Mapping) and statement.keys() == {"variable", "most"}
+        column, most = (statement["variable"], statement["most"]) if known else (None, None)
         if type(column) is not int or type(most) is not int or not 0 <= column < self.program.num_variables or abs(most) >= _WHOLE:
             expected = '{"variable": column, "most": whole number}'
             raise InputError("not a statement on a variable", expected=expected, found=printable(str(statement), 80))
@@ -188,10 +186,10 @@ class ArrayProblem(Problem):
                 upper[column] = min(upper[column], most)
             else:
                 lower[column] = max(lower[column], most + 1)
-        made = copy.copy(self)
-        made.program = self.program.with_bounds(lower, upper)
-        made.__dict__.pop("_sizes", None)
-        return made
+        tighter = copy.copy(self)
+        tighter.program = self.program.with_bounds(lower, upper)
+        tighter.__dict__.pop("_sizes", None)
+        return tighter
 
     def in_words(self, statement: Any, holds: bool) -> str:
         name, most = self.program.variable_name(statement["variable"]), statement["most"]
@@ -200,8 +198,8 @@ class ArrayProblem(Problem):
     def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
         if kind != "lp-dual":
             return super().why_none(kind, data)
-        given = data["ray"]
-        used = given["at"] if isinstance(given, Mapping) else [i for i, factor in enumerate(given) if factor]
+        ray = data["ray"]
+        used = ray["at"] if isinstance(ray, Mapping) else [i for i, factor in enumerate(ray) if factor]
         names = [self.program.row_name(i) for i in used[:SHOWN_ROWS]] + ([f"{len(used) - SHOWN_ROWS} more"] * (len(used) > SHOWN_ROWS))
         rows = f"{'row' if len(used) == 1 else 'rows'} {', '.join(names)} and " if used else ""
         return f"{rows}the bounds cannot be kept together"
@@ -237,11 +235,8 @@ class ArrayProblem(Problem):
         except (TypeError, ValueError):
             x = np.zeros((0, 0))
         if x.shape != (self.program.num_variables,):
-            raise InputError(
-                "the answer to a program is a vector with one number a variable",
-                expected=f"({self.program.num_variables},)",
-                found=f"{x.shape}",
-            )
+            expected = f"({self.program.num_variables},)"
+            raise InputError("the answer to a program is a vector with one number a variable", expected=expected, found=f"{x.shape}")
         return x
 
 
@@ -264,8 +259,8 @@ def _check_shapes(program: Program) -> None:
             raise InputError(f"rows {rows.name} name a column that does not exist", expected=f"0 to {program.num_variables - 1}")
     for cones in program.cones:
         if cones.kind not in CONE_KINDS or cones.width < 2 or (cones.kind == "exponential" and cones.width != 3):
-            found = f"{cones.kind} of width {cones.width}"
-            raise InputError(f"cones {cones.name} must be second-order of width 2 or more, or exponential of width 3", found=found)
+            shape = f"{cones.kind} of width {cones.width}"
+            raise InputError(f"cones {cones.name} must be second-order of width 2 or more, or exponential of width 3", found=shape)
         if len(cones.offset) % cones.width or len(cones.indptr) != len(cones.offset) + 1 or len(cones.indices) != len(cones.data):
             raise InputError(f"the arrays of cones {cones.name} have different lengths")
         if len(cones.indices) and not (cones.indices.min() >= 0 and cones.indices.max() < program.num_variables):

@@ -39,7 +39,7 @@ class Circuit:
     several: bool = False
 
     def excess(self, x: Floats) -> float:
-        """By how much the vector ``x`` breaks the balance of a node, or 1 for a second circuit; 0 where it breaks nothing."""
+        """Largest violation by the vector ``x`` of the balance of a node, or 1 for a second circuit; 0 where nothing is broken."""
         flow = x[self.column]
         leaving, entering = (np.bincount(end, flow, minlength=self.nodes) for end in (self.tail, self.head))
         asked = np.where(np.arange(self.nodes) < self.several, leaving, 1.0)
@@ -47,7 +47,7 @@ class Circuit:
         return max(1.0, worst) if np.isnan(worst) or self._apart(flow > 0.5) else worst
 
     def _apart(self, used: NDArray[np.bool_]) -> bool:
-        """Whether used arcs other than loops fall apart, with ``several`` from node 0."""
+        """True if the used arcs other than loops fall apart, with ``several`` from node 0."""
         import scipy.sparse as sp
         from scipy.sparse.csgraph import connected_components
 
@@ -57,7 +57,7 @@ class Circuit:
         return bool((part[tail] != (part[0] if self.several else part[tail[:1]])).any())
 
     def fault(self, lower: Floats, upper: Floats, integer: NDArray[np.bool_]) -> str:
-        """What is wrong with the arrays in a program of these bounds and integrality; nothing if they are sound."""
+        """A fault of the arrays in a program of these bounds and integrality; empty if they are sound."""
         tail, head, column = self.tail, self.head, self.column
         if self.nodes < 1 or not len(tail) == len(head) == len(column):
             return "there are no nodes, or the arrays have different lengths"
@@ -77,5 +77,5 @@ class Circuit:
         return ""
 
     def parts(self) -> tuple[Any, ...]:
-        """What a digest covers."""
+        """Data that a digest covers."""
         return (self.nodes, self.tail, self.head, self.column, self.several)

@@ -97,7 +97,7 @@ class Compiled:
         InputError
             If it holds no solution, or one of another model.
         """
-        from .handed_back import vector_from
+        from .solved_models import vector_from
 
         return self.decode(vector_from(self.program, solution))
 

@@ -56,7 +56,7 @@ class Cones:
         return sp.csr_matrix((self.data, self.indices, self.indptr), shape=(len(self.offset), columns))
 
     def excess(self, x: Floats) -> Floats:
-        """By how much the vector ``x`` breaks each cone, at most 0 where it does not; shape (size,)."""
+        """Violation of each cone by the vector ``x``, at most 0 where it holds; shape (size,)."""
         row = np.repeat(np.arange(len(self.offset)), np.diff(self.indptr))
         image = self.offset + np.bincount(row, self.data * x[self.indices], minlength=len(self.offset))
         parts = image.reshape(self.size, self.width)
@@ -68,5 +68,5 @@ class Cones:
         return np.where(np.isnan(inside), np.inf, inside)
 
     def parts(self) -> tuple[Any, ...]:
-        """What a digest covers."""
+        """Data that a digest covers."""
         return (self.kind, self.width, self.indptr, self.indices, self.data, self.offset)

@@ -1,4 +1,4 @@
-"""The value of a dual vector of a linear program."""
+"""Value of a dual vector of a linear program."""
 
 from __future__ import annotations
 
@@ -27,6 +27,6 @@ def dual_value(program: Program, row_duals: Floats) -> float:
 
 
 def _least(price: Floats, felt: NDArray[np.bool_], lower: Floats, upper: Floats) -> float:
-    """Sum of ``price`` times the bound that it is smallest at; those that are not ``felt`` ignore their bounds."""
+    """Sum of ``price`` times the bound at which it is least; prices that are not ``felt`` ignore their bounds."""
     bound = np.where(price > 0, lower, upper)
     return float(price[felt] @ bound[felt])

@@ -1,4 +1,4 @@
-"""How a program's optimum relates to the optimum of the problem that was asked."""
+"""Exactness of programs: what their optimum says of the problem that was asked."""
 
 from __future__ import annotations
 
@@ -25,24 +25,24 @@ class Exactness(Enum):
     NEITHER = "neither"
 
     def then(self, other: Exactness) -> Exactness:
-        """Flag of applying ``self`` and after it ``other``."""
+        """Flag of applying ``self`` and then ``other``."""
         if self is other or other is Exactness.EXACT:
             return self
         return other if self is Exactness.EXACT else Exactness.NEITHER
 
     @property
     def bound_is_valid(self) -> bool:
-        """Whether a dual bound of the program bounds the problem."""
+        """True if a dual bound of the program bounds the problem."""
         return self in (Exactness.EXACT, Exactness.RELAXATION)
 
     @property
     def infeasibility_is_valid(self) -> bool:
-        """Whether an infeasible program proves the problem infeasible."""
+        """True if an infeasible program proves the problem infeasible."""
         return self.bound_is_valid
 
     @property
     def answer_is_valid(self) -> bool:
-        """Whether a feasible point of the program is promised to be an answer of the problem."""
+        """True if a feasible point of the program is promised to be an answer of the problem."""
         return self in (Exactness.EXACT, Exactness.RESTRICTION)
 
 

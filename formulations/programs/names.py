@@ -1,4 +1,4 @@
-"""Names that files, their readers, and modelling packages agree on: a variable is called the same wherever a program is handed to."""
+"""Names of variables and rows that files, their readers and modelling packages agree on."""
 
 from __future__ import annotations
 
@@ -34,13 +34,20 @@ def row_names(program: Program) -> list[str]:
     return readable_names(program.rows, "r")
 
 
+def file_names(program: Program, *, readable: bool) -> tuple[list[str], list[str]]:
+    """Names of columns and rows in a file: those of every export where ``readable``, else ``x0, x1, ...`` and ``r0, r1, ...``."""
+    if readable:
+        return column_names(program), row_names(program)
+    return [f"x{j}" for j in range(program.num_variables)], [f"r{i}" for i in range(program.num_rows)]
+
+
 def own_names(blocks: Iterable[Variables | Rows]) -> list[str]:
     """``Program.variable_name`` of all variables, or ``row_name`` of all rows."""
     return [name for block in blocks for name in _in_brackets(block, block.name, str, "[", "]")]
 
 
 def block_names(program: Program) -> list[str]:
-    """The name of each block of variables: a name that occurs again gets a number."""
+    """Name of each block of variables, with a number where it occurs again."""
     seen: dict[str, int] = {}
     names = []
     for block in program.variables:
@@ -56,15 +63,9 @@ def in_block(name: str, k: int) -> str:
 
 
 def readable_names(blocks: Iterable[Variables | Rows], prefix: str) -> list[str]:
-    """Different names made from those of blocks: ``time[17,4,2]`` becomes ``time(17,4,2)``.
-
-    Parameters
-    ----------
-    blocks : sequence of Variables or of Rows
-    prefix : str
-        One letter, put before a name that would not do as it is.
-    """
-    made: list[str] = []
+    """Different names made from those of blocks: ``time(17,4,2)`` from ``time[17,4,2]``, and ``prefix`` before reserved or numeric names.
+    Different names made from those of blocks: ``time(17,4,2)`` from ``time[17,4,2]``, and ``prefix`` before reserved or numeric names."""
+    readable: list[str] = []
     for block in blocks:
         start = _spelt(block.name)
         names = _in_brackets(block, start, _spelt, "(", ")")
@@ -72,8 +73,8 @@ def readable_names(blocks: Iterable[Variables | Rows], prefix: str) -> list[str]
         fit = not _unfit(f"{start}(") and all(name.endswith(")") for name in names[:1])
         if not fit or max(map(len, names), default=0) > LONGEST:
             names = [f"{prefix}_{name[:LONGEST]}" if _unfit(name) else name for name in names]
-        made += names
-    return made if len(set(made)) == len(made) else _different(made, prefix)
+        readable += names
+    return readable if len(set(readable)) == len(readable) else _different(readable, prefix)
 
 
 def _in_brackets(block: Variables | Rows, start: str, spelt: Callable[[str], str], opened: str, closed: str) -> list[str]:
@@ -99,19 +100,14 @@ def _unfit(text: str) -> bool:
 
 
 def _different(names: list[str], prefix: str) -> list[str]:
-    """The same, those that were there before with their number."""
+    """The same names, with its number added to each that stood there before."""
     taken: set[str] = set()
-    made = []
+    different = []
     for k, text in enumerate(names):
         if text in taken:
             text = f"{text}_{prefix}{k}"
             while text in taken:
                 text += "_"
         taken.add(text)
-        made.append(text)
-    return made
-
-
-def plain_names(count: int, prefix: str) -> list[str]:
-    """``x0, x1, ...``"""
-    return [f"{prefix}{k}" for k in range(count)]
+        different.append(text)
+    return different

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
-INFINITY = math.inf
-
 LINEAR: frozenset[str] = frozenset()
 INTEGERS = frozenset({"integers"})
 QUADRATIC = frozenset({"quadratic-objective"})
@@ -95,8 +93,13 @@ class FurtherLevel:
     offset: float = 0.0
 
     def value(self, x: Floats) -> float:
-        """Of the vector ``x`` of shape (variables,)."""
+        """Value of the vector ``x`` of shape (variables,)."""
         return float(self.cost @ x) + self.offset
+
+
+def _joined_blocks(blocks: str, name: str) -> cached_property[Floats]:
+    """Array ``name`` of all blocks of a program, one after the other."""
+    return cached_property(lambda program: _joined([getattr(block, name) for block in getattr(program, blocks)], np.float64))
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +136,13 @@ class Program:
 
     # -- the whole, as arrays ----------------------------------------------------------------------------------------
 
+    cost = _joined_blocks("variables", "cost")
+    lower = _joined_blocks("variables", "lower")
+    upper = _joined_blocks("variables", "upper")
+    row_lower = _joined_blocks("rows", "lower")
+    row_upper = _joined_blocks("rows", "upper")
+    data = _joined_blocks("rows", "data")
+
     @property
     def num_variables(self) -> int:
         return sum(b.size for b in self.variables)
@@ -142,42 +152,18 @@ class Program:
         return sum(b.size for b in self.rows)
 
     @cached_property
-    def cost(self) -> Floats:
-        return _joined([b.cost for b in self.variables], np.float64)
-
-    @cached_property
-    def lower(self) -> Floats:
-        return _joined([b.lower for b in self.variables], np.float64)
-
-    @cached_property
-    def upper(self) -> Floats:
-        return _joined([b.upper for b in self.variables], np.float64)
-
-    @cached_property
     def integer(self) -> NDArray[np.bool_]:
         return np.repeat([b.integer for b in self.variables], [b.size for b in self.variables]).astype(bool)
-
-    @cached_property
-    def row_lower(self) -> Floats:
-        return _joined([b.lower for b in self.rows], np.float64)
-
-    @cached_property
-    def row_upper(self) -> Floats:
-        return _joined([b.upper for b in self.rows], np.float64)
-
-    @cached_property
-    def indptr(self) -> Indices:
-        starts = np.cumsum([0] + [len(b.indices) for b in self.rows])
-        parts = [b.indptr[:-1] + start for b, start in zip(self.rows, starts[:-1], strict=True)]
-        return _joined([*parts, starts[-1:]], np.int32)
 
     @cached_property
     def indices(self) -> Indices:
         return _joined([b.indices for b in self.rows], np.int32)
 
     @cached_property
-    def data(self) -> Floats:
-        return _joined([b.data for b in self.rows], np.float64)
+    def indptr(self) -> Indices:
+        starts = np.cumsum([0] + [len(b.indices) for b in self.rows])
+        parts = [b.indptr[:-1] + start for b, start in zip(self.rows, starts[:-1], strict=True)]
+        return _joined([*parts, starts[-1:]], np.int32)
 
     @property
     def matrix(self) -> sp.csr_matrix:
@@ -191,7 +177,7 @@ class Program:
         return any(b.integer and b.size for b in self.variables)
 
     def features(self) -> frozenset[str]:
-        """What a solver must be able to take, beyond linear programs: ``INTEGERS``, ``QUADRATIC``, ``CIRCUITS`` and of ``CONES``."""
+        """Features that a solver must take, beyond linear programs: ``INTEGERS``, ``QUADRATIC``, ``CIRCUITS`` and of ``CONES``."""
         held = ((INTEGERS, self.is_integer), (QUADRATIC, self.quadratic is not None), (CIRCUITS, self.circuits))
         return LINEAR.union(*(mark for mark, present in held if present), {f"{block.kind}-cones" for block in self.cones})
 
@@ -204,10 +190,10 @@ class Program:
         """The same with other bounds of the variables, shape (variables,) each; all other arrays are shared."""
         ends = np.cumsum([b.size for b in self.variables])[:-1]
         blocks = zip(self.variables, np.split(lower, ends), np.split(upper, ends), strict=True)
-        made = replace(self, variables=tuple(replace(b, lower=low, upper=high) for b, low, high in blocks))
+        program = replace(self, variables=tuple(replace(b, lower=low, upper=high) for b, low, high in blocks))
         shared = {name: getattr(self, name) for name in ("cost", "integer", "row_lower", "row_upper", "indptr", "indices", "data")}
-        made.__dict__.update(shared, lower=lower, upper=upper)
-        return made
+        program.__dict__.update(shared, lower=lower, upper=upper)
+        return program
 
     def with_costs(self, cost: Floats) -> Program:
         """The same with another linear objective, shape (variables,)."""
@@ -262,13 +248,13 @@ class Program:
 
     def to_highs(self, *, names: bool = False) -> Any:
         """A ``highspy.Highs`` model, ready to run."""
-        from .export.highs import to_highs
+        from .export.models import to_highs
 
         return to_highs(self, names=names)
 
     def to_pulp(self, *, names: bool = False) -> Any:
         """A ``pulp.LpProblem``; without names ``variables()`` lists them in column order, as ``x`` and the column, padded with zeros."""
-        from .export.pulp import to_pulp
+        from .export.models import to_pulp
 
         return to_pulp(self, names=names)
 
@@ -280,7 +266,7 @@ class Program:
 
     def to_mathopt(self, *, names: bool = False) -> Any:
         """An OR-Tools ``mathopt.Model``."""
-        from .export.mathopt import to_mathopt
+        from .export.models import to_mathopt
 
         return to_mathopt(self, names=names)
 

@@ -1,4 +1,4 @@
-"""How large a program would become, known before it is built."""
+"""Size of a program, estimated before it is built."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class ProgramSize:
 
     @property
     def bytes(self) -> float:
-        """Memory that it takes to build the program and to give it to a solver; what a solver adds in its search is not counted."""
+        """Memory to build the program and to give it to a solver; what a solver adds in its search is not counted."""
         return BYTES["column"] * self.columns + BYTES["row"] * self.rows + BYTES["entry"] * self.entries + self.work
 
     def __add__(self, other: ProgramSize) -> ProgramSize:
@@ -48,6 +48,6 @@ class TooLargeError(UsageError):
 
 
 def _count(number: float) -> str:
-    """Two digits of it are known at best: ``2,100,000``."""
+    """A number to two digits, as more are not known: ``2,100,000``."""
     digits = max(0, len(str(int(number))) - 2)
     return f"{round(int(number), -digits):,}"

@@ -1,13 +1,16 @@
-"""What every program must be: numbers that mean something."""
+"""Numbers of a program that mean nothing."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...instances.errors import InputError
-from .program import Floats, Program
+
+if TYPE_CHECKING:
+    from .program import Floats, Program
 
 SYMMETRIC = 1e-9
 """Relative difference up to which two quadratic coefficients are the same one."""

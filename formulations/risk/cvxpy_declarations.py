@@ -7,16 +7,15 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...instances.errors import InputError, UnsupportedError
 from ...instances.risk.allocation import MOST_RISK, Affine, ChanceConstraints, Cone, CostTerm, Risk, RiskAllocationInstance
 from ...instances.risk.gaussian import Quantities
-
-Floats = NDArray[np.float64]
+from .allocations import Floats
 
 Places = dict[str, tuple[int, tuple[int, ...]]]
-"""By the name of a variable: the column of its first entry, and its shape."""
+"""Column of the first entry of each variable, and its shape, by its name."""
 
 
 def declared_instance(
@@ -26,28 +25,12 @@ def declared_instance(
     """The instance of ``RiskAllocation.from_cvxpy``, and where CVXPY's variables are among its decisions."""
     import cvxpy as cp
 
-    expression = cp.vec(cp.Expression.cast_to_const(quantities), order="F")
-    if not expression.is_affine():
-        raise InputError("the quantities of chance constraints must be affine in the variables", found=str(quantities)[:60])
-    if not isinstance(model, cp.Problem) or not model.is_dcp():
-        raise InputError("the model must be a convex cvxpy.Problem (DCP)", found=type(model).__name__)
-    if model.is_mixed_integer():
-        raise UnsupportedError("risk allocation by CVXPY", {"integer variables"})
-    q = expression.size
-    mean = cp.Variable(q, name="quantities")
-    own = {v.name(): cp.Variable(v.shape, name=v.name()) for v in model.variables()}  # which keep their places, whatever attributes v has
-    if len(own) < len(model.variables()):
-        raise InputError("two variables of the model have the same name", expected="different names")
-    held = [own[v.name()] == v for v in model.variables()]
-    whole = cp.Problem(model.objective, [*model.constraints, *held, mean == expression])
-    data = whole.get_problem_data(cp.CLARABEL)[0]
-    stuffed, dims = data["param_prob"], data["dims"]
-    if dims.exp or dims.psd or dims.p3d or getattr(dims, "pnd", None):
-        raise UnsupportedError("risk allocation by CVXPY", {"exponential, power or semidefinite cones"})
+    data, own, mean = _canonical_program(model, quantities)
+    stuffed, dims, q = data["param_prob"], data["dims"], mean.size
     matrix, side = np.asarray(data["A"].todense(), dtype=np.float64), np.asarray(data["b"], dtype=np.float64)
     n = matrix.shape[1]
-    maximise = isinstance(model.objective, cp.Maximize)
-    sign = -1.0 if maximise else 1.0
+    sense = "max" if isinstance(model.objective, cp.Maximize) else "min"
+    sign = -1.0 if sense == "max" else 1.0
     linear = sign * np.asarray(data["c"], dtype=np.float64)
     offset = sign * float(np.asarray(stuffed.apply_parameters(quad_obj=data.get("P") is not None)[-3]).item())
 
@@ -77,15 +60,39 @@ def declared_instance(
                           constraint_names, np.arange(q)),
         Risk(risk, total, _each(caps, "each", q)),
         affine(matrix[:linear_rows], np.zeros(linear_rows)), lower_sides, side[:linear_rows], _numbered("row", linear_rows),
-        _squares(data.get("P"), q), tuple(cones), "max" if maximise else "min", name, "cvxpy",
+        _squares(data.get("P"), q), tuple(cones), sense, name, "cvxpy",
     )  # fmt: skip
     places = {name: (columns[v.id], v.shape) for name, v in own.items()}
     return instance, places
 
 
-def _each(given: Any, what: str, q: int) -> Floats:
+def _canonical_program(model: Any, quantities: Any) -> tuple[dict[str, Any], dict[str, Any], Any]:
+    """Clarabel's data of a model, its variables by name, and the variable that stands for the quantities."""
+    import cvxpy as cp
+
+    expression = cp.vec(cp.Expression.cast_to_const(quantities), order="F")
+    if not expression.is_affine():
+        raise InputError("the quantities of chance constraints must be affine in the variables", found=str(quantities)[:60])
+    if not isinstance(model, cp.Problem) or not model.is_dcp():
+        raise InputError("the model must be a convex cvxpy.Problem (DCP)", found=type(model).__name__)
+    if model.is_mixed_integer():
+        raise UnsupportedError("risk allocation by CVXPY", {"integer variables"})
+    mean = cp.Variable(expression.size, name="quantities")
+    own = {v.name(): cp.Variable(v.shape, name=v.name()) for v in model.variables()}  # which keep their places, whatever attributes v has
+    if len(own) < len(model.variables()):
+        raise InputError("two variables of the model have the same name", expected="different names")
+    held = [own[v.name()] == v for v in model.variables()]
+    whole = cp.Problem(model.objective, [*model.constraints, *held, mean == expression])
+    data = whole.get_problem_data(cp.CLARABEL)[0]
+    dims = data["dims"]
+    if dims.exp or dims.psd or dims.p3d or getattr(dims, "pnd", None):
+        raise UnsupportedError("risk allocation by CVXPY", {"exponential, power or semidefinite cones"})
+    return data, own, mean
+
+
+def _each(value: Any, what: str, q: int) -> Floats:
     """A number for all quantities, or one each."""
-    values = np.asarray(given, dtype=np.float64)
+    values = np.asarray(value, dtype=np.float64)
     if values.shape not in ((), (q,)):
         raise InputError(f"{what} must be a number, or one a quantity", expected=str(q), found=str(values.shape))
     return np.broadcast_to(values, q).copy()
@@ -95,17 +102,17 @@ def _numbered(letter: str, count: int) -> tuple[str, ...]:
     return tuple(f"{letter}{k + 1}" for k in range(count))
 
 
-def _bound(given: Any, n: int, none: float) -> Floats:
-    return np.full(n, none) if given is None else np.asarray(given, dtype=np.float64)
+def _bound(bound: Any, n: int, none: float) -> Floats:
+    return np.full(n, none) if bound is None else np.asarray(bound, dtype=np.float64)
 
 
 def _names(variables: Sequence[Any], columns: dict[int, int], n: int) -> tuple[str, ...]:
-    """The variables' own names; others are CVXPY's."""
-    made = [f"auxiliary {k + 1}" for k in range(n)]
+    """The variables' own names; auxiliary variables are CVXPY's."""
+    names = [f"auxiliary {k + 1}" for k in range(n)]
     for v in variables:
         for k in range(v.size):
-            made[columns[v.id] + k] = v.name() if v.size == 1 else f"{v.name()}[{k + 1}]"
-    return tuple(made)
+            names[columns[v.id] + k] = v.name() if v.size == 1 else f"{v.name()}[{k + 1}]"
+    return tuple(names)
 
 
 def _squares(quadratic: Any, q: int) -> tuple[CostTerm, ...]:

@@ -1,10 +1,10 @@
-"""The probability that any of many jointly Gaussian constraints fails, with limits between which it lies.
+"""Probability that any of many jointly Gaussian constraints fails, with limits between which it lies.
 
-Proved of any number of constraints, from the probabilities that one fails and that two do: the sum less a spanning tree of pairs (Hunter
-1976, Worsley 1982) is no less, what Dawson and Sankoff (1967) and de Caen (1997) make of them no more. One or two are exact.
+Limits for any number of constraints follow from the probabilities that one fails and that two do: the sum less a spanning tree of pairs is
+no less (Hunter 1976, Worsley 1982), the limits of Dawson and Sankoff (1967) and de Caen (1997) are no more. One or two are exact.
 
 Between these it is sampled where it happens, however rare: one constraint is drawn by its probability to fail, then the noise given that
-it does, and what is drawn counts one part in as many as fail there (Adler, Blanchet and Liu 2012; Owen, Maximov and Chertkov 2019). So each
+it does, and a sample counts one part in as many as fail there (Adler, Blanchet and Liu 2012; Owen, Maximov and Chertkov 2019). So each
 sample is worth between nothing and the sum of the probabilities, whatever their size, and its mean has an interval whose confidence is
 proved for bounded numbers, without a normal limit (Waudby-Smith and Ramdas 2023).
 """
@@ -28,13 +28,13 @@ POINTS, MORE_POINTS = 24_000, 96_000
 """Samples; more where an answer is judged by them."""
 
 WORK = 4e8
-"""Multiplications that a probability may take: of more constraints fewer samples are drawn."""
+"""Most multiplications for a probability: the more constraints, the fewer samples are drawn."""
 
 PILOT = 8
-"""One part in so many of the samples says how far the others are worth to bet."""
+"""One part in so many of the samples, the pilot, says how much to bet on the others."""
 
 CONFIDENCE = 0.999
-"""At least, that an interval by samples holds the truth."""
+"""Least confidence of an interval by samples."""
 
 ROUNDED = 1e-13
 """Part of the sum of the probabilities, for each constraint, by which tails and pairs may be rounded."""
@@ -48,15 +48,10 @@ _PORTION = 200_000
 
 @dataclass(frozen=True)
 class Probability:
-    """An estimate, and limits of the truth.
+    """An estimate ``value``, and limits ``low`` and ``high`` of the truth.
 
-    Attributes
-    ----------
-    value, low, high : float
-    confidence : float
-        That the truth lies from ``low`` to ``high``: 1 where both are proved, at least ``CONFIDENCE`` where samples say so.
-    most : float
-        Proved: the truth is no more.
+    ``confidence`` is that the truth lies between these: 1 where both are proved, at least ``CONFIDENCE`` where samples say so. ``most`` is
+    proved: the truth is no more.
     """
 
     value: float
@@ -67,7 +62,7 @@ class Probability:
 
     @property
     def exact(self) -> bool:
-        """Whether it is computed, but for rounding."""
+        """True if it is computed without samples, exact but for rounding."""
         return self.low == self.high
 
     def kept(self, risk: float) -> float:
@@ -78,22 +73,9 @@ class Probability:
 def any_fails(slack: Floats, covariance: Floats, constraint: Ints | None = None, *, seed: int = 1, points: int = POINTS) -> Probability:
     """Probability that a centred Gaussian vector with ``covariance`` exceeds ``slack`` anywhere.
 
-    Parameters
-    ----------
-    slack : array of shape (rows,)
-    covariance : array of shape (rows, rows)
-        Positive semidefinite. Rows without variance hold for certain, or fail.
-    constraint : array of shape (rows,), optional
-        The constraint of each row: one fails where all of its rows do. By default each row is one.
-    seed : int
-        Of the samples.
-    points : int
-        Samples, at most.
-
-    Returns
-    -------
-    Probability
-        The confidence of its limits is that of one look: who picks the best of many answers by the same samples picks their errors, too.
+    ``slack`` has the shape (rows,), ``covariance`` is positive semidefinite; rows without variance hold for certain, or fail. A constraint
+    of several rows fails where all of its rows do; by default each row is one. At most ``points`` samples are drawn. The confidence of the
+    limits is that of one look: who picks the best of many answers by the same samples picks their errors, too.
     """
     deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))  # which rounding may leave below 0
     scale = np.where(deviation > 0.0, deviation, 1.0)
@@ -116,7 +98,7 @@ def any_fails(slack: Floats, covariance: Floats, constraint: Ints | None = None,
 
 
 def both_fail(z: Floats, correlation: Floats) -> Floats:
-    """For each two of some standard normal numbers the probability that they exceed their ``z``; their tails on the diagonal.
+    """Probability that each two of some standard normal numbers exceed their ``z``; on the diagonal that each does.
 
     By Owen's (1956) function, wrong by some roundings of the larger tail of the two.
     """
@@ -130,9 +112,9 @@ def both_fail(z: Floats, correlation: Floats) -> Floats:
     with np.errstate(over="ignore"):
         parts = owens_t(a, (b - like * a + like * rest * a) / (a * spread)) + owens_t(b, (a - like * b + like * rest * b) / (b * spread))
     pair = 0.5 * (tails[one] + tails[other]) - parts - np.where((a > 0.0) == (b > 0.0), 0.0, 0.5)
-    made = np.diag(tails)
-    made[one, other] = made[other, one] = np.clip(pair, 0.0, np.minimum(tails[one], tails[other]))
-    return made
+    pairs = np.diag(tails)
+    pairs[one, other] = pairs[other, one] = np.clip(pair, 0.0, np.minimum(tails[one], tails[other]))
+    return pairs
 
 
 def _exactly(value: float) -> Probability:
@@ -140,7 +122,7 @@ def _exactly(value: float) -> Probability:
 
 
 def _independent(correlation: Floats, constraint: Ints) -> list[Ints]:
-    """Rows, those of a constraint beside each other, by parts that have no noise in common, nor a constraint."""
+    """Rows, those of a constraint beside each other, by parts that have neither noise nor a constraint in common."""
     from scipy.sparse.csgraph import connected_components
 
     _, part = connected_components((correlation != 0.0) | (constraint[:, None] == constraint), directed=False)
@@ -149,7 +131,7 @@ def _independent(correlation: Floats, constraint: Ints) -> list[Ints]:
 
 
 def _any_of(parts: list[Probability]) -> Probability:
-    """Probability that any of several independent events happens, from what is known of each."""
+    """Probability that any of several independent events happens."""
     if len(parts) == 1:
         return parts[0]
     with np.errstate(divide="ignore"):
@@ -175,11 +157,11 @@ class _Union:
 
     @property
     def sampled(self) -> bool:
-        """Whether samples may be needed: of more than one row or two."""
+        """True if samples may be needed: there are more than two rows."""
         return len(self.z) > 2
 
     def probability(self, rng: np.random.Generator, points: int, doubt: float) -> Probability:
-        """Exact for one row or two; else between what is proved and what samples say, but for that ``doubt``."""
+        """Exact for one row or two; else between proved limits and those of samples, which hold but with the probability ``doubt``."""
         if not self.sampled:
             all_fail = len(self.z) == 2 and not self.single.any()
             either = min(max(self.base, float(self.tails.max())), 1.0)
@@ -191,14 +173,14 @@ class _Union:
         many = int(min(points, max(1000, WORK / (len(self.z) * (root.shape[1] + 10)))))
         if most - least <= self.total * bits / many:  # finer than samples see
             return Probability(0.5 * (least + most), least, most, 1.0, most)
-        pilot, found = self._counted(many // PILOT, root, rng), self._counted(many - many // PILOT, root, rng)
-        apart = [self.base - self.total * part for part in _mean_between(pilot, found, bits)]
+        pilot, counts = self._counted(many // PILOT, root, rng), self._counted(many - many // PILOT, root, rng)
+        apart = [self.base - self.total * part for part in _mean_between(pilot, counts, bits)]
         blur = BLURRED * self.total
         value, high, low = (min(max(p, least), most) for p in (apart[0], apart[1] + blur, apart[2] - blur))
         return Probability(value, low, high, 1.0 - doubt, most)
 
     def _least(self) -> float:
-        """Proved to be no more, of constraints of one row."""
+        """Proved lower limit from the constraints of one row."""
         tails, pairs = self.tails[self.single], self.pairs[np.ix_(self.single, self.single)]
         if not len(tails):
             return 0.0
@@ -213,7 +195,7 @@ class _Union:
         return np.asarray(vectors[:, kept] * np.sqrt(values[kept]))
 
     def _counted(self, many: int, root: Floats, rng: np.random.Generator) -> Counts:
-        """How often samples of the noise, given a failure, have which worth.
+        """Worths of samples of the noise, given a failure, and how often each was drawn.
 
         With c constraints whose row fails, t edges of the tree between them, and a = 1 if one of them fails with all of its rows:
         (c - t - a) / c, whose mean is the part of the sum by which the tree's limit is too large. One sample of each of ``many`` equal
@@ -251,25 +233,25 @@ Counts = tuple[Floats, Floats]
 def _spanning_tree(pairs: Floats) -> tuple[Ints, Ints]:
     """Edges of a tree of the largest probabilities that both fail (Prim 1957)."""
     size = len(pairs)
-    best, source, left = pairs[0].copy(), np.zeros(size, dtype=np.int64), np.ones(size, dtype=bool)
-    left[0] = False
+    best, source, outside = pairs[0].copy(), np.zeros(size, dtype=np.int64), np.ones(size, dtype=bool)
+    outside[0] = False
     one, other = np.zeros(size - 1, dtype=np.int64), np.zeros(size - 1, dtype=np.int64)
     for k in range(size - 1):
-        new = int(np.argmax(np.where(left, best, -1.0)))
-        one[k], other[k], left[new] = source[new], new, False
+        new = int(np.argmax(np.where(outside, best, -1.0)))
+        one[k], other[k], outside[new] = source[new], new, False
         better = pairs[new] > best
         best, source = np.where(better, pairs[new], best), np.where(better, new, source)
     return one, other
 
 
-def _mean_between(pilot: Counts, found: Counts, bits: float) -> tuple[float, float, float]:
-    """The mean of numbers from 0 to 1, and limits that hold their expectation but with the probability 2 exp(-bits).
+def _mean_between(pilot: Counts, counts: Counts, bits: float) -> tuple[float, float, float]:
+    """Mean of numbers from 0 to 1, and limits that hold their expectation but with the probability 2 exp(-bits).
 
     Whoever stakes a fixed part of their capital on each number, at even odds if the expectation is m, is expected to end with what they
     began with, so that exp(bits) times as much is as rare as exp(-bits) (Markov): an m that would make them so rich is refused. The parts
     come from other numbers, the pilot's.
     """
-    numbers, often = found
+    numbers, often = counts
     many, mean = float(often.sum()), float(numbers @ often / often.sum())
     first = float(pilot[0] @ pilot[1] / pilot[1].sum())
     spread = float((pilot[0] - first) ** 2 @ pilot[1] / pilot[1].sum()) + 1.0 / float(pilot[1].sum())
@@ -285,7 +267,7 @@ def _mean_between(pilot: Counts, found: Counts, bits: float) -> tuple[float, flo
 
 
 def _last(refused: Callable[[float], bool], begin: float, end: float) -> float:
-    """From ``begin`` towards ``end``, about the last number that is refused, on the side of those that are; ``begin`` if it is not."""
+    """About the last number from ``begin`` towards ``end`` that is refused; ``begin`` if it is not."""
     if not refused(begin):
         return begin
     for _ in range(60):

@@ -1,4 +1,4 @@
-"""Evaluation of risk allocations from the data alone: the independent judge of cost, constraints and risks.
+"""Judge of risk allocations: cost, constraints and risks, recomputed from the data alone.
 
 It knows no program and no solver, and shares no code with the forms.
 """
@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 Judged = tuple[Check, list[Violation]]
 
 SMALLEST_RISK = 1e-300
-"""Of a constraint, as far as its quantile is concerned: 37 standard deviations."""
+"""Least risk of which a quantile is taken: 37 standard deviations."""
 
 
 def evaluate_allocation(problem: RiskAllocation, answer: Allocation) -> Evaluation:
@@ -44,46 +44,46 @@ def evaluate_allocation(problem: RiskAllocation, answer: Allocation) -> Evaluati
         ]
         own = safest_risks(p, near) if known else np.ones(len(p.names))
         if p.risk.kind == "allocated":
-            given = own if answer.risks is None else answer.risks
-            judged += [_judge_chance(p, near, given), _judge_risks(p, given), _judge_budgets(p, given)]
+            allowed = own if answer.risks is None else answer.risks
+            judged += [_judge_chance(p, near, allowed), _judge_risks(p, allowed), _judge_budgets(p, allowed)]
         else:
             judged += [_judge_risks(p, own), _judge_joint(p, near, known)]
-    checks, violations = tuple(check for check, _ in judged), tuple(v for _, found in judged for v in found)
+    checks, violations = tuple(check for check, _ in judged), tuple(v for _, broken in judged for v in broken)
     return Evaluation((value,), checks, violations, _quantities(p, near, own) if known else {}, (terms,), VECTOR)
 
 
 def safest_risks(p: RiskAllocation, x: Floats) -> Floats:
-    """For each constraint the probability that its safest row fails at the decision ``x``."""
+    """Probability that the safest row of each constraint fails at the decision ``x``."""
     slack, certain = p.limits - p.chance @ x, p.deviation == 0.0
     rows = ndtr(-slack / np.where(certain, 1.0, p.deviation))
     if certain.any():
         rows = np.where(certain, (slack < -VECTOR * _row_sizes(p, x)).astype(np.float64), rows)
-    made = np.ones(len(p.names))
-    np.minimum.at(made, p.constraint, rows)
-    return made
+    safest = np.ones(len(p.names))
+    np.minimum.at(safest, p.constraint, rows)
+    return safest
 
 
 def judged_slack(p: RiskAllocation, x: Floats) -> Floats:
-    """What each chance row leaves; none, not less, where one without noise is broken by no more than is let pass."""
+    """Slack of each chance row; none, not less, where one without noise is broken by no more than is let pass."""
     slack = p.limits - p.chance @ x
     passed = (p.deviation == 0.0) & (slack >= -VECTOR * _row_sizes(p, x))
     return np.where(passed, np.maximum(slack, 0.0), slack)
 
 
 def _row_sizes(p: RiskAllocation, x: Floats) -> Floats:
-    """Of each chance row the largest number in it."""
+    """Largest number in each chance row."""
     return np.asarray(np.maximum(np.abs(p.limits), np.abs(p.chance * x).max(axis=1, initial=0.0)))
 
 
 def _quantities(p: RiskAllocation, x: Floats, own: Floats) -> dict[str, float]:
     joint = next(iter(p.joint_risk(x).values()))
-    told = {
+    quantities = {
         "sum_of_risks": float(own.sum()), "joint_risk": joint.value, "joint_risk_low": joint.low, "joint_risk_high": joint.high,
         "joint_risk_confidence": joint.confidence,
     }  # fmt: skip
     if p.risk.total is not None:
-        told["unused_share_of_risk"] = 1.0 - joint.value / p.risk.total
-    return told
+        quantities["unused_share_of_risk"] = 1.0 - joint.value / p.risk.total
+    return quantities
 
 
 def _judge_rows(p: RiskAllocation, x: Floats) -> Judged:
@@ -104,7 +104,7 @@ def _judge_cones(p: RiskAllocation, x: Floats) -> Judged:
 
 
 def _judge_chance(p: RiskAllocation, x: Floats, risks: Floats) -> Judged:
-    """Whether each constraint fails no more likely than its risk: however far its limit is, deviations are what counts."""
+    """Check that each constraint fails no more likely than its risk, counted in deviations, however far its limit is."""
     quantile = -ndtri(np.maximum(risks, SMALLEST_RISK))[p.constraint]
     margin = np.where(p.deviation == 0.0, 0.0, p.deviation * quantile)
     excess = np.where(np.isnan(margin), math.inf, p.chance @ x + margin - p.limits)
@@ -131,12 +131,12 @@ def _judge_budgets(p: RiskAllocation, risks: Floats) -> Judged:
 
 
 def _judge_joint(p: RiskAllocation, x: Floats, known: bool) -> Judged:
-    """Whether the upper limits of the probabilities keep the budgets, so that their errors count against the answer; how sure that is."""
-    found = p.joint_risk(x) if known else {}
-    spent = np.array([found[b.name].high if known else math.nan for b in p.budgets])
+    """Check of the budgets by the upper limits of the probabilities, so that errors count against the answer; and its confidence."""
+    joint = p.joint_risk(x) if known else {}
+    spent = np.array([joint[b.name].high if known else math.nan for b in p.budgets])
     most = np.array([b.risk for b in p.budgets])
     check, violations = judge("joint-risk", spent - most, lambda k: _over(p, k, spent[k]), VECTOR * most)
-    doubt = math.fsum(1.0 - found[b.name].kept(b.risk * (1.0 + VECTOR)) for b in p.budgets) if check.passed else 0.0
+    doubt = math.fsum(1.0 - joint[b.name].kept(b.risk * (1.0 + VECTOR)) for b in p.budgets) if check.passed else 0.0
     return replace(check, confidence=max(0.0, 1.0 - doubt)), violations
 
 

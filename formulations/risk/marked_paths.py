@@ -1,4 +1,4 @@
-"""Paths without repetition that have what their ratio of reward and risk turns on: a reward and no risk, or some risk at all.
+"""Paths without repetition that have a mark: a reward and no risk, or some risk at all.
 
 Labels of moves carry the memories of traverse elements. Repetition is forbidden only where it pays: where a walk comes to a state twice,
 that state is guarded, and the search begins again (Righini and Salani 2008), so that the first walk without repetition is a path, and that
@@ -8,11 +8,13 @@ there is none is known.
 from __future__ import annotations
 
 import math
+import operator
 from collections import deque
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from ..stop import NEVER, Stop
+from .moves import Memories
 
 if TYPE_CHECKING:
     from .risky_path import Path, RiskyPath
@@ -23,8 +25,6 @@ MOST_LABELS = 200_000
 LOOK = 256
 """Labels between two looks at the clock."""
 
-Memories = tuple[Hashable, ...]
-
 
 class CutShortError(Exception):
     """The search had to end before it knew: the reason as ``Stop.reached`` gives it, or ``iterations``."""
@@ -33,10 +33,7 @@ class CutShortError(Exception):
 def free_reward(problem: RiskyPath, most: int = MOST_LABELS) -> Path | None:
     """A path that may end where it does with a reward and without any risk; None where there is none.
 
-    Raises
-    ------
-    CutShortError
-        If more than ``most`` labels would have to be grown to know.
+    Raises CutShortError if more than ``most`` labels would have to be grown to know.
     """
     graph, moves, rewards = problem.graph, problem.moves, problem.rewards.tolist()
     if moves.start_hazard > 0.0:
@@ -47,20 +44,15 @@ def free_reward(problem: RiskyPath, most: int = MOST_LABELS) -> Path | None:
     def marked(mark: bool, state: int, hazard: float) -> bool | None:
         return None if hazard > 0.0 else rewards[state] > 0.0 or (mark and graph.discount > 0.0)
 
-    def covers(memories: Memories, others: Memories) -> bool:
-        return all(e.no_worse(a, b) for e, a, b in zip(graph.traverse, memories, others, strict=True))
-
-    left = moves.from_moves(graph.goals).tolist() if graph.goals else [0.0] * (moves.num_moves + 1)
-    return _Search(problem, marked, covers, [more == 0.0 for more in left], NEVER, most, guard_all=False).path(False)
+    search = _Search(problem, marked, lambda hazard: hazard == 0.0, NEVER, most)
+    search.covers = search.memories.no_worse
+    return search.path(False)
 
 
 def risky_path(problem: RiskyPath, stop: Stop = NEVER, most: int | None = None) -> Path | None:
     """A path that may end where it does, at a risk between 0 and 1, both excluded; None where there is none.
 
-    Raises
-    ------
-    CutShortError
-        If ``stop``, or ``most`` labels, ended the search before.
+    Raises CutShortError if ``stop``, or ``most`` labels, ended the search before.
     """
     graph, moves = problem.graph, problem.moves
     if moves.start_hazard == math.inf:
@@ -71,41 +63,32 @@ def risky_path(problem: RiskyPath, stop: Stop = NEVER, most: int | None = None) 
     def marked(mark: bool, state: int, hazard: float) -> bool | None:
         return None if hazard == math.inf else mark or hazard > 0.0
 
-    left = moves.from_moves(graph.goals).tolist() if graph.goals else [0.0] * (moves.num_moves + 1)
-    search = _Search(
-        problem, marked, lambda one, other: one == other, [more < math.inf for more in left], stop, most, guard_all=bool(graph.traverse)
-    )
+    search = _Search(problem, marked, lambda hazard: hazard < math.inf, stop, most)
+    search.guard_all = bool(graph.traverse)  # memories seldom are the same
     return search.path(moves.start_hazard > 0.0)
 
 
 class _Search:
-    """Breadth first for a marked walk to an end.
+    """Breadth-first search for a marked walk to an end.
 
-    Parameters
-    ----------
-    problem : RiskyPath
-    marked : callable
-        From a label's mark, the next state and the hazard of the move to it to the mark there; None where there is no way on.
-    covers : callable
-        Whether whatever is worth while with some memories is so with others.
-    open_moves : list of bool
-        Moves from which an end may be reached.
-    stop, most
-        What ends it.
-    guard_all : bool
-        Whether no state may be repeated from the outset: of memories that seldom are the same.
+    ``marked`` gives the mark at the next state from a label's mark, that state and the hazard of the move to it; None where there is no
+    way on. ``passable`` says of the least hazard from a move to an end whether the walk may go on, ``covers`` whether whatever is worth
+    while with the second of two memories is so with the first, ``guard_all`` whether no state may be repeated from the outset.
     """
 
     def __init__(
-        self, problem: RiskyPath, marked: Callable[[bool, int, float], bool | None], covers: Callable[[Memories, Memories], bool],
-        open_moves: list[bool], stop: Stop, most: int | None, guard_all: bool,
+        self, problem: RiskyPath, marked: Callable[[bool, int, float], bool | None], passable: Callable[[float], bool], stop: Stop,
+        most: int | None,
     ) -> None:  # fmt: skip
-        self.graph, self.moves, self.marked, self.covers, self.open = problem.graph, problem.moves, marked, covers, open_moves
+        self.graph, self.moves, self.marked, self.memories = problem.graph, problem.moves, marked, Memories(problem.graph)
         self.head, self.ends = problem.graph.head.tolist(), frozenset(problem.graph.goals)
-        self.stop, self.most, self.guard_all, self.grown = stop, most, guard_all, 0
+        to_end = self.moves.from_moves(problem.graph.goals).tolist() if self.ends else [0.0] * (self.moves.num_moves + 1)
+        self.open = [passable(hazard) for hazard in to_end]
+        self.stop, self.most, self.grown, self.guard_all = stop, most, 0, False
+        self.covers: Callable[[int, int], bool] = operator.eq
 
     def path(self, mark: bool) -> Path | None:
-        """The first that comes to no state twice; ``mark`` is the start's."""
+        """The first walk that comes to no state twice; ``mark`` is the start's."""
         guarded = frozenset(range(self.graph.num_states)) if self.guard_all else frozenset()
         while True:
             walk = self._walk(mark, {state: 1 << k for k, state in enumerate(sorted(guarded))})
@@ -115,23 +98,22 @@ class _Search:
             guarded |= twice
 
     def _walk(self, mark: bool, bit: dict[int, int]) -> Path | None:
-        """One of the fewest moves, that comes to none of the guarded states twice."""
-        graph, begin = self.graph, len(self.head)
-        first = tuple(element.begin(graph, graph.start)[0] for element in graph.traverse)
-        # move, state, memories, mark, guarded states behind, label before, moves
-        ahead: deque[tuple[Any, ...]] = deque([(begin, graph.start, first, mark, 0, None, 0)])
-        settled: dict[int, list[tuple[Memories, bool, int]]] = {}
+        """A walk of the fewest moves that comes to none of the guarded states twice."""
+        graph, memories = self.graph, self.memories
+        # move, state, memory, mark, guarded states behind, label before, moves
+        ahead: deque[tuple[Any, ...]] = deque([(len(self.head), graph.start, memories.begin, mark, 0, None, 0)])
+        settled: dict[int, list[tuple[int, bool, int]]] = {}
         while ahead:
             label = ahead.popleft()
-            move, state, memories, mark, behind, before, count = label
+            move, state, memory, mark, behind, before, count = label
             if before is not None and mark and (not self.ends or state in self.ends):
                 return _states(label)
             if count == graph.num_states - 1:  # a longer one repeats a state, whatever its memories
                 continue
             others = settled.setdefault(move, [])
-            if any(other >= mark and not b & ~behind and self.covers(m, memories) for m, other, b in others):
+            if any(other >= mark and not b & ~behind and self.covers(m, memory) for m, other, b in others):
                 continue
-            others.append((memories, mark, behind))
+            others.append((memory, mark, behind))
             self.grown += 1
             if self.grown % LOOK == 0 and (limit := self.stop.reached()):
                 raise CutShortError(limit)
@@ -141,11 +123,10 @@ class _Search:
                 reached = self.head[after]
                 if behind & bit.get(reached, 0) or not self.open[after]:
                     continue
-                stepped = [e.step(graph, m, state, reached) for e, m in zip(graph.traverse, memories, strict=True)]
-                more = math.inf if any(r >= 1.0 for _, r in stepped) else math.fsum(-math.log1p(-r) for _, r in stepped)
+                carried, more = memories.step(memory, state, reached)
                 then = self.marked(mark, reached, own + more)
                 if then is not None:
-                    ahead.append((after, reached, tuple(m for m, _ in stepped), then, behind | bit.get(reached, 0), label, count + 1))
+                    ahead.append((after, reached, carried, then, behind | bit.get(reached, 0), label, count + 1))
         return None
 
 

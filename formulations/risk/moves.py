@@ -8,7 +8,7 @@ traverse elements. Source: Xiao (2019), algorithm 2 in logarithms; docs/formulat
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -29,26 +29,12 @@ MOST_PAIRS = 30_000_000
 
 
 class MoveGraph:
-    """The moves of ``graph`` and their successors.
+    """The moves of ``graph`` and their successors; not ``priced``, every risk counts as none.
 
-    Parameters
-    ----------
-    graph : RiskyGraph
-    priced : bool
-        False counts every risk as none.
-
-    Attributes
-    ----------
-    first, second : array, shape (pairs,)
-        Numbers of two moves, the second of which may follow the first.
-    hazard : array, shape (pairs,)
-        Least hazard of the second move after the first, finite.
-    own_hazard : array, shape (pairs,)
-        The part of it that is the same on every path: that of locale and action elements.
-    begin, begin_hazard, own_begin_hazard : array
-        Moves that leave the start, and their hazards.
-    start_hazard : float
-        Of the start itself.
+    ``first`` and ``second`` are numbers of two moves, the second of which may follow the first, ``hazard`` the least hazard of the second
+    after the first, finite, and ``own_hazard`` the part of it that is the same on every path: that of locale and action elements; shape
+    (pairs,). ``begin``, ``begin_hazard`` and ``own_begin_hazard`` are those of moves that leave the start, ``start_hazard`` that of the
+    start itself.
     """
 
     def __init__(self, graph: RiskyGraph, priced: bool = True) -> None:
@@ -72,7 +58,7 @@ class MoveGraph:
         self.start_hazard = self._start_hazard()
 
     def _hazards(self, before: Indices, state: Indices, after: Indices) -> tuple[Floats, Floats]:
-        """Of locale and action elements, and of all of them at least."""
+        """Hazards of locale and action elements, and the least of all elements."""
         own, more = np.zeros(len(after)), np.zeros(len(after))
         for element in self.graph.elements if self._priced else ():
             with np.errstate(divide="ignore"):
@@ -90,7 +76,7 @@ class MoveGraph:
         risks = [e.begin(self.graph, start)[1] for e in self.graph.traverse]
         memoryless = [e for e in self.graph.elements if not isinstance(e, TraverseElement)]
         risks += [float(self.graph.least_risks(e, [-1], [-1], [start])[0]) for e in memoryless]
-        return math.inf if any(r >= 1.0 for r in risks) else math.fsum(-math.log1p(-r) for r in risks)
+        return hazard_of(risks)
 
     def with_any_risk(self) -> MoveGraph:
         """The same moves without their risks."""
@@ -121,13 +107,8 @@ class MoveGraph:
         return self._reach + self.start_hazard
 
     def priced(self, prices: Floats) -> Floats:
-        """Least hazard of a walk from the start that ends with each move, where each state that it comes to costs ``prices`` more.
-
-        Parameters
-        ----------
-        prices : array, shape (states,)
-            Not negative.
-        """
+        """Least hazard of a walk from the start that ends with each move, where each state costs ``prices`` >= 0 of shape (states,) more.
+        Least hazard of a walk from the start that ends with each move, where each state costs ``prices`` >= 0 of shape (states,) more."""
         from scipy.sparse.csgraph import dijkstra
 
         dearer = self._matrix.copy()
@@ -135,14 +116,14 @@ class MoveGraph:
         return np.asarray(dijkstra(dearer, indices=self.num_moves))[:-1] + self.start_hazard
 
     def to_states(self) -> Floats:
-        """Least hazard of a walk from the start to each state: shape (states,)."""
+        """Least hazard of a walk from the start to each state, shape (states,)."""
         least = np.full(self.graph.num_states, math.inf)
         np.minimum.at(least, self.graph.head, self.to_moves[:-1])
         least[self.graph.start] = self.start_hazard
         return least
 
     def from_moves(self, goals: Sequence[int]) -> Floats:
-        """Least hazard of what follows each move until one of ``goals``: shape (moves + 1,), the start last."""
+        """Least hazard from each move to one of ``goals``, shape (moves + 1,), the start last."""
         from scipy.sparse.csgraph import dijkstra
 
         ends = np.nonzero(np.isin(self.graph.head, list(goals)))[0]
@@ -154,13 +135,13 @@ class MoveGraph:
 
     @cached_property
     def successors(self) -> list[tuple[list[int], list[float]]]:
-        """By move, the start last: what may follow, and the hazards that are the same on every path."""
+        """Moves that may follow each move, the start last, and their hazards that are the same on every path."""
         m = self.num_moves
         order = np.argsort(self.first, kind="stable")
         ends = np.cumsum(np.bincount(self.first, minlength=m))[:-1]
         rows = zip(np.split(self.second[order], ends), np.split(self.own_hazard[order], ends), strict=True) if m else ()
-        made = [(moves.tolist(), hazards.tolist()) for moves, hazards in rows]
-        return [*made, (self.begin.tolist(), self.own_begin_hazard.tolist())]
+        followers = [(moves.tolist(), hazards.tolist()) for moves, hazards in rows]
+        return [*followers, (self.begin.tolist(), self.own_begin_hazard.tolist())]
 
     @cached_property
     def _walks(self) -> Indices:
@@ -196,3 +177,44 @@ class MoveGraph:
         """Evidence ``move-potentials``: least hazards to the moves."""
         potentials = [None if math.isinf(p) else p for p in self.to_moves[:-1].tolist()]
         return Evidence("move-potentials", "least hazards of walks", value, {"potentials": potentials})
+
+
+class Memories:
+    """Memories of all traverse elements along paths, by number: equal memories and repeated moves are worked out once."""
+
+    def __init__(self, graph: RiskyGraph) -> None:
+        self.graph, self.elements = graph, graph.traverse
+        self._numbers: dict[tuple[Hashable, ...], int] = {}
+        self._known: list[tuple[Hashable, ...]] = []
+        self._steps: dict[tuple[int, int, int], tuple[int, float]] = {}
+        self._orders: dict[tuple[int, int], bool] = {}
+        self.begin = self._number(tuple(element.begin(graph, graph.start)[0] for element in self.elements))
+
+    def step(self, memory: int, state: int, after: int) -> tuple[int, float]:
+        """Number of the memory after a move, and the hazard of the move."""
+        key = memory, state, after
+        if key not in self._steps:
+            moved = [e.step(self.graph, m, state, after) for e, m in zip(self.elements, self._known[memory], strict=True)]
+            self._steps[key] = self._number(tuple(m for m, _ in moved)), hazard_of([r for _, r in moved])
+        return self._steps[key]
+
+    def no_worse(self, memory: int, other: int) -> bool:
+        """True if all that may follow is at most as risky with ``memory`` as with ``other``."""
+        if memory == other:
+            return True
+        key = memory, other
+        if key not in self._orders:
+            pairs = zip(self.elements, self._known[memory], self._known[other], strict=True)
+            self._orders[key] = all(e.no_worse(a, b) for e, a, b in pairs)
+        return self._orders[key]
+
+    def _number(self, memory: tuple[Hashable, ...]) -> int:
+        if memory not in self._numbers:
+            self._numbers[memory] = len(self._known)
+            self._known.append(memory)
+        return self._numbers[memory]
+
+
+def hazard_of(risks: Sequence[float]) -> float:
+    """``-ln prod (1 - r)``; infinite where a risk is 1."""
+    return math.inf if any(r >= 1.0 for r in risks) else math.fsum(-math.log1p(-r) for r in risks)

@@ -1,4 +1,4 @@
-"""The normal distribution function and its inverse; scipy's special functions are loaded when one is first asked for."""
+"""The normal distribution function and its inverse; scipy is loaded when one is first asked for."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which of several sets of paths holds the cheapest one: probabilities for independent normal costs, by quadrature and in closed form.
+"""Which of several sets of paths holds the cheapest one: probabilities for independent normal costs, by quadrature.
 
 With survivals S_i(x) = P(c_i > x), the product T of all of them and densities f_i, path i is the cheapest of all with probability
 
@@ -14,7 +14,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,22 +23,22 @@ from ...instances.errors import InputError, UsageError
 Floats = NDArray[np.float64]
 
 FIRST_EDGES = ("separate", "shared")
-"""Whether each path of a set has a copy of the first edge's cost to itself (Skeele 2016), or all share one."""
+"""Cost of the first edge: each path of a set has a copy of it to itself (Skeele 2016), or all share one."""
 
 REACH = 7.0
 """Standard deviations beyond which, on either side, a normal cost lies with a probability of 1.3e-12."""
 
 TOLERANCE = 1e-8
-"""By how much the probabilities of all sets may miss 1 before the integral is computed on more points."""
+"""Most by which the probabilities of all sets may miss 1 before the integral is computed on more points."""
 
 STEP, NARROW = 0.45, 90.0
-"""Of an integral by equal steps: their first length, and the whole length at most, in standard deviations of the narrowest cost."""
+"""First length of equal steps, and most length of an integral by them, in standard deviations of the narrowest cost."""
 
 POINTS = 16
-"""Of Gauss and Legendre's rule in each piece."""
+"""Points of Gauss and Legendre's rule in each piece."""
 
 HALVINGS = 8
-"""Of steps or pieces at most."""
+"""Most halvings of steps or pieces."""
 
 _CUTS = np.array([-REACH, -4.0, -2.0, 0.0, 2.0, 4.0, REACH])
 """Ends of pieces about a cost, in its standard deviations."""
@@ -49,14 +48,9 @@ _TINY, _ROOT = 1e-300, math.sqrt(2.0 * math.pi)
 
 @dataclass(frozen=True)
 class PathSet:
-    """Normal costs of some paths that begin with one edge.
+    """Normal costs of some paths that begin with one edge: ``means`` and ``variances`` of shape (paths,) of the costs beyond it.
 
-    Parameters
-    ----------
-    means, variances : arrays of shape (paths,)
-        Of the costs beyond the first edge.
-    first_mean, first_variance : float
-        Of the first edge's cost; once it is observed, its value and 0.
+    ``first_mean`` and ``first_variance`` are those of the first edge's cost; once it is observed, its value and 0.
     """
 
     means: Floats
@@ -66,13 +60,7 @@ class PathSet:
 
     @classmethod
     def of(cls, costs: ArrayLike, first: tuple[float, float] = (0.0, 0.0)) -> PathSet:
-        """From pairs (mean, variance), and that of the first edge.
-
-        Raises
-        ------
-        InputError
-            If there is no path, or a number is not finite or a variance negative.
-        """
+        """A set from pairs (mean, variance), and that of the first edge; raises InputError for no pair or numbers that are none."""
         pairs = np.array(costs, dtype=np.float64).reshape(-1, 2)
         every = np.vstack([pairs, first])
         if not len(pairs) or not np.isfinite(every).all() or (every[:, 1] < 0).any():
@@ -81,22 +69,9 @@ class PathSet:
 
 
 def cheapest_set_probabilities(sets: Sequence[PathSet], first_edges: str = "separate") -> Floats:
-    """The probability of each set that the cheapest of all paths is in it; of equals each has its share.
+    """Probability of each set that the cheapest of all paths is in it, shape (sets,), summing to 1; equals share it.
 
-    Parameters
-    ----------
-    sets : sequence of PathSet
-        All costs are independent, but for what ``first_edges`` says.
-    first_edges : str
-        A name of ``FIRST_EDGES``, for first edges that are not observed yet.
-
-    Returns
-    -------
-    array of shape (sets,)
-        Sums to 1.
-
-    Notes
-    -----
+    All costs are independent, but for what ``first_edges``, a name of ``FIRST_EDGES``, says of first edges that are not observed yet.
     Source: Skeele (2016), (5.3) to (5.5), corrected; docs/formulations/uncertain-path.md#which-set-holds-the-cheapest-path.
     """
     if first_edges not in FIRST_EDGES:
@@ -116,28 +91,20 @@ def cheaper_probability(a: PathSet, b: PathSet, first_edges: str = "separate") -
 
 
 def cheapest_path_probabilities(mean: Floats, deviation: Floats) -> Floats:
-    """The probability of each of several independent normal costs to be the least; of equals each has its share.
+    """Probability of each of several independent normal costs to be the least, shape (paths,), summing to 1; equals share it.
 
-    Parameters
-    ----------
-    mean, deviation : arrays of shape (paths,)
-        A deviation of 0 is a cost that is known.
-
-    Returns
-    -------
-    array of shape (paths,)
-        Sums to 1.
+    A deviation of 0 is a cost that is known.
     """
     known = deviation == 0.0
     if not known.any():
         return _shares(lambda x: _curves(mean, deviation, x), mean, deviation)
-    some, made = ~known, np.zeros(len(mean))
+    some, chances = ~known, np.zeros(len(mean))
     least = float(mean[known].min())
     winners = known & (mean == least)
     m, d = mean[some], deviation[some]
-    made[winners] = _curves(m, d, np.array([least]))[0].prod() / winners.sum()
-    made[some] = _shares(lambda x: _curves(m, d, x), m, d, least, float(made.sum()))
-    return made
+    chances[winners] = _curves(m, d, np.array([least]))[0].prod() / winners.sum()
+    chances[some] = _shares(lambda x: _curves(m, d, x), m, d, least, float(chances.sum()))
+    return chances
 
 
 def _curves(mean: Floats, deviation: Floats, x: Floats) -> tuple[Floats, Floats]:
@@ -152,12 +119,12 @@ def _curves(mean: Floats, deviation: Floats, x: Floats) -> tuple[Floats, Floats]
 
 
 def _sharing(sets: Sequence[PathSet]) -> Floats:
-    """As ``cheapest_set_probabilities``, the first edge's cost common to all paths of a set, and independent of all else."""
+    """``cheapest_set_probabilities`` with the first edge's cost common to all paths of a set, and independent of all else."""
     fixed = [float((s.means + s.first_mean)[s.variances == 0].min(initial=math.inf)) if s.first_variance == 0 else math.inf for s in sets]
-    least, made = min(fixed), np.zeros(len(sets))
+    least, chances = min(fixed), np.zeros(len(sets))
     if least < math.inf:
         winners = np.array(fixed) == least
-        made[winners] = np.prod([_set_curves(s, np.array([least]))[0] for s in sets]) / winners.sum()
+        chances[winners] = np.prod([_set_curves(s, np.array([least]))[0] for s in sets]) / winners.sum()
     mean = np.concatenate([s.means + s.first_mean for s in sets])
     deviation = np.sqrt(np.concatenate([s.variances + s.first_variance for s in sets]))
 
@@ -165,7 +132,7 @@ def _sharing(sets: Sequence[PathSet]) -> Floats:
         survivals, densities = zip(*(_set_curves(s, x) for s in sets), strict=True)
         return np.array(survivals), np.array(densities)
 
-    return made + _shares(curves, mean[deviation > 0], deviation[deviation > 0], least, float(made.sum()))
+    return chances + _shares(curves, mean[deviation > 0], deviation[deviation > 0], least, float(chances.sum()))
 
 
 def _set_curves(s: PathSet, x: Floats) -> tuple[Floats, Floats]:
@@ -192,11 +159,11 @@ def _set_curves(s: PathSet, x: Floats) -> tuple[Floats, Floats]:
     survival, density = _curves(m, d, (x[:, None] - first).ravel())
     whole = survival.prod(axis=0)
     changing = (density / np.maximum(survival, _TINY)).sum(axis=0) * whole
-    made = (weights * changing.reshape(first.shape)).sum(axis=1)
+    density_of_set = (weights * changing.reshape(first.shape)).sum(axis=1)
     if fixed < math.inf:
         others = _curves(m, d, np.array([fixed]))[0].prod()
-        made += others * np.exp(-0.5 * ((x - fixed - s.first_mean) / spread) ** 2) / (spread * _ROOT)
-    return (weights * whole.reshape(first.shape)).sum(axis=1), made
+        density_of_set += others * np.exp(-0.5 * ((x - fixed - s.first_mean) / spread) ** 2) / (spread * _ROOT)
+    return (weights * whole.reshape(first.shape)).sum(axis=1), density_of_set
 
 
 # -- the integral -----------------------------------------------------------------------------------------------------
@@ -205,7 +172,7 @@ def _set_curves(s: PathSet, x: Floats) -> tuple[Floats, Floats]:
 def _shares(
     curves: Callable[[Floats], tuple[Floats, Floats]], mean: Floats, deviation: Floats, end: float = math.inf, rest: float = 0.0
 ) -> Floats:
-    """How probability is shared by independent costs, up to ``end``, for each to be the least; with ``rest`` they sum to 1.
+    """Probability of each of several independent costs to be the least, up to ``end``; with ``rest`` they sum to 1.
 
     ``curves`` gives survival and density of each at points x; ``mean`` and ``deviation`` are of normal costs that tell where these
     change, and how quickly at most.
@@ -217,15 +184,15 @@ def _shares(
     for halvings in range(HALVINGS):
         x, weights = _nodes(mean, deviation, low, high, end, halvings)
         survival, density = curves(x)
-        made = (density / np.maximum(survival, _TINY)) @ (survival.prod(axis=0) * weights)
-        total = float(made.sum())
+        shares = (density / np.maximum(survival, _TINY)) @ (survival.prod(axis=0) * weights)
+        total = float(shares.sum())
         if abs(total + rest - 1.0) <= TOLERANCE:
             break
-    return np.asarray(made * ((1.0 - rest) / total)) if total > 0.0 else made
+    return np.asarray(shares * ((1.0 - rest) / total)) if total > 0.0 else shares
 
 
 def _nodes(mean: Floats, deviation: Floats, low: float, high: float, end: float, halvings: int) -> tuple[Floats, Floats | float]:
-    """Points and weights of an integral from ``low`` to the lesser of ``high`` and ``end``, for whatever changes as quickly as these costs.
+    """Points and weights of an integral from ``low`` to the lesser of ``high`` and ``end``.
 
     Where the integrand vanishes at both ends and no cost is much narrower than the others, equal steps converge faster than any
     power; else Gauss and Legendre's rule on pieces about each cost.
@@ -254,30 +221,3 @@ def _rule(pieces: Floats) -> tuple[Floats, Floats]:
     nodes, weights = _gauss(POINTS)
     half = np.diff(pieces)[:, None] / 2.0
     return (pieces[:-1, None] + half + half * nodes).ravel(), (half * weights).ravel()
-
-
-# -- in closed form ---------------------------------------------------------------------------------------------------
-
-
-def closed_form(a: PathSet, b: PathSet) -> float | None:
-    """P(the cheapest path of ``a`` costs less than that of ``b``) where a formula is known, first edges counted as separate; else None.
-
-    One path against one; paths alike; one against two or three where all means are equal (orthants of two and three
-    dimensions: Sheppard 1899).
-    """
-    (m, v), (n, w) = ((s.means + s.first_mean, s.variances + s.first_variance) for s in (a, b))
-    if len(m) == 1 == len(n):
-        apart, spread = float(n[0] - m[0]), math.sqrt(v[0] + w[0])
-        return NormalDist().cdf(apart / spread) if spread > 0 else float(apart > 0) + 0.5 * float(apart == 0)
-    means, variances = np.append(m, n), np.append(v, w)
-    if (means != means[0]).any() or variances.min() == 0:
-        return None
-    if (variances == variances[0]).all():
-        return len(m) / len(means)
-    if len(n) == 1:
-        other = closed_form(b, a)
-        return None if other is None else 1.0 - other
-    if len(m) > 1 or len(n) > 3:
-        return None
-    angles = [math.asin(v[0] / math.sqrt((v[0] + w[j]) * (v[0] + w[k]))) for j in range(len(n)) for k in range(j)]
-    return 0.25 + angles[0] / (2.0 * math.pi) if len(n) == 2 else 0.125 + sum(angles) / (4.0 * math.pi)

@@ -2,32 +2,40 @@
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...instances.errors import InputError
+from ...instances.errors import InputError, UsageError
+from ...instances.generators.settings import Setting
 from ...instances.printable import printable
-from ...instances.risk.allocation import RiskAllocationInstance
+from ...instances.risk.allocation import MOST_RISK, RISKS, Risk, RiskAllocationInstance
 from ...instances.risk.allocation_arrays import allocation_from_arrays
+from ...instances.suggestions import did_you_mean
 from ..evaluation import Evaluation
 from ..evidence import Evidence
-from ..problem import Decision, Problem
-from .allocations import Allocation, allocation_from_json
-from .contradictions import contradiction
+from ..problem import PROBLEMS, Decision, Problem
+from .allocations import Allocation, allocation_from_json, contradiction
 from .joint_normal import MORE_POINTS, POINTS, Probability, any_fails
 from .judge import evaluate_allocation, judged_slack, safest_risks
-from .variants import by_allocation, choosing, convex_part, restricted, widened
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+SETTINGS = {
+    "risk": Setting(None, "how risk is counted: allocated (Boole) or joint", type=str, choices=RISKS),
+    "total": Setting(None, "risk of all constraints together", type=float),
+}
+"""Settings of ``--set``."""
 
 
 class RiskAllocation(Problem):
@@ -68,16 +76,16 @@ class RiskAllocation(Problem):
     def __init__(self, instance: RiskAllocationInstance) -> None:
         self.instance, self.risk = instance, instance.risk
         self.name, self.problem, self.notes = instance.name, "risk-allocation", instance.notes
-        given, chance = instance.quantities, instance.chance
+        quantities, chance = instance.quantities, instance.chance
         self.lower, self.upper = instance.lower, instance.upper
         with np.errstate(over="ignore", invalid="ignore"):
-            self.linear, offset = (part[0] for part in instance.cost.mean(given))
+            self.linear, offset = (part[0] for part in instance.cost.mean(quantities))
             self.offset = float(offset)
-            self.terms = tuple((t.kind, t.weight, *t.rows.mean(given)) for t in instance.terms)
-            self.rows, shift = instance.constraints.mean(given)
-            self.cones = tuple((*c.rows.mean(given), *(part[0] for part in c.limit.mean(given))) for c in instance.cones)
-            self.chance, moved = chance.rows.mean(given)
-            self.covariance = chance.rows.quantities @ given.covariance @ chance.rows.quantities.T
+            self.terms = tuple((t.kind, t.weight, *t.rows.mean(quantities)) for t in instance.terms)
+            self.rows, shift = instance.constraints.mean(quantities)
+            self.cones = tuple((*c.rows.mean(quantities), *(part[0] for part in c.limit.mean(quantities))) for c in instance.cones)
+            self.chance, moved = chance.rows.mean(quantities)
+            self.covariance = chance.rows.quantities @ quantities.covariance @ chance.rows.quantities.T
             self.row_lower, self.row_upper = instance.constraint_lower - shift, instance.constraint_upper - shift
             self.limits = chance.limits - moved
         parts = (self.linear, offset, self.rows, shift, self.chance, self.limits, self.covariance, *(p for t in self.terms for p in t[2:]),
@@ -175,15 +183,14 @@ class RiskAllocation(Problem):
         instance, places = declared_instance(
             model, quantities, covariance, limits, total=total, each=each, risk=risk, name=name, names=names
         )
-        made = cls(instance)
-        made.places = places
-        return made
+        problem = cls(instance)
+        problem.places = places
+        return problem
 
     def values(self, answer: Any) -> dict[str, Floats]:
         """The values of the variables of ``from_cvxpy``, by name and in their shapes."""
         x = self.answer_of(answer).decision
-        found = {name: x[at : at + math.prod(shape)] for name, (at, shape) in self.places.items()}
-        return {name: part.reshape(self.places[name][1], order="F") for name, part in found.items()}
+        return {name: x[at : at + math.prod(shape)].reshape(shape, order="F") for name, (at, shape) in self.places.items()}
 
     # -- what it is --------------------------------------------------------------------------------------------------
 
@@ -206,14 +213,14 @@ class RiskAllocation(Problem):
 
     @property
     def disjunctive(self) -> bool:
-        """Whether some constraint has alternatives."""
+        """True if some constraint has alternatives."""
         return len(self.names) < len(self.constraint)
 
     def digest(self) -> str:
         return self.instance.digest()
 
     def features(self) -> frozenset[str]:
-        """How risk is counted, and ``alternatives``, ``quadratic-cost``, ``cones`` where it has them."""
+        """The way that risk is counted, and ``alternatives``, ``quadratic-cost``, ``cones`` where it has them."""
         kinds = {t[0] for t in self.terms}
         marks = {"alternatives": self.disjunctive, "quadratic-cost": "square" in kinds, "cones": bool(self.cones) or "norm" in kinds}
         return frozenset({f"{self.risk.kind}-risk", *(name for name, present in marks.items() if present)})
@@ -229,7 +236,7 @@ class RiskAllocation(Problem):
     # -- judging -----------------------------------------------------------------------------------------------------
 
     def value(self, x: Floats) -> tuple[float, float]:
-        """Objective of a decision, and the sum of the absolute values of what was added up."""
+        """Objective of a decision, and the sum of the absolute values of its terms."""
         parts = [*(self.linear * x).tolist(), self.offset]
         for kind, weight, matrix, constant in self.terms:
             r = matrix @ x + constant
@@ -245,26 +252,23 @@ class RiskAllocation(Problem):
         return safest_risks(self, x)
 
     def joint_risk(self, x: Floats, seed: int | None = None) -> dict[str, Probability]:
-        """For each budget, the total first, the probability that any of its constraints fails at the decision x.
+        """Probability that any constraint fails at the decision x, the total's first and then each budget's, by name.
 
-        Parameters
-        ----------
-        x : array of shape (decisions,)
-        seed : int, optional
-            Of the samples. By default the decision has its own, so that a search with another one has not picked it by their errors.
+        ``seed`` is that of the samples. By default the decision has its own, so that a search with another one has not picked it by their
+        errors.
         """
         key = (x.tobytes(), seed)
         if self._joint[0] != key:
             own = int.from_bytes(hashlib.sha256((x + 0.0).tobytes()).digest()[:8], "little") if seed is None else seed
-            slack, made = judged_slack(self, x), {}
+            slack, joint = judged_slack(self, x), {}
             points = MORE_POINTS if self.risk.kind == "joint" else POINTS
             every = [(b.name, b.constraints) for b in self.budgets]
             if self.risk.total is None:
                 every.insert(0, ("total", np.arange(len(self.names))))
             for name, constraints in every if self.risk.kind == "joint" else every[:1]:
                 at = np.isin(self.constraint, constraints)
-                made[name] = any_fails(slack[at], self.covariance[np.ix_(at, at)], self.constraint[at], seed=own, points=points)
-            self._joint = (key, made)
+                joint[name] = any_fails(slack[at], self.covariance[np.ix_(at, at)], self.constraint[at], seed=own, points=points)
+            self._joint = (key, joint)
         return self._joint[1]
 
     def evaluate(self, answer: Any) -> Evaluation:
@@ -276,7 +280,7 @@ class RiskAllocation(Problem):
         return evaluate_allocation(self, self.answer_of(answer))
 
     def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
-        """How much less ``evidence`` proves where every limit is as wide as the answer's largest residuals make it."""
+        """Difference that it makes to the bound of ``evidence`` if every limit is as wide as the answer's largest residuals."""
         from ..certificate import verified_bound
 
         residual = {check.name: check.residual for check in evaluation.checks}
@@ -284,21 +288,62 @@ class RiskAllocation(Problem):
             return 0.0
         return abs(verified_bound(self, evidence) - verified_bound(self.widened(residual), evidence))
 
+    # -- problems made of this one -----------------------------------------------------------------------------------
+
     def widened(self, residual: Mapping[str, float]) -> RiskAllocation:
-        """The same with limits wider by so much, by the names of the checks."""
-        return widened(self, residual)
+        """The same with limits wider by these residuals, by the names of the checks."""
+        wide, wider = copy.copy(self), residual.get("constraints", 0.0)
+        wide.row_lower, wide.row_upper = self.row_lower - wider, self.row_upper + wider
+        wide.limits = self.limits + residual.get("chance", 0.0)
+        wide.cones = tuple((f, c, g, h + residual.get("cones", 0.0)) for f, c, g, h in self.cones)
+        more = residual.get("budgets", 0.0) + residual.get("joint-risk", 0.0)
+        wide.budgets = tuple(replace(b, risk=b.risk + more) for b in self.budgets)
+        wide.caps = np.minimum(self.caps + residual.get("risks", 0.0) + more, MOST_RISK)
+        return wide
 
     def choosing(self, rows: Ints) -> RiskAllocation:
         """The same with these chance rows alone, ascending, and the constraints that have one."""
-        return choosing(self, rows)
+        part = copy.copy(self)
+        kept, constraint = np.unique(self.constraint[rows], return_inverse=True)
+        part.chance, part.limits, part.deviation = self.chance[rows], self.limits[rows], self.deviation[rows]
+        part.covariance, part.constraint, part.open = self.covariance[np.ix_(rows, rows)], constraint, np.ones(len(rows), dtype=bool)
+        part.names, part.caps = tuple(self.names[k] for k in kept.tolist()), self.caps[kept]
+        part.risk = Risk(self.risk.kind, self.risk.total, self.risk.each[kept])
+        members = [(b, np.nonzero(np.isin(kept, b.constraints))[0]) for b in self.budgets]
+        part.budgets = tuple(replace(b, constraints=at) for b, at in members if len(at))
+        part._joint = ((b"", None), {})
+        return part
 
     def by_allocation(self) -> RiskAllocation:
         """The same with allocated risk: a restriction where risk is joint."""
-        return by_allocation(self)
+        allocated = copy.copy(self)
+        allocated.risk = replace(self.risk, kind="allocated", budgets=())
+        allocated._joint = ((b"", None), {})
+        return allocated
 
     def convex_part(self) -> tuple[RiskAllocation, Ints]:
         """A convex relaxation, and the chance rows in it: no undecided alternatives, and joint risk as a limit of each constraint."""
-        return convex_part(self)
+        alternatives = np.bincount(self.constraint, weights=self.open)
+        rows = np.nonzero(self.open & (alternatives[self.constraint] == 1))[0]
+        part = self.choosing(rows) if self.disjunctive else copy.copy(self)
+        if self.risk.kind == "joint":
+            part.risk, part.budgets = Risk("allocated", None, part.caps), ()
+        return part, rows
+
+    def restricted(self, decisions: Sequence[Decision]) -> RiskAllocation:
+        """The same with fewer rows open."""
+        fewer = copy.copy(self)
+        fewer.open = self.open.copy()
+        for statement, holds in decisions:
+            self.check_statement(statement)
+            row = statement["safest"]
+            if holds:
+                kept = fewer.open[row]
+                fewer.open[self.constraint == self.constraint[row]] = False
+                fewer.open[row] = kept
+            else:
+                fewer.open[row] = False
+        return fewer
 
     # -- parts of all answers ----------------------------------------------------------------------------------------
 
@@ -308,12 +353,6 @@ class RiskAllocation(Problem):
         if type(row) is not int or not 0 <= row < len(self.limits):
             expected = f'{{"safest": row}}, a chance row from 0 to {len(self.limits) - 1}'
             raise InputError("not a statement on the rows of a chance constraint", expected=expected, found=printable(str(statement), 80))
-
-    def restricted(self, decisions: Sequence[Decision]) -> RiskAllocation:
-        """The same with fewer rows open."""
-        for statement, _ in decisions:
-            self.check_statement(statement)
-        return restricted(self, decisions)
 
     def in_words(self, statement: Any, holds: bool) -> str:
         row = statement["safest"]
@@ -329,21 +368,19 @@ class RiskAllocation(Problem):
 
     def answer_of(self, given: Any) -> Allocation:
         """An ``Allocation``, or a vector of shape (decisions,)."""
-        made = given if isinstance(given, Allocation) else None
-        if made is None:
-            try:
-                made = Allocation.of(given)
-            except (TypeError, ValueError):
-                raise InputError("an answer of risk allocation is an Allocation, or a vector with one number a decision") from None
-        if made.decision.shape != self.lower.shape or (made.risks is not None and made.risks.shape != (len(self.names),)):
+        try:
+            answer = given if isinstance(given, Allocation) else Allocation.of(given)
+        except (TypeError, ValueError):
+            raise InputError("an answer of risk allocation is an Allocation, or a vector with one number a decision") from None
+        if answer.decision.shape != self.lower.shape or (answer.risks is not None and answer.risks.shape != (len(self.names),)):
             expected = f"{len(self.lower)} decisions and {len(self.names)} risks"
-            raise InputError("the answer is one of other data", expected=expected, found=str(made.decision.shape))
-        return made
+            raise InputError("the answer is one of other data", expected=expected, found=str(answer.decision.shape))
+        return answer
 
     def answer_to_json(self, answer: Any) -> dict[str, Any]:
-        made = self.answer_of(answer)
-        data = {"kind": "allocation", "decision": dict(zip(self.instance.decision_names, made.decision.tolist(), strict=True))}
-        return data if made.risks is None else {**data, "risks": dict(zip(self.names, made.risks.tolist(), strict=True))}
+        answer = self.answer_of(answer)
+        data = {"kind": "allocation", "decision": dict(zip(self.instance.decision_names, answer.decision.tolist(), strict=True))}
+        return data if answer.risks is None else {**data, "risks": dict(zip(self.names, answer.risks.tolist(), strict=True))}
 
     def answer_from_json(self, data: Any) -> Allocation:
         return allocation_from_json(data, self.instance.decision_names, self.names)
@@ -352,9 +389,9 @@ class RiskAllocation(Problem):
         """One row a chance constraint: constraint, risk allowed, risk there is."""
         import pandas as pd
 
-        made = self.answer_of(answer)
-        own = self.risks(made.decision)
-        return pd.DataFrame({"constraint": self.names, "allowed": own if made.risks is None else made.risks, "risk": own})
+        answer = self.answer_of(answer)
+        own = self.risks(answer.decision)
+        return pd.DataFrame({"constraint": self.names, "allowed": own if answer.risks is None else answer.risks, "risk": own})
 
     def allocated(self, x: Floats) -> Allocation:
         """The answer with decision x and its own risks, what is left of the total shared out in proportion where that breaks nothing."""
@@ -371,3 +408,20 @@ class RiskAllocation(Problem):
 
     def __repr__(self) -> str:
         return f"<RiskAllocation {self.name}: {self.risk.kind}, {len(self.lower)} decisions, {len(self.names)} chance constraints>"
+
+
+@PROBLEMS.register("risk-allocation")
+def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RiskAllocation:
+    if not isinstance(instance, RiskAllocationInstance):
+        raise UsageError(f"{instance.name} holds no chance constraints, so it cannot be read as {problem}")
+    settings = {key: value for key, value in settings.items() if key != "convention" or value != "exact"}
+    unknown = settings.keys() - SETTINGS.keys()
+    if unknown:
+        raise UsageError(f"{problem} has no setting {min(unknown)!r}; it takes {', '.join(SETTINGS)}{did_you_mean(min(unknown), SETTINGS)}")
+    values = {key: SETTINGS[key].value(key, value) for key, value in settings.items()}
+    changes: dict[str, Any] = {"kind": values["risk"]} if values.get("risk") else {}
+    if values.get("total") is not None:
+        old = instance.risk
+        each = np.full(len(old.each), values["total"]) if old.total is not None and (old.each == old.total).all() else old.each
+        changes |= {"total": values["total"], "each": each}
+    return RiskAllocation(instance.with_risk(**changes) if changes else instance)

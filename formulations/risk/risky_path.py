@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.errors import InputError, UsageError
 from ...instances.risk.element import RiskElement, TraverseElement
@@ -21,12 +20,11 @@ from ..evidence import Evidence, Reason
 from ..problem import PROBLEMS, Problem, refuse_settings
 from ..references import indices_of
 from .marked_paths import MOST_LABELS, CutShortError, free_reward
-from .moves import MoveGraph
+from .moves import Floats, MoveGraph, hazard_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
 Path = tuple[int, ...]
 
 CHECKS = ("start", "end", "moves", "simple", "passable", "ratio")
@@ -130,8 +128,8 @@ class RiskyPath(Problem):
 
     def _along(self, element: RiskElement, before: list[int], state: list[int], after: list[int]) -> list[float]:
         if not isinstance(element, TraverseElement) or not after:
-            made: list[float] = self.graph.least_risks(element, before, state, after).tolist()
-            return made
+            risks: list[float] = self.graph.least_risks(element, before, state, after).tolist()
+            return risks
         memory, risk = element.begin(self.graph, after[0])
         risks = [risk]
         for here, there in itertools.pairwise(after):
@@ -202,7 +200,7 @@ class RiskyPath(Problem):
     # -- no answer -----------------------------------------------------------------------------------------------------------
 
     def infeasibility_reasons(self, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
-        """That no goal can be reached, with potentials that prove it."""
+        """The reason that no goal can be reached, with potentials that prove it."""
         g = self.graph
         if not g.goals or np.isfinite(self.moves.to_states()[list(g.goals)]).any():
             return
@@ -264,11 +262,6 @@ class RiskyPath(Problem):
         return f"<RiskyPath {self.name}: {self.objective}, {self.graph!r}>"
 
 
-def hazard_of(risks: Sequence[float]) -> float:
-    """``-ln prod (1 - r)``; infinite where a risk is 1."""
-    return math.inf if any(r >= 1.0 for r in risks) else math.fsum(-math.log1p(-r) for r in risks)
-
-
 def unreachable(problem: RiskyPath) -> Evidence | None:
     """Evidence that no goal can be reached; None where one may be."""
     return next((reason.evidence for reason in problem.infeasibility_reasons()), None)
@@ -283,8 +276,8 @@ def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RiskyPath:
     names = [instance.state_name(k) for k in range(instance.num_states)]
     for key in ("start", "goals"):
         if key in settings:
-            given = [part.strip() for part in str(settings[key]).split(",") if part.strip()]
-            chosen = tuple(indices_of(given, {name: k for k, name in enumerate(names)}, "state"))
+            asked = [part.strip() for part in str(settings[key]).split(",") if part.strip()]
+            chosen = tuple(indices_of(asked, {name: k for k, name in enumerate(names)}, "state"))
             if key == "start" and len(chosen) != 1:
                 raise UsageError("start must be one state")
             changed[key] = chosen[0] if key == "start" else chosen

@@ -24,10 +24,10 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 MOST_PATHS = 60
-"""Of an exact comparison: the lattice loses its evenness in more dimensions."""
+"""Most paths of an exact comparison: the lattice loses its evenness in more dimensions."""
 
 POINTS, SHIFTS = 2039, 16
-"""Points of the lattice, and random shifts of it: their spread tells the error."""
+"""Points of the lattice, and its random shifts, whose spread is the error."""
 
 CHUNK = 1 << 21
 """Random numbers that sampling holds at once."""
@@ -35,14 +35,9 @@ CHUNK = 1 << 21
 
 @dataclass(frozen=True)
 class JointCosts:
-    """Costs of paths that may share random costs.
+    """Costs of paths that may share random costs: ``mean`` of shape (paths,), ``variance`` of shape (variables,).
 
-    Parameters
-    ----------
-    mean : array of shape (paths,)
-    uses : array of shape (paths, variables)
-        1 where a path uses a random cost.
-    variance : array of shape (variables,)
+    ``uses``, shape (paths, variables), is 1 where a path uses a random cost.
     """
 
     mean: Floats
@@ -51,12 +46,9 @@ class JointCosts:
 
     @classmethod
     def of_paths(cls, graph: UncertainGraph, paths: Sequence[Sequence[int]], observed: Floats | None = None) -> JointCosts:
-        """Of paths through a graph; ``observed`` has one entry an edge, a cost that is known or NaN.
+        """Costs of paths through a graph; raises InputError if a path uses an edge that does not exist.
 
-        Raises
-        ------
-        InputError
-            If a path uses an edge that does not exist.
+        ``observed`` has one entry an edge, a cost that is known or NaN.
         """
         edges = [graph.edges_of(path) for path in paths]
         if any((used < 0).any() for used in edges):
@@ -74,33 +66,16 @@ class JointCosts:
 
     @property
     def covariance(self) -> Floats:
-        """Of the paths' costs."""
+        """Covariance of the paths' costs."""
         return np.asarray((self.uses * self.variance) @ self.uses.T)
 
 
 def joint_probabilities(mean: ArrayLike, covariance: ArrayLike, groups: ArrayLike) -> tuple[Floats, Floats]:
-    """The probability of each group that the least of jointly normal costs is in it; equals share it.
+    """Probability of each group that the least of jointly normal costs is in it, equals sharing it, and standard errors.
 
-    Parameters
-    ----------
-    mean, covariance : arrays of shape (paths,) and (paths, paths)
-        The covariance may be singular.
-    groups : array of shape (paths,)
-        Numbers from 0.
-
-    Returns
-    -------
-    probabilities, errors : arrays of shape (groups,)
-        The errors are standard errors; each path's share is computed by itself, so that the sum differs from 1 by as much.
-
-    Raises
-    ------
-    UsageError
-        For more than ``MOST_PATHS`` paths.
-
-    Notes
-    -----
-    Source: Genz (1992), Numerical computation of multivariate normal probabilities; docs/formulations/uncertain-path.md#shared-edges.
+    ``groups``, of shape (paths,), are numbers from 0; the covariance may be singular. Each path's share is computed by itself, so that the
+    sum differs from 1 by as much as the errors. Raises UsageError for more than ``MOST_PATHS`` paths. Source: Genz (1992), Numerical
+    computation of multivariate normal probabilities; docs/formulations/uncertain-path.md#shared-edges.
     """
     m, c = np.asarray(mean, dtype=np.float64), np.asarray(covariance, dtype=np.float64)
     if len(m) > MOST_PATHS:
@@ -121,21 +96,8 @@ def joint_probabilities(mean: ArrayLike, covariance: ArrayLike, groups: ArrayLik
     return chance.mean(axis=1), chance.std(axis=1, ddof=1) / math.sqrt(SHIFTS)
 
 
-def orthant_probability(upper: Floats, covariance: Floats) -> tuple[float, float]:
-    """P(Z <= upper) of a centred normal vector, and its standard error; the same lattice every time.
-
-    Parameters
-    ----------
-    upper : array of shape (dimensions,)
-    covariance : array of shape (dimensions, dimensions)
-        Positive semidefinite, of positive diagonal.
-    """
-    found = _by_shift(upper, covariance)
-    return float(found.mean()), float(found.std(ddof=1) / math.sqrt(SHIFTS))
-
-
 def _by_shift(upper: Floats, covariance: Floats) -> Floats:
-    """P(Z <= upper) by each shift of the lattice, shape (SHIFTS,)."""
+    """P(Z <= upper) of a centred normal vector by each shift of the lattice, which is the same every time; shape (SHIFTS,)."""
     from scipy.special import ndtr, ndtri
 
     n = len(upper)
@@ -151,20 +113,22 @@ def _by_shift(upper: Floats, covariance: Floats) -> Floats:
     y = np.zeros((len(points), n))
     whole = np.ones(len(points))
     for k in range(n):
-        left = u[k] - y[:, :k] @ factor[k, :k]
+        slack = u[k] - y[:, :k] @ factor[k, :k]
         if factor[k, k] > 0:
-            part = ndtr(left / factor[k, k])
+            part = ndtr(slack / factor[k, k])
             if k < n - 1:
                 y[:, k] = ndtri(np.clip(points[:, k] * part, 1e-300, 1.0 - 1e-16))
         else:
-            part = (left >= -1e-9 * (1.0 + abs(u[k]))).astype(np.float64)  # settled by those before
+            part = (slack >= -1e-9 * (1.0 + abs(u[k]))).astype(np.float64)  # settled by those before
         whole *= part
     return np.asarray(whole.reshape(SHIFTS, POINTS).mean(axis=1))
 
 
 def _pivoted(upper: Floats, covariance: Floats) -> tuple[Floats, Floats]:
-    """A triangular factor of the correlations, the least likely limits first, and the limits in its order; what depends on those before
-    has 0 on the diagonal."""
+    """A triangular factor of the correlations, the least likely limits first, and the limits in its order.
+
+    Entries that depend on those before have 0 on the diagonal.
+    """
     from scipy.special import ndtr
 
     scale = np.sqrt(covariance.diagonal())
@@ -174,9 +138,9 @@ def _pivoted(upper: Floats, covariance: Floats) -> tuple[Floats, Floats]:
     for k in range(n):
         spread = np.maximum(1.0 - (factor[k:] ** 2).sum(axis=1), 0.0)
         spread[spread < 1e-12] = 0.0
-        left = u[k:] - factor[k:] @ y
+        slack = u[k:] - factor[k:] @ y
         with np.errstate(divide="ignore", invalid="ignore"):
-            j = k + int(np.argmin(np.where(spread > 0, ndtr(left / np.sqrt(spread)), 2.0)))
+            j = k + int(np.argmin(np.where(spread > 0, ndtr(slack / np.sqrt(spread)), 2.0)))
         for values in (order, u, factor):
             values[[k, j]] = values[[j, k]]
         c[[k, j]] = c[[j, k]]
@@ -185,43 +149,35 @@ def _pivoted(upper: Floats, covariance: Floats) -> tuple[Floats, Floats]:
             break
         factor[k, k] = math.sqrt(spread[j - k])
         factor[k + 1 :, k] = (c[k + 1 :, k] - factor[k + 1 :] @ factor[k]) / factor[k, k]
-        most = left[j - k] / factor[k, k]
+        most = slack[j - k] / factor[k, k]
         y[k] = -math.exp(-0.5 * most * most) / math.sqrt(2.0 * math.pi) / max(float(ndtr(most)), 1e-300)
     return factor, u
 
 
 def _primes(count: int) -> list[int]:
-    found: list[int] = []
+    primes: list[int] = []
     k = 2
-    while len(found) < count:
-        if all(k % p for p in found):
-            found.append(k)
+    while len(primes) < count:
+        if all(k % p for p in primes):
+            primes.append(k)
         k += 1
-    return found
+    return primes
 
 
 def sampled_probabilities(costs: JointCosts, groups: ArrayLike, samples: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """As ``joint_probabilities``, by drawing the random costs of the edges ``samples`` times; the errors are standard errors.
-
-    Parameters
-    ----------
-    costs : JointCosts
-    groups : array of shape (paths,)
-    samples : int
-    rng : numpy.random.Generator
-    """
+    """``joint_probabilities`` by drawing the random costs of the edges ``samples`` times."""
     group = np.asarray(groups, dtype=np.int64)
     order = np.argsort(group, kind="stable")
     starts = np.searchsorted(group[order], np.arange(int(group.max()) + 1))
     loads = (costs.uses * np.sqrt(costs.variance))[order].T
     won = np.zeros(len(starts))
-    left, most = samples, max(1, CHUNK // max(1, len(costs.variance), len(group)))
-    while left > 0:
-        count = min(left, most)
+    missing, most = samples, max(1, CHUNK // max(1, len(costs.variance), len(group)))
+    while missing > 0:
+        count = min(missing, most)
         drawn = costs.mean[order] + rng.standard_normal((count, len(costs.variance))) @ loads
         least = np.minimum.reduceat(drawn, starts, axis=1)
         winners = least == least.min(axis=1, keepdims=True)
         won += (winners / winners.sum(axis=1, keepdims=True)).sum(axis=0)
-        left -= count
+        missing -= count
     chance = won / samples
     return chance, np.sqrt(chance * (1.0 - chance) / samples)

@@ -81,7 +81,7 @@ class UncertainPath(Problem):
         return {"objective": f"mean + {self.z:.6g} x standard deviation", "risk": self.risk, "graph": self.graph.facts()}
 
     def value(self, mean: float, variance: float) -> float:
-        """The cost at risk of a normal cost."""
+        """Cost at risk of a normal cost."""
         return mean + self.z * math.sqrt(variance)
 
     def evaluate(self, answer: Any) -> Evaluation:

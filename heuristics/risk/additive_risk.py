@@ -10,25 +10,11 @@ from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 
 
 def run(problem: RiskyPath, context: Context, *, normalised: bool = False) -> Outcome:
-    """A path of least sum of the locale risks of its states, of these one of few moves.
+    """A path of least sum of the locale risks of its states, of these one of few moves, judged by its true risk like any other.
 
-    Parameters
-    ----------
-    problem : RiskyPath
-        Of least risk or hazard.
-    context : Context
-    normalised : bool
-        Whether the risks of each locale element are first spread over [0, 1], from the least to the largest, and weigh the same.
-
-    Returns
-    -------
-    Outcome
-        A path, judged by its true risk like any other. No guarantee: a sum prefers one state of risk 0.5 to two of 0.26, which together are
-        at 0.4524, and what moves and histories cost is not in it.
-
-    Notes
-    -----
-    Source: Xiao (2019), (4.1), with the sum from the start on; docs/formulations/risky-path.md#sums-of-risks.
+    With ``normalised`` the risks of each locale element are first spread over [0, 1], from the least to the largest, and weigh the same. No
+    guarantee: a sum prefers one state of risk 0.5 to two of 0.26, which together are at 0.4524, and what moves and histories cost is not in
+    it. Source: Xiao (2019), (4.1), with the sum from the start on; docs/formulations/risky-path.md#sums-of-risks.
     """
     context.begin()
     graph = problem.graph
@@ -65,10 +51,8 @@ def _shortest(problem: RiskyPath, cost: NDArray[np.float64]) -> Path | None:
 HEURISTICS.add(
     "additive-risk",
     Heuristic(
-        name="additive-risk",
-        families=("risky-path",),
-        features=frozenset({"objective:risk", "objective:hazard", "goals", "locale-risk", "action-risk", "traverse-risk"}),
-        run=run,
-        summary="least sum of the risks of places, as planners without history have it",
+        "additive-risk", ("risky-path",),
+        frozenset({"objective:risk", "objective:hazard", "goals", "locale-risk", "action-risk", "traverse-risk"}), run,
+        "least sum of the risks of places, as planners without history have it",
     ),
-)
+)  # fmt: skip

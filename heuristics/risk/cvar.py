@@ -1,4 +1,4 @@
-"""Conditional value at risk over samples: a convex restriction of the joint risk that looks at how far constraints fail, too."""
+"""Conditional value at risk over samples: a convex restriction of the joint risk that counts how far constraints fail, too."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...formulations.programs.program import Program, Variables
 from ...formulations.programs.rows import rows
-from ...formulations.risk.allocations import Allocation
+from ...formulations.risk.allocations import Allocation, Floats
 from ...formulations.risk.forms._blocks import Blocks, dense_rows
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
@@ -18,8 +18,6 @@ from ...solvers.engines.risk.convex_allocation_steps.session import open_session
 from ...solvers.engines.risk.convex_allocation_steps.units import Units
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .scenario import only_total, root
-
-Floats = NDArray[np.float64]
 
 MOST_ENTRIES = 5_000_000
 TRIES = 6
@@ -30,29 +28,11 @@ def cvar(problem: RiskAllocation, context: Context, *, samples: int = 1000) -> O
     """The best plan whose worst constraint, in deviations beyond its limit, has a conditional value at risk of 0 or less over samples.
 
     The mean of the worst share of samples, the total's, bounds their quantile, so that on the samples the risk is kept. They are finitely
-    many: the plan is validated by its true probability to fail, and the share halved until that is allowed.
+    many: the plan is validated by its true probability to fail, and the share halved until that is allowed. ``samples`` are at least 10,
+    and a mean over the worst share needs ``samples * total`` of 10 or so; else, and beyond what the program can hold, UsageError is raised.
+    ``statistics`` hold ``samples``, ``level`` (of the last share) and ``joint_risk_high``, the upper limit of the plan's probability to
+    fail, with the confidence of ``joint_normal.CONFIDENCE``.
 
-    Parameters
-    ----------
-    problem : RiskAllocation
-        With joint risk, and a total alone.
-    context : Context
-    samples : int
-        At least 10; a mean over the worst share needs ``samples * total`` of 10 or so.
-
-    Returns
-    -------
-    Outcome
-        ``statistics``: ``samples``, ``level`` (of the last share), ``joint_risk_high``: the upper limit of the plan's probability to fail,
-        with the confidence of ``joint_normal.CONFIDENCE``.
-
-    Raises
-    ------
-    UsageError
-        For too few samples, or more than the program can hold.
-
-    Notes
-    -----
     Source: Rockafellar and Uryasev (2000), "Optimization of conditional value-at-risk"; Nemirovski and Shapiro (2006), "Convex
     approximations of chance constrained programs"; docs/formulations/risk-allocation.md#samples.
     """
@@ -65,12 +45,12 @@ def cvar(problem: RiskAllocation, context: Context, *, samples: int = 1000) -> O
     level = problem.risk.total
     statistics: dict[str, Any] = {"samples": samples}
     for _ in range(TRIES):
-        made = open_session(_program(units.problem, drawn, noisy, level), context.linear.seed).solve(stop)
+        solved = open_session(_program(units.problem, drawn, noisy, level), context.linear.seed).solve(stop)
         statistics["level"] = level
-        if made.status != "optimal":
-            message = f"the program of {samples} samples is {made.status}"
+        if solved.status != "optimal":
+            message = f"the program of {samples} samples is {solved.status}"
             return Outcome(None, statistics=statistics, message=message, limit=stop.reached() or "none")
-        decision = np.clip(made.x[: problem.size] * units.columns, problem.lower, problem.upper)
+        decision = np.clip(solved.x[: problem.size] * units.columns, problem.lower, problem.upper)
         high = next(iter(problem.joint_risk(decision).values())).high
         statistics["joint_risk_high"] = high
         if high <= problem.risk.total:
@@ -107,12 +87,8 @@ def _program(problem: RiskAllocation, drawn: Floats, noisy: NDArray[np.int64], l
 HEURISTICS.add(
     "cvar",
     Heuristic(
-        name="cvar",
-        families=("risk-allocation",),
-        features=frozenset({"joint-risk", "quadratic-cost", "cones"}),
-        run=cvar,
-        summary="the best plan by conditional value at risk over samples, validated by its true risk",
-        stated="no guarantee",
-        refuses=only_total,
+        "cvar", ("risk-allocation",), frozenset({"joint-risk", "quadratic-cost", "cones"}), cvar,
+        "the best plan by conditional value at risk over samples, validated by its true risk",
+        "no guarantee", only_total,
     ),
-)
+)  # fmt: skip

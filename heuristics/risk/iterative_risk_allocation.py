@@ -6,19 +6,15 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.risk.allocations import Allocation
-from ...formulations.risk.forms._fixed_risks import fixed_margins_program, margins
-from ...formulations.risk.forms.uniform import uniform_risks
+from ...formulations.risk.forms.fixed_risks import fixed_margins_program, margins, uniform_risks
 from ...formulations.risk.normal import ndtr, ndtri
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
 from ...solvers.engines.risk.convex_allocation_steps.session import open_session
 from ...solvers.engines.risk.convex_allocation_steps.units import Units
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-
-Floats = NDArray[np.float64]
 
 ACTIVE = 1e-7
 """Deviations by which the argument of an active constraint's tail may lie above that of its allowed risk."""
@@ -27,40 +23,16 @@ ACTIVE = 1e-7
 def iterative(
     problem: RiskAllocation, context: Context, *, alpha: float = 0.7, decay: float = 1.0, epsilon: float = 2e-7, rounds: int = 200
 ) -> Outcome:
-    """Iterative risk allocation (Ono and Williams 2008), from equal risks.
+    """Iterative risk allocation (Ono and Williams 2008), from equal risks, where every constraint is in one budget.
 
-    Each round plans for fixed risks. Constraints that are not active keep ``alpha`` of the risk that they do not use; what they give
-    is shared evenly among the active ones. The plan of a round stays allowed in the next, so that the cost never grows, and the risks
-    always keep the budgets.
+    Each round plans for fixed risks. Constraints that are not active keep ``alpha``, in (0, 1), of the risk that they do not use; what they
+    give is shared evenly among the active ones. The plan of a round stays allowed in the next, so that the cost never grows, and the risks
+    always keep the budgets. ``decay``, in (0, 1], is the factor of ``alpha`` from round to round; it ends when a round gains less than the
+    share ``epsilon`` of the cost, or after ``rounds``. No guarantee.
 
-    Parameters
-    ----------
-    problem : RiskAllocation
-        Every constraint in one budget.
-    context : Context
-    alpha : float
-        In (0, 1).
-    decay : float
-        In (0, 1]: factor of ``alpha`` from round to round.
-    epsilon : float
-        It ends when a round gains less than this share of the cost.
-    rounds : int
-        At most so many.
+    ``statistics["end"]`` is ``small gain``; ``all active`` (it stalls: no constraint has risk to give, however unequal its worth, so that
+    the allocation may be far from the best); ``none active``; ``rounds``; or ``infeasible`` where equal risks allow no plan.
 
-    Returns
-    -------
-    Outcome
-        ``statistics["end"]``: ``small gain``; ``all active`` (it stalls: no constraint has risk to give, however unequal its worth, so that
-        the allocation may be far from the best); ``none active``; ``rounds``; or ``infeasible`` where equal risks allow no plan. No
-        guarantee.
-
-    Raises
-    ------
-    UsageError
-        If a parameter is out of its range.
-
-    Notes
-    -----
     Source: Ono and Williams (2008), "Iterative risk allocation: a new approach to robust model predictive control with a joint chance
     constraint"; docs/formulations/risk-allocation.md#iterative.
     """
@@ -81,12 +53,12 @@ def iterative(
             break
         if values:
             session.change_upper(first, p.limits - margins(p, -ndtri(risks)))
-        made = session.solve(stop)
-        if made.status != "optimal":
-            end = "stopped" if stop.reached() else made.status if answer is None else "solver"
+        solved = session.solve(stop)
+        if solved.status != "optimal":
+            end = "stopped" if stop.reached() else solved.status if answer is None else "solver"
             break
-        decision = np.clip(made.x[: p.size], p.lower, p.upper)
-        value = p.sign * made.value
+        decision = np.clip(solved.x[: p.size], p.lower, p.upper)
+        value = p.sign * solved.value
         if values and value > values[-1]:  # by the solver's rounding
             end = "small gain"
             break
@@ -130,12 +102,8 @@ def _refuses(problem: RiskAllocation) -> frozenset[str]:
 HEURISTICS.add(
     "iterative",
     Heuristic(
-        name="iterative",
-        families=("risk-allocation",),
-        features=frozenset({"allocated-risk", "joint-risk", "quadratic-cost", "cones"}),
-        run=iterative,
-        summary="iterative risk allocation: unused risk goes to the active constraints, plan after plan",
-        stated="no guarantee (never worse than equal risks; stalls where all constraints are active)",
-        refuses=_refuses,
+        "iterative", ("risk-allocation",), frozenset({"allocated-risk", "joint-risk", "quadratic-cost", "cones"}), iterative,
+        "iterative risk allocation: unused risk goes to the active constraints, plan after plan",
+        "no guarantee (never worse than equal risks; stalls where all constraints are active)", _refuses,
     ),
-)
+)  # fmt: skip

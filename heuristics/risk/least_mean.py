@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ...formulations.evidence import Guarantee
-from ...solvers.engines.risk.path_search.supported_paths import shortest_path
+from ...formulations.risk.uncertain_path import UncertainPath
+from ...solvers.engines.risk.supported_paths import shortest_path
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-
-if TYPE_CHECKING:
-    from ...formulations.risk.uncertain_path import UncertainPath
 
 
 def least_mean(problem: UncertainPath, context: Context) -> Outcome:

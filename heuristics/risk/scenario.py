@@ -6,17 +6,14 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...formulations.risk.allocations import Allocation
-from ...formulations.risk.forms._fixed_risks import fixed_margins_program
+from ...formulations.risk.allocations import Allocation, Floats
+from ...formulations.risk.forms.fixed_risks import fixed_margins_program
 from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
 from ...solvers.engines.risk.convex_allocation_steps.session import open_session
 from ...solvers.engines.risk.convex_allocation_steps.units import Units
 from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-
-Floats = NDArray[np.float64]
 
 MOST_SAMPLES = 5_000_000
 PORTION = 2_000_000
@@ -24,11 +21,11 @@ PORTION = 2_000_000
 
 
 def enough_samples(risk: float, confidence: float, support: int) -> int | None:
-    """The least number of samples with which a plan of ``support`` decisions keeps ``risk`` with ``confidence``.
+    """The least number of samples with which a plan of ``support`` decisions keeps ``risk`` with ``confidence``; None above
+    ``MOST_SAMPLES``.
 
-    None where it is above ``MOST_SAMPLES``. The least M with
-    ``sum over i < support of C(M, i) risk^i (1 - risk)^(M - i) <= 1 - confidence``.
-    Source: Campi and Garatti (2008), "The exact feasibility of randomized solutions of uncertain convex programs", theorem 1.
+    It is the least M with ``sum over i < support of C(M, i) risk^i (1 - risk)^(M - i) <= 1 - confidence``. Source: Campi and Garatti
+    (2008), "The exact feasibility of randomized solutions of uncertain convex programs", theorem 1.
     """
     from scipy.stats import binom
 
@@ -50,33 +47,14 @@ def root(covariance: Floats) -> Floats:
 
 
 def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0.999, samples: int = 0) -> Outcome:
-    """The best plan that no sample of the noise breaks.
+    """The best plan that no sample of the noise breaks, of a problem with joint risk and a total alone.
 
-    As the noise does not depend on the decision, each constraint is as tight as its worst sample.
+    As the noise does not depend on the decision, each constraint is as tight as its worst sample. ``confidence``, in (0, 1), is that over
+    the samples drawn that the plan's probability to fail is the total at most; ``samples`` is how many, 0 for as many as the confidence
+    takes, for as many decisions as there are, or constraints if these are fewer. Raises UsageError for a parameter out of its range, or
+    more samples than can be drawn. ``statistics`` hold ``samples``, ``confidence`` (NaN for fewer samples than it takes) and ``support``;
+    the judge computes what is true of the plan.
 
-    Parameters
-    ----------
-    problem : RiskAllocation
-        With joint risk, and a total alone.
-    context : Context
-    confidence : float
-        In (0, 1), over the samples drawn, that the plan's probability to fail is the total at most.
-    samples : int
-        How many; 0 for as many as the confidence takes, for as many decisions as there are, or constraints if these are fewer.
-
-    Returns
-    -------
-    Outcome
-        ``statistics``: ``samples``, ``confidence`` (NaN for fewer samples than it takes), ``support``. The judge computes what is true of
-        the plan.
-
-    Raises
-    ------
-    UsageError
-        If a parameter is out of its range, or more samples are needed than can be drawn.
-
-    Notes
-    -----
     Source: Calafiore and Campi (2006), "The scenario approach to robust control design"; docs/formulations/risk-allocation.md#samples.
     """
     if not 0.0 < confidence < 1.0 or samples < 0:
@@ -86,8 +64,8 @@ def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0
     needed = enough_samples(problem.risk.total, confidence, support)
     many = samples or needed
     if many is None or many > MOST_SAMPLES:
-        told = "more samples are" if many is None else f"{many} samples are"
-        raise UsageError(f"scenario: {told} needed, and at most {MOST_SAMPLES} are drawn: ask for less confidence or more risk")
+        demand = "more samples are" if many is None else f"{many} samples are"
+        raise UsageError(f"scenario: {demand} needed, and at most {MOST_SAMPLES} are drawn: ask for less confidence or more risk")
     stop, noise, units = context.begin(), root(problem.covariance), Units.of(problem)
     worst = np.full(len(problem.limits), -math.inf)
     portion = max(1, PORTION // max(1, len(worst)))
@@ -96,17 +74,17 @@ def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0
             return Outcome(None, message="its samples were not drawn in time", limit=stop.reached())
         drawn = context.rng.standard_normal((min(portion, many - begin), len(worst))) @ noise.T
         worst = np.maximum(worst, drawn.max(axis=0))
-    made = open_session(fixed_margins_program(units.problem, "scenario", worst * units.chance), context.linear.seed).solve(stop)
+    solved = open_session(fixed_margins_program(units.problem, "scenario", worst * units.chance), context.linear.seed).solve(stop)
     known = confidence if needed is not None and many >= needed else math.nan
     statistics: dict[str, Any] = {"samples": many, "confidence": known, "support": support}
-    if made.status != "optimal":
-        message = f"the program of {many} samples is {made.status}"
+    if solved.status != "optimal":
+        message = f"the program of {many} samples is {solved.status}"
         return Outcome(None, statistics=statistics, message=message, limit=stop.reached() or "none")
-    return Outcome(Allocation(np.clip(made.x[: problem.size] * units.columns, problem.lower, problem.upper)), statistics=statistics)
+    return Outcome(Allocation(np.clip(solved.x[: problem.size] * units.columns, problem.lower, problem.upper)), statistics=statistics)
 
 
 def only_total(problem: RiskAllocation) -> frozenset[str]:
-    """What methods of one joint probability lack."""
+    """Features that methods of one joint probability lack."""
     alone = problem.risk.total is not None and len(problem.budgets) == 1 and bool((problem.caps >= problem.risk.total).all())
     return frozenset() if alone else frozenset({"budgets other than the total"})
 
@@ -114,12 +92,8 @@ def only_total(problem: RiskAllocation) -> frozenset[str]:
 HEURISTICS.add(
     "scenario",
     Heuristic(
-        name="scenario",
-        families=("risk-allocation",),
-        features=frozenset({"joint-risk", "quadratic-cost", "cones"}),
-        run=scenario,
-        summary="the best plan that keeps every constraint in each of so many samples",
-        stated="no guarantee of the cost; the joint risk is kept with the confidence asked for (Campi and Garatti 2008)",
-        refuses=only_total,
+        "scenario", ("risk-allocation",), frozenset({"joint-risk", "quadratic-cost", "cones"}), scenario,
+        "the best plan that keeps every constraint in each of so many samples",
+        "no guarantee of the cost; the joint risk is kept with the confidence asked for (Campi and Garatti 2008)", only_total,
     ),
-)
+)  # fmt: skip

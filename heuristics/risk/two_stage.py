@@ -17,25 +17,9 @@ SOURCE = "Xiao (2019), algorithm 3; the ratio: docs/formulations/risky-path.md#t
 def run(problem: RiskyPath, context: Context, *, steps: int = 2) -> Outcome:
     """The candidates of look-back, the start alone among them, compared by reward per risk.
 
-    Parameters
-    ----------
-    problem : RiskyPath
-        Of reward per risk.
-    context : Context
-    steps : int
-        See look-back.
-
-    Returns
-    -------
-    Outcome
-        A path, with a guarantee where risks are of locale and action elements alone and no walk of least risk comes to a state twice: the
-        optimum where the last reward alone counts; where all count and the end is free, the total reward over the least that is collected
-        on the way to any state with one.
-
-    Raises
-    ------
-    UsageError
-        If ``steps`` is out of range.
+    A guarantee holds where risks are of locale and action elements alone and no walk of least risk comes to a state twice: the optimum
+    where the last reward alone counts; where all count and the end is free, the total reward over the least that is collected on the way to
+    any state with one. ``steps`` is that of look-back.
     """
     stop = context.begin()
     try:
@@ -57,14 +41,14 @@ def run(problem: RiskyPath, context: Context, *, steps: int = 2) -> Outcome:
 def _any_ratio(problem: RiskyPath, stop: Stop) -> Outcome:
     """Some path with a risk, where the least risky ones have none, and so no ratio."""
     try:
-        found = risky_path(problem, stop)
+        path = risky_path(problem, stop)
     except CutShortError as cut:
         return Outcome(None, message="no least risky path has a risk, so that none has a ratio", limit=str(cut))
-    return Outcome(found, message="" if found is not None else "no path may end where it has a risk between 0 and 1")
+    return Outcome(path, message="" if path is not None else "no path may end where it has a risk between 0 and 1")
 
 
 def _guarantee(problem: RiskyPath, steps: int, paths: dict[int, Path], looped: frozenset[int], value: float) -> Guarantee | None:
-    """What holds for the best of ``paths``.
+    """Guarantee of the best of ``paths``; None where none holds.
 
     A best path may end where it collects its last reward. Its risk is at least that of the least risky path there, so its ratio is at most
     its reward, all there is, over what that path collects, times the ratio of that path.
@@ -87,11 +71,9 @@ def _guarantee(problem: RiskyPath, steps: int, paths: dict[int, Path], looped: f
 HEURISTICS.add(
     "two-stage",
     Heuristic(
-        name="two-stage",
-        families=("risky-path",),
-        features=frozenset({"objective:reward-per-risk", "goals", "any-end", "locale-risk", "action-risk", "traverse-risk"}),
-        run=run,
-        summary="best reward per risk among the least risky paths to all states",
-        stated="all rewards over the least on a least risky path to one (1 where the last alone counts), without traverse risks",
+        "two-stage", ("risky-path",),
+        frozenset({"objective:reward-per-risk", "goals", "any-end", "locale-risk", "action-risk", "traverse-risk"}), run,
+        "best reward per risk among the least risky paths to all states",
+        "all rewards over the least on a least risky path to one (1 where the last alone counts), without traverse risks",
     ),
-)
+)  # fmt: skip

@@ -25,7 +25,7 @@ from scipy.special import ndtr, ndtri
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.risk.allocations import Allocation
-from waybound.formulations.risk.forms.uniform import uniform_risks
+from waybound.formulations.risk.forms.fixed_risks import uniform_risks
 from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HeuristicWork
@@ -35,9 +35,8 @@ from waybound.instances.risk.allocation import Affine, ChanceConstraints, Risk, 
 from waybound.instances.risk.gaussian import Quantities
 from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
-from waybound.solvers.engines.risk.convex_allocation_steps.interval import Interval
 from waybound.solvers.engines.risk.convex_allocation_steps.session import open_session
-from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents import SuccessiveTangents
+from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents import Interval, SuccessiveTangents
 
 Floats = NDArray[np.float64]
 

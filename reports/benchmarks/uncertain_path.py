@@ -28,14 +28,13 @@ from waybound.formulations.risk.path_sets import PathSet, cheaper_probability, c
 from waybound.formulations.risk.shared_edges import JointCosts, joint_probabilities, sampled_probabilities
 from waybound.formulations.risk.uncertain_path import UncertainPath
 from waybound.formulations.stop import NEVER
-from waybound.heuristics.risk.graph_policies.d_star_lite import DStarLite
-from waybound.heuristics.risk.graph_policies.policy import Greedy, LeastMean, Policy
-from waybound.heuristics.risk.graph_policies.rags import RiskAware
+from waybound.heuristics.risk._graph_policies import DStarLite, Greedy, LeastMean, Policy
+from waybound.heuristics.risk.rags import RiskAware
 from waybound.instances.generating import generate
 from waybound.instances.risk.uncertain_graph import UncertainGraph
 from waybound.instances.risk.worlds.uncertain_graph import UncertainGraphWorld
-from waybound.solvers.engines.risk.path_search.non_dominated_paths import non_dominated_paths
-from waybound.solvers.engines.risk.path_search.supported_paths import supported_paths
+from waybound.solvers.engines.risk.non_dominated_paths import non_dominated_paths
+from waybound.solvers.engines.risk.supported_paths import supported_paths
 
 MOST_PATHS = 20
 RATE, SECONDS, ERRORS = 1e4, 0.1, 4.0

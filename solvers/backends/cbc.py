@@ -36,34 +36,24 @@ AGAIN = 0.25
 """Seconds between two such requests."""
 
 OVERTIME = 0.5
-"""Seconds past its own time limit after which it is asked to stop: it looks at its clock between two steps only, and some take long."""
+"""Seconds past its time limit after which CBC is asked to stop: it looks at its clock only between steps, and some take long."""
 
 EXACT = ".bin"
 """Suffix of the file in which CBC saves its point."""
 
 MOST_THREADS = 99
-"""What CBC takes as a number of threads: a hundred and above choose a mode of working, in some of which it crashes."""
+"""Most threads of CBC: a hundred and above choose a mode of working, in some of which it crashes."""
 
 STATUS_MAP = {
-    "optimal": "optimal",
-    "infeasible": "infeasible",
-    "integer": "infeasible",
-    "unbounded": "unbounded",
-    "stopped": "unknown",
-}
-"""First word of CBC's solution file to our status, before the log is asked what it means."""
+    "optimal": "optimal", "infeasible": "infeasible", "integer": "infeasible", "unbounded": "unbounded", "stopped": "unknown",
+}  # fmt: skip
+"""Our status for the first word of CBC's solution file, before the log says more."""
 
 LIMITS = (
-    ("maximum nodes", "nodes"),
-    ("node limit", "nodes"),
-    ("maximum time", "time"),
-    ("time limit", "time"),
-    ("user event", "interrupt"),
-    ("integer gap", "gap"),
-    ("maximum solutions", "iterations"),
-    ("maximum iterations", "iterations"),
-)
-"""What CBC's log says when it ends early ("Exiting on maximum nodes") to our limit."""
+    ("maximum nodes", "nodes"), ("node limit", "nodes"), ("maximum time", "time"), ("time limit", "time"), ("user event", "interrupt"),
+    ("integer gap", "gap"), ("maximum solutions", "iterations"), ("maximum iterations", "iterations"),
+)  # fmt: skip
+"""Words of CBC's log when it ends early ("Exiting on maximum nodes"), and our limit."""
 
 PRICED = 1e-6
 """Share of the largest cost up to which a reduced cost counts as 0."""
@@ -76,7 +66,7 @@ _NONE = 1e49
 
 
 def _weakened(bound: float, line: str) -> float:
-    """A printed lower bound less what its printing may have added: three decimals at the end, seven digits before."""
+    """A printed lower bound less the most that its printing may have added: three decimals at the end, seven digits before."""
     if line.startswith("Lower bound"):
         return bound - 5e-4
     return bound - (0.5 * 10.0 ** (math.floor(math.log10(abs(bound))) - 6) if bound else 5e-7)
@@ -95,7 +85,7 @@ def find_cbc() -> str:
 
 @dataclass
 class Log:
-    """What CBC has written so far: bounds as they come, and how it ended."""
+    """CBC's log so far: bounds as they come, and how it ended."""
 
     bound: float | None = None
     end: str = ""
@@ -108,7 +98,7 @@ class Log:
     _rest: str = ""
 
     def feed(self, text: str) -> float | None:
-        """Take what is new; a better bound, if there is one."""
+        """Read new text of the log; a better bound, if it holds one."""
         *lines, self._rest = (self._rest + text).replace("\r", "").split("\n")
         before = self.bound
         for line in lines:
@@ -118,9 +108,9 @@ class Log:
     def _take(self, line: str) -> None:
         if line.strip():
             self.tail = [*self.tail[-4:], line.strip()]
-        found = _BOUND.search(line) or _LOWER.match(line)
-        if found and abs(float(found[1])) < _NONE:
-            self.bound = max(_weakened(float(found[1]), line), -math.inf if self.bound is None else self.bound)
+        bound_there = _BOUND.search(line) or _LOWER.match(line)
+        if bound_there and abs(float(bound_there[1])) < _NONE:
+            self.bound = max(_weakened(float(bound_there[1]), line), -math.inf if self.bound is None else self.bound)
         if counted := _NODES.search(line):
             self.nodes = int(counted[1])
         if "Exiting on" in line or "Exiting as" in line or (line.startswith("Result -") and not self.end):
@@ -139,16 +129,9 @@ class Log:
 
 
 def run_cbc(cbc: str, program: Program, options: Options, control: Control, folder: Path, *, preprocess: bool = True) -> RawResult:
-    """Solve ``program`` with CBC; see ``ProgramBackend.run``.
+    """Solve ``program`` with CBC in a child process, by files in the empty ``folder``; see ``ProgramBackend.run``.
 
-    Parameters
-    ----------
-    cbc : str
-        Path of the program.
-    folder : Path
-        An empty one for its files.
-    preprocess : bool
-        Whether CBC may, where the user says nothing of it.
+    ``preprocess`` says whether CBC may, where the user says nothing of it.
     """
     _check_extra(cbc, options.extra)
     model, solution = folder / "model.mps", folder / "model.sol"
@@ -204,7 +187,7 @@ def _terminal() -> tuple[int, int]:
 
 
 def _follow(process: subprocess.Popen[bytes], output: int, log: Log, options: Options, control: Control) -> str:
-    """Pass bounds on until CBC ends; what asked it to, if anything did: ``interrupt`` or ``time``."""
+    """Pass bounds on until CBC ends; the reason why it was asked to, if it was: ``interrupt`` or ``time``."""
     deadline, again, end, why = time.perf_counter() + options.time_limit + OVERTIME, math.inf, math.inf, ""
     while True:
         if select.select([output], [], [], 0.05)[0]:
@@ -267,13 +250,13 @@ def _said(solution: Path, log: Log, program: Program, options: Options, code: in
 
 
 def _may_be_endless(program: Program) -> bool:
-    """Whether a program may be unbounded: CBC calls such programs infeasible where variables are whole."""
+    """True if a program may be unbounded: CBC calls such programs infeasible where variables are whole."""
     falls = ((program.cost < 0) & np.isinf(program.upper)) | ((program.cost > 0) & np.isinf(program.lower))
     return bool(falls.any())
 
 
 def _unpriced(program: Program, duals: Floats) -> bool:
-    """Whether a variable without a bound still lowers the objective: CBC calls unbounded linear programs optimal that have free columns."""
+    """True if a variable without a bound still lowers the objective: CBC calls unbounded linear programs optimal that have free columns."""
     reduced = program.cost - program.matrix.T @ duals
     least = PRICED * float(np.abs(program.cost).max(initial=0.0))
     return bool((((reduced < -least) & np.isinf(program.upper)) | ((reduced > least) & np.isinf(program.lower))).any())

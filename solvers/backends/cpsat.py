@@ -35,7 +35,7 @@ COMMON_PARAMETERS = {
 """CP-SAT's parameters that have a name common to all solvers."""
 
 UNSOUND = ("instantiate_all_variables", "fill_tightened_domains_in_response", "stop_after_presolve", "enumerate_all_solutions")
-"""Parameters with which the answer or the bound is not what it is taken for."""
+"""Parameters that change the meaning of the answer or the bound."""
 
 ASK_AGAIN = 0.05
 """Seconds between two requests to stop: one that comes before the search begins is lost."""
@@ -63,7 +63,6 @@ class CpSat(ProgramBackend):
     feasible_tolerance = 1e-6
 
     def search(self, program: IntegerProgram, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.search``."""
         from ortools.sat.python import cp_model
 
         solver = cp_model.CpSolver()
@@ -124,11 +123,11 @@ def _fill(proto: Any, counted: IntegerProgram) -> None:
         linear.domain.extend([-top if low == -UNLIMITED else low, top if high == UNLIMITED else high])
     for graph in counted.source.circuits:
         _connect(constraints, counted, graph)
-    goal = [(j, c) for j, c in enumerate(counted.cost.tolist()) if c]
+    objective = [(j, c) for j, c in enumerate(counted.cost.tolist()) if c]
     products = [_product(proto, counted, i, j) for i, j in counted.pairs.tolist()]
-    goal += [(made, factor) for made, factor in zip(products, counted.factors.tolist(), strict=True) if factor]
-    proto.objective.vars.extend([j for j, _ in goal])
-    proto.objective.coeffs.extend([c for _, c in goal])
+    objective += [(column, factor) for column, factor in zip(products, counted.factors.tolist(), strict=True) if factor]
+    proto.objective.vars.extend([j for j, _ in objective])
+    proto.objective.coeffs.extend([c for _, c in objective])
 
 
 def _connect(constraints: Any, counted: IntegerProgram, graph: Circuit) -> None:
@@ -140,36 +139,36 @@ def _connect(constraints: Any, counted: IntegerProgram, graph: Circuit) -> None:
     if graph.nodes > max(int(graph.several), len(np.intersect1d(graph.tail, graph.head))):
         constraints.add().bool_or.literals.extend([])  # none of which is true
     elif len(graph.tail):
-        made = constraints.add()
-        made = made.routes if graph.several else made.circuit
+        constraint = constraints.add()
+        constraint = constraint.routes if graph.several else constraint.circuit
         ones = counted.shift[graph.column] == 1.0  # what is fixed to 1 is counted from there
-        made.tails.extend(graph.tail.tolist())
-        made.heads.extend(graph.head.tolist())
-        made.literals.extend(np.where(ones, -graph.column - 1, graph.column).tolist())  # -k-1 is the negation of k
+        constraint.tails.extend(graph.tail.tolist())
+        constraint.heads.extend(graph.head.tolist())
+        constraint.literals.extend(np.where(ones, -graph.column - 1, graph.column).tolist())  # -k-1 is the negation of k
 
 
 def _product(proto: Any, counted: IntegerProgram, i: int, j: int) -> int:
-    """A variable that equals the product of two; its number."""
+    """Number of a variable that equals the product of two."""
     low, high = counted.lower[[i, j]].tolist(), counted.upper[[i, j]].tolist()
-    made = len(proto.variables)
+    number = len(proto.variables)
     if low == [0, 0] and high == [1, 1] and i != j:
         proto.variables.add().domain.extend([0, 1])
         both = proto.constraints.add()
-        both.enforcement_literal.extend([made])
+        both.enforcement_literal.extend([number])
         both.bool_and.literals.extend([i, j])
-        proto.constraints.add().bool_or.literals.extend([made, -i - 1, -j - 1])
-        return made
+        proto.constraints.add().bool_or.literals.extend([number, -i - 1, -j - 1])
+        return number
     corners = [a * b for a in (low[0], high[0]) for b in (low[1], high[1])]
     least = 0 if i == j and low[0] <= 0 <= high[0] else min(corners)
     proto.variables.add().domain.extend([least, max(corners)])
     product = proto.constraints.add().int_prod
-    product.target.vars.extend([made])
+    product.target.vars.extend([number])
     product.target.coeffs.extend([1])
     for k in (i, j):
         factor = product.exprs.add()
         factor.vars.extend([k])
         factor.coeffs.extend([1])
-    return made
+    return number
 
 
 def _search(solver: Any, model: Any, program: IntegerProgram, control: Control) -> Any:

@@ -15,7 +15,7 @@ from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
 from ..packages import is_installed
 from ..program_backend import ProgramBackend
-from .highs import named_options, sound
+from .highs import iteration_limits, named_options, sound
 
 PRECISION = 1e-9
 """Asked of first-order and interior-point solvers, whose own of 1e-5 to 1e-8 leaves rows broken by more than the checks let pass."""
@@ -26,7 +26,7 @@ PROGRAMS = {
     "ECOS": (CONES,),
     "HIGHS": (INTEGERS,),
 }
-"""What each solver takes. HiGHS would take quadratic objectives, but what CVXPY 1.9 makes of them has another optimum."""
+"""Programs that each solver takes. HiGHS would take quadratic objectives, but CVXPY 1.9 hands over others, of another optimum."""
 
 
 LIBRARIES = {"CLARABEL": "clarabel", "SCS": "scs", "ECOS": "ecos", "HIGHS": "highspy"}
@@ -65,7 +65,6 @@ class CVXPY(ProgramBackend):
 
     @classmethod
     def available(cls) -> tuple[str, ...]:
-        """See ``ProgramBackend.available``."""
         return (cls.name, *(f"{cls.name}:{solver}" for solver in solvers_found()))
 
     @classmethod
@@ -73,7 +72,6 @@ class CVXPY(ProgramBackend):
         return tuple(f"{cls.name}:{solver}" for solver in solvers_found() if cls(solver).able(features))
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.search``."""
         import cvxpy
 
         solver = self.solver or ("HIGHS" if program.is_integer else "CLARABEL")
@@ -81,7 +79,7 @@ class CVXPY(ProgramBackend):
         if solver not in known:
             raise MissingPackageError(f"CVXPY does not find {solver}: pip install {LIBRARIES[solver]}; found: {', '.join(known)}")
         began = time.perf_counter()
-        chosen = _CHOSEN[solver](program, options)
+        chosen = _chosen_options(solver, program, options)
         try:
             model = _solved(program, solver, chosen, began + options.time_limit)
         except cvxpy.error.DCPError:
@@ -92,7 +90,7 @@ class CVXPY(ProgramBackend):
 
 
 def solvers_found() -> tuple[str, ...]:
-    """Solvers of ``PROGRAMS`` whose library is there."""
+    """Solvers of ``PROGRAMS`` whose library is installed."""
     return tuple(solver for solver, library in LIBRARIES.items() if is_installed(library))
 
 
@@ -109,51 +107,57 @@ def _solved(program: Program, solver: str, chosen: dict[str, Any], end: float) -
 
 # -- options, in each solver's words --------------------------------------------------------------------------------
 
+PRECISIONS = {
+    "CLARABEL": ("tol_gap_abs", "tol_gap_rel", "tol_feas"), "SCS": ("eps_abs", "eps_rel"), "ECOS": ("abstol", "reltol", "feastol"),
+}  # fmt: skip
+"""Options of each solver that are set to ``PRECISION``."""
 
-def _clarabel(program: Program, options: Options) -> dict[str, Any]:
-    import clarabel
+MOST_ITERATIONS = {"CLARABEL": ("max_iter", None), "SCS": ("max_iters", 10_000_000), "ECOS": ("max_iters", 1_000)}
+"""Name of each solver's limit of iterations, and its default; None leaves the solver's own."""
 
-    made: dict[str, Any] = {
-        "max_threads": int(options.threads), "tol_gap_abs": PRECISION, "tol_gap_rel": PRECISION, "tol_feas": PRECISION,
-    }  # fmt: skip
-    if options.iterations is not None:
-        made["max_iter"] = int(options.iterations)
-    known = {n: getattr(clarabel.DefaultSettings(), n) for n in dir(clarabel.DefaultSettings()) if not n.startswith("_")}
-    common = {"time_limit": "the time limit", "max_iter": "the iterations", "max_threads": "the threads", "verbose": "the verbosity"}
-    return {**made, **own_options("cvxpy:CLARABEL", options.extra, known, common)}
-
-
-def _scs(program: Program, options: Options) -> dict[str, Any]:
-    made: dict[str, Any] = {"eps_abs": PRECISION, "eps_rel": PRECISION, "max_iters": int(options.iterations or 10_000_000)}
-    known = {
+KNOWN = {
+    "SCS": {
         "use_indirect": False, "normalize": True, "scale": 0.1, "adaptive_scale": True, "rho_x": 1e-6, "alpha": 1.5, "eps_abs": 1e-4,
         "eps_rel": 1e-4, "eps_infeas": 1e-7, "acceleration_lookback": 10, "acceleration_interval": 10,
-    }  # fmt: skip
-    common = {"time_limit_secs": "the time limit", "max_iters": "the iterations", "verbose": "the verbosity"}
-    return {**made, **own_options("cvxpy:SCS", options.extra, known, common)}
+    },
+    "ECOS": {"abstol": 1e-8, "reltol": 1e-8, "feastol": 1e-8, "abstol_inacc": 5e-5, "reltol_inacc": 5e-5, "feastol_inacc": 1e-4},
+}  # fmt: skip
+"""Options of solvers that do not list them, with their defaults."""
+
+COMMON = {
+    "CLARABEL": {"time_limit": "the time limit", "max_iter": "the iterations", "max_threads": "the threads", "verbose": "the verbosity"},
+    "SCS": {"time_limit_secs": "the time limit", "max_iters": "the iterations", "verbose": "the verbosity"},
+    "ECOS": {"max_iters": "the iterations", "verbose": "the verbosity"},
+}
+"""Options of each solver that have a name common to all solvers."""
 
 
-def _ecos(program: Program, options: Options) -> dict[str, Any]:
-    made: dict[str, Any] = {"abstol": PRECISION, "reltol": PRECISION, "feastol": PRECISION, "max_iters": int(options.iterations or 1_000)}
-    known = {"abstol": 1e-8, "reltol": 1e-8, "feastol": 1e-8, "abstol_inacc": 5e-5, "reltol_inacc": 5e-5, "feastol_inacc": 1e-4}
-    common = {"max_iters": "the iterations", "verbose": "the verbosity"}
-    return {**made, **own_options("cvxpy:ECOS", options.extra, known, common)}
+def _chosen_options(solver: str, program: Program, options: Options) -> dict[str, Any]:
+    """The common options and the solver's own, by the names that the solver has for them."""
+    if solver == "HIGHS":
+        return _highs_options(program, options)
+    chosen: dict[str, Any] = dict.fromkeys(PRECISIONS[solver], PRECISION)
+    name, default = MOST_ITERATIONS[solver]
+    if options.iterations is not None or default is not None:
+        chosen[name] = int(options.iterations or default or 0)
+    known: dict[str, Any] = KNOWN.get(solver, {})
+    if solver == "CLARABEL":
+        import clarabel
+
+        chosen["max_threads"], settings = int(options.threads), clarabel.DefaultSettings()
+        known = {n: getattr(settings, n) for n in dir(settings) if not n.startswith("_")}
+    return {**chosen, **own_options(f"cvxpy:{solver}", options.extra, known, COMMON[solver])}
 
 
-def _highs(program: Program, options: Options) -> dict[str, Any]:
+def _highs_options(program: Program, options: Options) -> dict[str, Any]:
     import highspy
 
     highspy.Highs.resetGlobalScheduler(True)  # it keeps the number of threads of the first run, and refuses another one
-    made: dict[str, Any] = {"threads": int(options.threads), "random_seed": int(options.seed) % (2**31 - 1)}
+    chosen: dict[str, Any] = {"threads": int(options.threads), "random_seed": int(options.seed) % (2**31 - 1)}
     if program.is_integer:
-        made["mip_rel_gap"], made["mip_abs_gap"] = float(options.gap), 0.0
-    if options.iterations is not None:
-        limits = ("mip_max_nodes",) if program.is_integer else ("simplex_iteration_limit", "ipm_iteration_limit", "qp_iteration_limit")
-        made.update(dict.fromkeys(limits, int(options.iterations)))
-    return {**made, **sound(program, options.extra), **named_options("cvxpy:HIGHS", options.extra)}
-
-
-_CHOSEN = {"CLARABEL": _clarabel, "SCS": _scs, "ECOS": _ecos, "HIGHS": _highs}
+        chosen["mip_rel_gap"], chosen["mip_abs_gap"] = float(options.gap), 0.0
+    chosen |= iteration_limits(program, options)
+    return {**chosen, **sound(program, options.extra), **named_options("cvxpy:HIGHS", options.extra)}
 
 
 # -- what is believed -----------------------------------------------------------------------------------------------
@@ -187,7 +191,7 @@ def _said(model: Any, program: Program, options: Options, solver: str, seconds: 
 
 
 def _without_model(said: str, options: Options, seconds: float) -> RawResult:
-    """What an exception means: CVXPY raises one for every end that leaves no values."""
+    """Meaning of an exception: CVXPY raises one for every end that leaves no values."""
     if seconds >= 0.98 * options.time_limit:
         return RawResult("unknown", "time", message="CVXPY's solver found no feasible point within the time limit")
     if options.iterations is not None:

@@ -20,8 +20,7 @@ LOOK_EVERY = 0.1
 """Seconds between two looks at the dual bound. HiGHS' own logging callback is silent where its output is."""
 
 STATUS_MAP: dict[str, tuple[str, str]] = {
-    "kOptimal": ("optimal", "none"),
-    "kModelEmpty": ("optimal", "none"),
+    **dict.fromkeys(("kOptimal", "kModelEmpty"), ("optimal", "none")),
     "kInfeasible": ("infeasible", "none"),
     "kUnbounded": ("unbounded", "none"),
     "kUnboundedOrInfeasible": ("infeasible_or_unbounded", "none"),
@@ -29,17 +28,9 @@ STATUS_MAP: dict[str, tuple[str, str]] = {
     "kIterationLimit": ("unknown", "iterations"),
     "kSolutionLimit": ("unknown", "nodes"),
     "kMemoryLimit": ("unknown", "memory"),
-    "kInterrupt": ("unknown", "interrupt"),
-    "kHighsInterrupt": ("unknown", "interrupt"),
-    "kObjectiveBound": ("unknown", "none"),
-    "kObjectiveTarget": ("unknown", "none"),
-    "kUnknown": ("unknown", "none"),
-    "kNotset": ("error", "none"),
-    "kLoadError": ("error", "none"),
-    "kModelError": ("error", "none"),
-    "kPresolveError": ("error", "none"),
-    "kSolveError": ("error", "none"),
-    "kPostsolveError": ("error", "none"),
+    **dict.fromkeys(("kInterrupt", "kHighsInterrupt"), ("unknown", "interrupt")),
+    **dict.fromkeys(("kObjectiveBound", "kObjectiveTarget", "kUnknown"), ("unknown", "none")),
+    **dict.fromkeys(("kNotset", "kLoadError", "kModelError", "kPresolveError", "kSolveError", "kPostsolveError"), ("error", "none")),
 }
 """HiGHS model status to ours."""
 
@@ -92,7 +83,6 @@ class Highs(ProgramBackend):
     reductions = (LINEAR_PRODUCTS,)
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.search``."""
         import highspy
 
         model = program.to_highs()
@@ -117,9 +107,7 @@ def _configure(model: Any, program: Program, options: Options) -> None:
         "mip_abs_gap": 0.0,  # its own of 1e-6 is in units of the data
         **sound(program, options.extra),
     }
-    if options.iterations is not None:
-        limits = ("mip_max_nodes",) if program.is_integer else ("simplex_iteration_limit", "ipm_iteration_limit", "qp_iteration_limit")
-        chosen.update(dict.fromkeys(limits, int(options.iterations)))
+    chosen |= iteration_limits(program, options)
     if program.name in INTERIOR_POINT and not program.is_integer:
         chosen["solver"] = "ipm"
     for name, value in chosen.items():
@@ -128,40 +116,41 @@ def _configure(model: Any, program: Program, options: Options) -> None:
         model.setOptionValue(name, value)
 
 
-def sound(program: Program, given: Mapping[str, Any]) -> dict[str, Any]:
-    """Options that keep HiGHS from false words about ``program``, whoever calls it; ``given`` are the user's own."""
+def iteration_limits(program: Program, options: Options) -> dict[str, int]:
+    """The limit of iterations under the names that HiGHS has for it: nodes of a program with integers."""
+    limits = ("mip_max_nodes",) if program.is_integer else ("simplex_iteration_limit", "ipm_iteration_limit", "qp_iteration_limit")
+    return {} if options.iterations is None else dict.fromkeys(limits, int(options.iterations))
+
+
+def sound(program: Program, own: Mapping[str, Any]) -> dict[str, Any]:
+    """Options that keep HiGHS from false words about ``program``; they give way to the user's ``own``."""
     small = program.is_integer and sum(len(rows.data) for rows in program.rows) <= SMALL
     gain = program.cost if program.sense == "max" else -program.cost
     # Presolve sees that a program has no best answer before any is found.
     ends = np.isfinite(program.upper[gain > 0]).all() and np.isfinite(program.lower[gain < 0]).all()
-    return {**SOUND, "presolve": "off"} if small and ends and not SOUND.keys() & given.keys() else SOUND
+    return {**SOUND, "presolve": "off"} if small and ends and not SOUND.keys() & own.keys() else SOUND
 
 
-def named_options(label: str, given: Mapping[str, Any]) -> dict[str, Any]:
-    """HiGHS options that the user named, in their types.
-
-    Raises
-    ------
-    UsageError
-        If HiGHS has no such option, or does not take the value.
-    """
-    if not given:
+def named_options(label: str, own: Mapping[str, Any]) -> dict[str, Any]:
+    """HiGHS options that the user named, in their types; raises UsageError for one that HiGHS does not have or a value that it does not
+    take."""
+    if not own:
         return {}
     import highspy
 
     model = highspy.Highs()
     defaults = model.getOptions()
     known = {name: getattr(defaults, name) for name in dir(defaults) if not name.startswith("_")}
-    for name in given:  # some have no attribute
+    for name in own:  # some have no attribute
         status, value = model.getOptionValue(name)
         if status == highspy.HighsStatus.kOk:
             known[name] = value
-    made = own_options(label, given, known, COMMON_OPTIONS)
+    typed = own_options(label, own, known, COMMON_OPTIONS)
     model.setOptionValue("output_flag", False)
-    for name, value in made.items():
+    for name, value in typed.items():
         if model.setOptionValue(name, value) != highspy.HighsStatus.kOk:
             raise UsageError(f"{label}: {value!r} is no value for option {name}")
-    return made
+    return typed
 
 
 def _watch(model: Any, program: Program, control: Control) -> None:
@@ -192,7 +181,7 @@ def _watch(model: Any, program: Program, control: Control) -> None:
 
 
 def _start_from(model: Any, start: Floats) -> bool:
-    """Hand over a start, whose NaN are left for HiGHS to complete; whether HiGHS takes it."""
+    """Hand over a start, whose NaN are for HiGHS to complete; whether HiGHS takes it."""
     import highspy
 
     known = np.nonzero(np.isfinite(start))[0].astype(np.int32)
@@ -200,8 +189,8 @@ def _start_from(model: Any, start: Floats) -> bool:
 
 
 def _said(model: Any, program: Program, start: str | None) -> RawResult:
-    found = model.getModelStatus()
-    status, limit = STATUS_MAP[found.name]
+    model_status = model.getModelStatus()
+    status, limit = STATUS_MAP[model_status.name]
     info, solution = model.getInfo(), model.getSolution()
     statistics: dict[str, Any] = {
         "simplex_iterations": int(info.simplex_iteration_count),
@@ -213,7 +202,7 @@ def _said(model: Any, program: Program, start: str | None) -> RawResult:
         statistics["start"] = start
     message = ""
     if status == "error":
-        message = f"HiGHS ended with status {model.modelStatusToString(found)}"
+        message = f"HiGHS ended with status {model.modelStatusToString(model_status)}"
         if program.quadratic is not None:
             message += "; it minimises convex and maximises concave quadratic objectives only"
     bound = float(info.mip_dual_bound) if program.is_integer and math.isfinite(info.mip_dual_bound) else None

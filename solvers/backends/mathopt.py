@@ -16,8 +16,7 @@ import numpy as np
 
 from ...formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Floats, Program
 from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
-from ...formulations.programs.reductions.reduction import Reduction
-from ...formulations.programs.reductions.separable_objective import SEPARABLE_OBJECTIVE
+from ...formulations.programs.reductions.reduction import Irreducible, Reduction, Step
 from ...formulations.programs.reductions.whole_numbers import WHOLE_VARIABLES
 from ...instances.errors import UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
@@ -35,14 +34,28 @@ PROGRAMS = {
     "cp-sat": (INTEGERS,),
     "pdlp": (QUADRATIC,),
 }
-"""What each solver takes. MathOpt hands no quadratic objective to HiGHS, GLOP and CP-SAT."""
+"""Programs that each solver takes. MathOpt hands no quadratic objective to HiGHS, GLOP and CP-SAT."""
 
 ENGINES = {"highs": "HiGHS", "gscip": "SCIP", "glop": "GLOP", "cp-sat": "CP-SAT", "pdlp": "PDLP"}
+
+
+class SeparableObjective(Reduction):
+    """Changes nothing, and refuses products of two variables."""
+
+    may_refuse = True
+
+    def apply(self, program: Program) -> tuple[Step, ...]:
+        if program.quadratic is not None:
+            entries = program.quadratic.tocoo()
+            if (entries.data[entries.row != entries.col] != 0).any():
+                raise Irreducible("products of two variables")
+        return ()
+
 
 REDUCTIONS: dict[str, tuple[Reduction, ...]] = {
     "highs": (LINEAR_PRODUCTS,),
     "cp-sat": (LINEAR_PRODUCTS, WHOLE_VARIABLES),  # it rounds continuous variables without a word
-    "pdlp": (SEPARABLE_OBJECTIVE,),
+    "pdlp": (SeparableObjective(),),
 }
 
 REASONS = {
@@ -97,7 +110,6 @@ class MathOpt(ProgramBackend):
         return tuple(f"{cls.name}:{s}" for s in PROGRAMS if cls(s).able(features))
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.search``."""
         import ortools.math_opt.python.mathopt  # noqa: F401 - loading it is not counted against the limit
 
         solver = self.solver or ("glop" if program.features() == LINEAR else "gscip")
@@ -118,37 +130,37 @@ def _parameters(solver: str, program: Program, options: Options) -> Any:
     """The common options and the solver's own."""
     from ortools.math_opt.python import mathopt
 
-    made = mathopt.SolveParameters()
+    parameters = mathopt.SolveParameters()
     if solver == "highs":
         # The common parameter for threads is refused.
-        _put_highs(made, {"threads": int(options.threads), **sound(program, options.extra)})
+        _put_highs(parameters, {"threads": int(options.threads), **sound(program, options.extra)})
     elif solver != "gscip":  # with more than one it races copies of itself, and MathOpt does not know their status
-        made.threads = int(options.threads)
+        parameters.threads = int(options.threads)
     if solver != "pdlp":
-        made.random_seed = int(options.seed) % (2**31 - 1)
+        parameters.random_seed = int(options.seed) % (2**31 - 1)
     # Ctrl-C is Python's to hear: SCIP takes it for itself, and CP-SAT aborts in any thread but its own.
-    made.gscip.bool_params["misc/catchctrlc"] = False
-    made.cp_sat.catch_sigint_signal = False
+    parameters.gscip.bool_params["misc/catchctrlc"] = False
+    parameters.cp_sat.catch_sigint_signal = False
     if program.is_integer:
-        made.relative_gap_tolerance, made.absolute_gap_tolerance = float(options.gap), 0.0
+        parameters.relative_gap_tolerance, parameters.absolute_gap_tolerance = float(options.gap), 0.0
     if solver == "pdlp":
-        precise = made.pdlp.termination_criteria.simple_optimality_criteria
+        precise = parameters.pdlp.termination_criteria.simple_optimality_criteria
         precise.eps_optimal_absolute = precise.eps_optimal_relative = FIRST_ORDER_TOLERANCE
     if options.iterations is not None:
         if solver == "cp-sat":
-            made.cp_sat.max_number_of_conflicts = int(options.iterations)
+            parameters.cp_sat.max_number_of_conflicts = int(options.iterations)
         elif program.is_integer:
-            made.node_limit = int(options.iterations)
+            parameters.node_limit = int(options.iterations)
         elif solver == "gscip":
             raise UsageError("SCIP has no limit on the iterations of a continuous program; use a time limit")
         else:
-            made.iteration_limit = int(options.iterations)
-    _OWN[solver](made, options.extra)
-    return made
+            parameters.iteration_limit = int(options.iterations)
+    _OWN[solver](parameters, options.extra)
+    return parameters
 
 
-def _highs_options(parameters: Any, given: dict[str, Any]) -> None:
-    _put_highs(parameters, named_options("mathopt:highs", given))
+def _highs_options(parameters: Any, own: dict[str, Any]) -> None:
+    _put_highs(parameters, named_options("mathopt:highs", own))
 
 
 def _put_highs(parameters: Any, chosen: dict[str, Any]) -> None:
@@ -157,9 +169,9 @@ def _put_highs(parameters: Any, chosen: dict[str, Any]) -> None:
         getattr(parameters.highs, kinds[type(value)])[name] = value
 
 
-def _scip_parameters(parameters: Any, given: dict[str, Any]) -> None:
-    """SCIP tells only in the run whether it has a parameter of this name and type."""
-    for name, value in given.items():
+def _scip_parameters(parameters: Any, own: dict[str, Any]) -> None:
+    """Set SCIP's own parameters, in the type of their text: SCIP says only in the run whether it has them."""
+    for name, value in own.items():
         text = str(value)
         if text.lower() in ("true", "false"):
             parameters.gscip.bool_params[name] = text.lower() == "true"
@@ -173,10 +185,10 @@ def _scip_parameters(parameters: Any, given: dict[str, Any]) -> None:
 
 
 def _fields(message: str) -> Callable[[Any, dict[str, Any]], None]:
-    def put(parameters: Any, given: dict[str, Any]) -> None:
+    def put(parameters: Any, own: dict[str, Any]) -> None:
         target, label = getattr(parameters, message), f"mathopt:{message.replace('_', '-')}"
         known = {f.name: getattr(target, f.name) for f in target.DESCRIPTOR.fields}
-        for name, value in own_options(label, given, known, word="parameter").items():
+        for name, value in own_options(label, own, known, word="parameter").items():
             try:
                 setattr(target, name, value)
             except (TypeError, ValueError, AttributeError):
@@ -191,7 +203,7 @@ _OWN: dict[str, Callable[[Any, dict[str, Any]], None]] = {
 
 
 class _Run:
-    """One search: what MathOpt is told, and what is believed of its answer."""
+    """A search: how MathOpt is asked, and what is believed of its answer."""
 
     def __init__(self, solver: str, program: Program, options: Options, control: Control, end: float) -> None:
         self.solver, self.program, self.options, self.control, self.end = solver, program, options, control, end
@@ -205,22 +217,22 @@ class _Run:
         program = self.program
         kind = mathopt.SolverType[self.solver.replace("-", "_").upper()]
         parameters = replace(parameters, time_limit=datetime.timedelta(seconds=max(0.0, self.end - time.perf_counter())))
-        model, given = program.to_mathopt(), {}
+        model, arguments = program.to_mathopt(), {}
         if self.options.start is not None and program.is_integer:
             values = {v: float(a) for v, a in zip(model.variables(), self.options.start, strict=True) if math.isfinite(a)}
-            given["model_params"] = mathopt.ModelSolveParameters(solution_hints=[mathopt.SolutionHint(variable_values=values)])
+            arguments["model_params"] = mathopt.ModelSolveParameters(solution_hints=[mathopt.SolutionHint(variable_values=values)])
         if self.solver != "highs":
             interrupter = SolveInterrupter()
             self.control.on_stop(interrupter.interrupt)
-            given["interrupter"] = interrupter
+            arguments["interrupter"] = interrupter
         if self.solver == "gscip":
             _quiet_scip()
         if program.is_integer and self.solver in ("gscip", "cp-sat"):
             events = {mathopt.Event.MIP_SOLUTION, *([mathopt.Event.MIP] if self.solver == "cp-sat" else [])}
-            given["callback_reg"] = mathopt.CallbackRegistration(events=events)
-            given["cb"] = self._hear
+            arguments["callback_reg"] = mathopt.CallbackRegistration(events=events)
+            arguments["cb"] = self._hear
         try:
-            return mathopt.solve(model, kind, params=parameters, **given)
+            return mathopt.solve(model, kind, params=parameters, **arguments)
         except Exception as fault:  # its own translation of a status fails with an AttributeError
             inner = fault.__context__ if type(fault.__context__).__name__ == "StatusNotOk" else fault
             if inner is fault and not isinstance(fault, ValueError | RuntimeError | mathopt.InternalMathOptError):
@@ -237,7 +249,7 @@ class _Run:
         if data.mip_stats.explored_nodes > 0:  # CP-SAT tells none
             self.control.count(int(data.mip_stats.explored_nodes))
         bound = data.mip_stats.dual_bound
-        told = float(bound) if math.isfinite(bound) and abs(bound) < 1e20 else None
+        finite_bound = float(bound) if math.isfinite(bound) and abs(bound) < 1e20 else None
         if data.solution:
             x = np.zeros(self.program.num_variables)
             x[[v.id for v in data.solution]] = list(data.solution.values())
@@ -245,28 +257,28 @@ class _Run:
             sign = 1.0 if self.program.sense == "min" else -1.0
             if (self.best is None or sign * value < sign * self.best) and self.program.residual(x) <= FEASIBLE_TOLERANCE:
                 self.best = value
-                self.control.publish(x, value, told)
-        elif told is not None:
-            self.control.publish(bound=told)
+                self.control.publish(x, value, finite_bound)
+        elif finite_bound is not None:
+            self.control.publish(bound=finite_bound)
         return mathopt.CallbackResult()
 
-    def said(self, found: Any) -> RawResult:
+    def said(self, result: Any) -> RawResult:
         """MathOpt's last word."""
         program = self.program
-        status, limit = REASONS[found.termination.reason.name], self._limit(found)
-        first = found.solutions[0] if found.solutions else None
+        status, limit = REASONS[result.termination.reason.name], self._limit(result)
+        first = result.solutions[0] if result.solutions else None
         primal, dual = (None, None) if first is None else (first.primal_solution, first.dual_solution)
         x = _by_id(primal.variable_values, program.num_variables) if primal is not None and primal.variable_values else None
-        best = float(found.termination.objective_bounds.dual_bound)
-        told = (program.is_integer or status == "optimal") and math.isfinite(best) and abs(best) < 1e20
+        best = float(result.termination.objective_bounds.dual_bound)
+        bounded = (program.is_integer or status == "optimal") and math.isfinite(best) and abs(best) < 1e20
         duals = None
         if status == "optimal" and not program.is_integer and dual is not None and dual.dual_values:
             duals = _by_id(dual.dual_values, program.num_rows)
-        message = f"{self.solver} ended with an error: {found.termination.detail}" if status == "error" else ""
-        return RawResult(status, limit, x, None, best if told else None, duals, self._statistics(found), message)
+        message = f"{self.solver} ended with an error: {result.termination.detail}" if status == "error" else ""
+        return RawResult(status, limit, x, None, best if bounded else None, duals, self._statistics(result), message)
 
-    def _limit(self, found: Any) -> str:
-        reason = found.termination.limit
+    def _limit(self, result: Any) -> str:
+        reason = result.termination.limit
         if reason is None:
             return "none"
         if reason.name in LIMITS:
@@ -277,21 +289,21 @@ class _Run:
             return "iterations"
         return "time"
 
-    def _statistics(self, found: Any) -> dict[str, Any]:
-        stats = found.solve_stats
-        made: dict[str, Any] = {"solver": self.solver}
+    def _statistics(self, result: Any) -> dict[str, Any]:
+        stats = result.solve_stats
+        statistics: dict[str, Any] = {"solver": self.solver}
         if self.program.is_integer:
-            made["nodes"] = int(stats.node_count)
-        made["iterations"] = int(stats.simplex_iterations + stats.barrier_iterations + stats.first_order_iterations)
+            statistics["nodes"] = int(stats.node_count)
+        statistics["iterations"] = int(stats.simplex_iterations + stats.barrier_iterations + stats.first_order_iterations)
         if self.options.start is not None:
-            made["start"] = "used" if self.program.is_integer else "ignored"
-        return made
+            statistics["start"] = "used" if self.program.is_integer else "ignored"
+        return statistics
 
 
 def _by_id(values: Any, size: int) -> Floats:
-    made = np.zeros(size)
-    made[[key.id for key in values]] = list(values.values())
-    return made
+    array = np.zeros(size)
+    array[[key.id for key in values]] = list(values.values())
+    return array
 
 
 def _quiet_scip() -> None:

@@ -27,7 +27,7 @@ from ..program_backend import ProgramBackend
 SECOND_ORDER = frozenset(kind for kind in CONES if kind.startswith("second-order"))
 
 BROKEN = 1e-6
-"""From which excess on a cone counts as broken, in the units of the program: a solver's own tolerance of a row."""
+"""Excess from which on a cone counts as broken, in the units of the program: a solver's own tolerance of a row."""
 
 FRACTIONAL_ROUNDS = 30
 """Continuous relaxations that are solved at most before the first program with integers."""
@@ -68,12 +68,11 @@ class OuterApproximation(ProgramBackend):
         return features >= SECOND_ORDER and super().able(features) and isinstance(within, ProgramBackend) and within.able(INTEGERS)
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.search``."""
         return _Search(self.within, program, options, control).run()
 
 
 class _Heard(Control):
-    """Collects the points that a solver publishes on its way."""
+    """Control that collects the points that a solver publishes on its way."""
 
     def __init__(self, outer: Control) -> None:
         super().__init__()
@@ -135,19 +134,19 @@ class _Search:
                 return self._ended(replace(said, limit=limit), self.best)
 
     def _solve(self, *, whole: bool, heard: Control | None = None) -> RawResult:
-        """The program with the rows that there are, continuous or ``whole``."""
-        made = replace(self.program, cones=(), rows=(*self.program.rows, *self.rows))
+        """Solve the program with the rows so far, continuous or ``whole``."""
+        linear = replace(self.program, cones=(), rows=(*self.program.rows, *self.rows))
         if not whole:
-            made = replace(made, variables=tuple(replace(block, integer=False) for block in made.variables))
+            linear = replace(linear, variables=tuple(replace(block, integer=False) for block in linear.variables))
         options = replace(
             self.options, time_limit=max(self._left(), 0.0), start=self.start if whole else None,
             iterations=self._nodes_left() if whole else None,
         )  # fmt: skip
         heard = heard or _Heard(self.control)
-        said: RawResult = self.within.run(made, options, heard)
+        said: RawResult = self.within.run(linear, options, heard)
         if said.status == "error" and options.start is not None:  # HiGHS fails on starts that are off by its own tolerance
             self.start = None
-            said = self.within.run(made, replace(options, start=None), heard)
+            said = self.within.run(linear, replace(options, start=None), heard)
         self.rounds += 1
         self.nodes += int(said.statistics.get("nodes", 0)) if whole else 0
         return said
@@ -200,7 +199,7 @@ class _Search:
 
 
 def _tips(cones: Cones) -> Rows:
-    """That the first number of each cone is not negative."""
+    """Rows that keep the first number of each cone from being negative."""
     first = np.arange(cones.size) * cones.width
     parts = [np.arange(cones.indptr[k], cones.indptr[k + 1]) for k in first.tolist()]
     at = np.concatenate([*parts, np.zeros(0, dtype=np.int64)]).astype(np.int64)
@@ -211,16 +210,16 @@ def _tips(cones: Cones) -> Rows:
 
 
 def _touching(cones: Cones, matrix: Any, own: Any, unit: Floats) -> Rows:
-    """t - u v >= 0 for cones ``own``, u being ``unit``."""
+    """Rows t - u v >= 0 for cones ``own``, u being ``unit``."""
     import scipy.sparse as sp
 
     factors = np.concatenate([[1.0], -unit])
     row = np.repeat(np.arange(len(own)), cones.width)
     column = (np.asarray(own)[:, None] * cones.width + np.arange(cones.width)).ravel()
     mix = sp.csr_matrix((np.tile(factors, len(own)), (row, column)), shape=(len(own), matrix.shape[0]))
-    made = (mix @ matrix).tocsr()
-    made.eliminate_zeros()
+    touching = (mix @ matrix).tocsr()
+    touching.eliminate_zeros()
     return Rows(
-        "touching", indptr=made.indptr.astype(np.int32), indices=made.indices.astype(np.int32), data=np.asarray(made.data),
+        "touching", indptr=touching.indptr.astype(np.int32), indices=touching.indices.astype(np.int32), data=np.asarray(touching.data),
         lower=np.asarray(-(mix @ cones.offset)), upper=np.full(len(own), math.inf),
     )  # fmt: skip

@@ -28,10 +28,10 @@ from .highs import named_options, sound
 class PuLP(ProgramBackend):
     """CBC (Forrest & Lougee-Heimer 2005) through PuLP, or another solver that PuLP finds.
 
-    CBC reads the program as MPS and is driven directly, because PuLP's own account of it is not to be trusted: it says
-    ``Optimal`` for whatever incumbent a limit left behind, and drops the bound. The truth is in CBC's log.
-    ``iterations`` counts nodes of a mixed-integer program and iterations of a linear one. Extra options are CBC's own
-    parameters by name (``cuts=off``), or the keywords of PuLP's class for ``NAME``.
+    CBC reads the program as MPS and is driven directly, because PuLP's own account of it is not to be trusted: it says ``Optimal`` for
+    whatever incumbent a limit left behind, and drops the bound. The truth is in CBC's log. ``iterations`` counts nodes of a mixed-integer
+    program and iterations of a linear one. Extra options are CBC's own parameters by name (``cuts=off``), or the keywords of PuLP's class
+    for ``NAME``.
     """
 
     name = "pulp"
@@ -57,12 +57,12 @@ class PuLP(ProgramBackend):
 
     @classmethod
     def available(cls) -> tuple[str, ...]:
-        found = _found()
-        return (cls.name, *(f"{cls.name}:{variant}" for variant in cls.variants if variant in found))
+        installed = _found()
+        return (cls.name, *(f"{cls.name}:{variant}" for variant in cls.variants if variant in installed))
 
     @property
     def is_cbc(self) -> bool:
-        """Whether CBC is meant."""
+        """True if CBC is to solve the program."""
         return self.variant.upper() in ("", "CBC", "PULP_CBC_CMD", "COIN_CMD")
 
     def converted(self, options: Options) -> Options:
@@ -77,20 +77,19 @@ class PuLP(ProgramBackend):
         return super().converted(options)
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.search``."""
         if self.is_cbc:
-            began, found = time.perf_counter(), find_cbc()
+            began, cbc = time.perf_counter(), find_cbc()
             with scratch() as folder:
                 # Its preprocessing loses optima, 2 of 1,000 of the battery's programs; without it some runs crash.
-                result = run_cbc(found, program, options, control, folder, preprocess=not program.is_integer)
-                left = options.time_limit - (time.perf_counter() - began)
-                if result.status == "error" and program.is_integer and left > 0 and not control.stopped:
-                    result = run_cbc(found, program, replace(options, time_limit=left), control, folder)
+                result = run_cbc(cbc, program, options, control, folder, preprocess=not program.is_integer)
+                seconds = options.time_limit - (time.perf_counter() - began)
+                if result.status == "error" and program.is_integer and seconds > 0 and not control.stopped:
+                    result = run_cbc(cbc, program, replace(options, time_limit=seconds), control, folder)
             return result
         return _through_pulp(self._solver(program, options), self.title, program, options)
 
     def _solver(self, program: Program, options: Options) -> Any:
-        """PuLP's solver object for ``variant``, with those of the common options that it knows."""
+        """PuLP's solver object for ``variant``, with the common options that it has."""
         import pulp
 
         common = {"msg": False, "timeLimit": options.time_limit, "gapRel": options.gap, "threads": options.threads}
@@ -121,20 +120,20 @@ def _found() -> list[str]:
 
 
 def _through_pulp(solver: Any, name: str, program: Program, options: Options) -> RawResult:
-    """Solve with one of PuLP's own interfaces, and take its word only where it can be right."""
+    """Solve with one of PuLP's own interfaces; its word is taken only where it can be right."""
     import pulp
     from pulp import constants
 
     began = time.perf_counter()
     try:
-        status, found, x = _one_run(solver, program)
+        status, solution_status, x = _one_run(solver, program)
     except pulp.PulpSolverError as fault:
         return RawResult("error", message=f"{name} failed: {fault}")
     late = time.perf_counter() - began >= 0.98 * options.time_limit
-    said = f"{constants.LpStatus[status]}, {constants.LpSolution[found]}"
+    said = f"{constants.LpStatus[status]}, {constants.LpSolution[solution_status]}"
     limit = "time" if late else "none"
-    if found in (constants.LpSolutionOptimal, constants.LpSolutionIntegerFeasible) and program.residual(x) <= FEASIBLE_TOLERANCE:
-        proven = found == constants.LpSolutionOptimal and not late
+    if solution_status in (constants.LpSolutionOptimal, constants.LpSolutionIntegerFeasible) and program.residual(x) <= FEASIBLE_TOLERANCE:
+        proven = solution_status == constants.LpSolutionOptimal and not late
         if proven and options.gap > 0 and program.is_integer:
             proven, limit = False, "gap"
         bound = program.value(x) if proven else None

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...formulations.programs.cones import Cones
 from ...formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC, Floats, Program
-from ...formulations.programs.reductions.finite_numbers import FiniteNumbers
+from ...formulations.programs.reductions.reduction import Irreducible, Reduction, Step
 from ...instances.errors import UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
@@ -21,7 +21,7 @@ DUAL_TOLERANCE = 1e-7
 SECOND_ORDER = frozenset(kind for kind in CONES if kind.startswith("second-order"))
 
 INFINITE = 1e20
-"""What SCIP takes for infinite."""
+"""Numbers from which on SCIP takes them for infinite."""
 
 LIMITS = {
     "timelimit": "time", "nodelimit": "nodes", "totalnodelimit": "nodes", "memlimit": "memory", "userinterrupt": "interrupt",
@@ -35,6 +35,20 @@ COMMON_PARAMETERS = {
     "misc/catchctrlc": "Ctrl-C",
 }  # fmt: skip
 """SCIP's parameters that have a name common to all solvers."""
+
+
+class FiniteNumbers(Reduction):
+    """Changes nothing, and refuses programs with finite numbers of ``INFINITE`` and more."""
+
+    may_refuse = True
+
+    def apply(self, program: Program) -> tuple[Step, ...]:
+        parts = [program.cost, program.data, program.lower, program.upper, program.row_lower, program.row_upper]
+        if program.quadratic is not None:
+            parts.append(program.quadratic.data)
+        if any((np.isfinite(part) & (np.abs(part) >= INFINITE)).any() for part in parts):
+            raise Irreducible(f"numbers of {INFINITE:g} and more")
+        return ()
 
 
 @BACKENDS.register("scip")
@@ -52,10 +66,9 @@ class Scip(ProgramBackend):
     options = None
     order = 40
     programs = (INTEGERS | QUADRATIC | SECOND_ORDER,)
-    reductions = (FiniteNumbers(INFINITE),)
+    reductions = (FiniteNumbers(),)
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
-        """See ``ProgramBackend.search``."""
         if options.iterations is not None and program.features() == LINEAR:
             raise UsageError("SCIP has no limit on the iterations of a linear program; use a time limit")
         import pyscipopt  # noqa: F401 - loading it is not counted against the limit
@@ -67,7 +80,7 @@ class Scip(ProgramBackend):
 
 
 class _Search:
-    """A SCIP model of a program, and what is believed of its end."""
+    """A search in SCIP, and the part of its outcome that is believed."""
 
     def __init__(self, program: Program, options: Options, control: Control) -> None:
         import pyscipopt
@@ -94,7 +107,7 @@ class _Search:
         self.solving = False
 
     def _give(self, start: Floats) -> bool:
-        """Hand over a start, whose NaN are left for SCIP to complete; whether SCIP takes it."""
+        """Hand over a start, whose NaN are for SCIP to complete; whether SCIP takes it."""
         model, known = self.model, np.isfinite(start)
         whole = bool(known.all()) and not self.program.cones  # whose tips are variables of the model alone
         solution = model.createSol() if whole else model.createPartialSol()
@@ -154,8 +167,8 @@ class _Search:
 
     def bound(self) -> float | None:
         """SCIP's dual bound, None where it has none."""
-        found = float(self.model.getDualbound())
-        return found if abs(found) < self.model.infinity() else None
+        bound = float(self.model.getDualbound())
+        return bound if abs(bound) < self.model.infinity() else None
 
     def said(self) -> RawResult:
         """SCIP's last word."""
@@ -214,7 +227,7 @@ def _fill(model: Any, program: Program) -> tuple[list[Any], list[Any]]:
 
 
 def _add_cones(model: Any, cones: Cones, columns: list[Any]) -> None:
-    """Rows ``norm of v <= t``; what is more than a multiple of one variable becomes a variable of its own, which SCIP takes out again."""
+    """Add rows ``norm of v <= t``, with a variable for each affine t and v, which SCIP takes out again."""
     import pyscipopt
 
     def image(row: int) -> Any:

@@ -16,9 +16,7 @@ from scipy.stats import chi2
 import waybound as wb
 from waybound.formulations.programs.cones import Cones
 from waybound.formulations.programs.program import Program
-from waybound.formulations.risk.forms._fixed_risks import fixed_margins_program
-from waybound.formulations.risk.forms.ellipsoid import radius
-from waybound.formulations.risk.forms.uniform import uniform_risks
+from waybound.formulations.risk.forms.fixed_risks import fixed_margins_program, radius, uniform_risks
 from waybound.formulations.risk.joint_normal import any_fails
 from waybound.formulations.stop import Stop
 from waybound.heuristics.risk.iterative_risk_allocation import iterative

@@ -9,11 +9,12 @@ import pytest
 import risky_cases as cases
 
 import waybound as wb
-from waybound.formulations.risk.risky_path import RiskyPath, hazard_of
+from waybound.formulations.risk.moves import hazard_of
+from waybound.formulations.risk.risky_path import RiskyPath
 from waybound.formulations.stop import NEVER
+from waybound.heuristics.risk.look_back import look_back
 from waybound.instances.risk.elements import LocaleRisk
 from waybound.instances.risk.tether import Tether
-from waybound.solvers.engines.risk.risky_path_steps.look_back import look_back
 
 NINE = 1e-9
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..formulations.answers import answer_in_json, read_answer
 from ..formulations.problem import Problem
-from ..formulations.programs.handed_back import solved_model
+from ..formulations.programs.solved_models import solved_model
 from ..formulations.solution import Solution
 from ..formulations.solver_solutions import answer_of_solver
 from ..instances.errors import InputError, UsageError

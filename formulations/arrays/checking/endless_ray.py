@@ -1,4 +1,4 @@
-"""Evidence ``endless-ray``: a point of a program, and a direction along which the objective improves for ever.
+"""Checker of evidence ``endless-ray``: a point of a program, and a direction along which the objective improves for ever.
 
 With a ray r that leaves every row and bound alone, or moves away from the only side that there is, x + t r is within all of them for any
 t >= 0 if x is; r times a power of two is whole, so that integers stay so. The objective at x + t r is ::
@@ -24,22 +24,10 @@ from ...evidence import ENDLESS
 
 @ENDLESS.register("endless-ray")
 def check_endless_ray(problem: Any, data: Mapping[str, Any]) -> bool:
-    """Whether a program has points, and those along a ray prove that its objective has no bound.
+    """Check that a program has points, and that those along a ray prove its objective unbounded.
 
-    Parameters
-    ----------
-    problem : ArrayProblem
-    data : dict
-        ``point`` and ``ray``: one number a variable each.
-
-    Raises
-    ------
-    InputError
-        If a list is missing, too short or too long, or holds anything but finite numbers.
-
-    Notes
-    -----
-    Source: Schrijver (1986), "Theory of Linear and Integer Programming", sections 8.2 and 16.2.
+    ``point`` and ``ray`` hold one number a variable each; InputError is raised for anything else. Source: Schrijver (1986), "Theory of
+    Linear and Integer Programming", sections 8.2 and 16.2.
     """
     if problem.family != "arrays":
         raise InputError("a ray is evidence for programs given as arrays", found=problem.family)

@@ -1,4 +1,4 @@
-"""Evidence ``lp-dual``: the row duals of a linear program, multiplied out against its arrays.
+"""Checker of evidence ``lp-dual``: the row duals of a linear program, multiplied out against its arrays.
 
 For min c x over L <= A x <= U, l <= x <= u and any y::
 
@@ -38,28 +38,11 @@ _VANISHING = 1e-250
 def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     """Bound on a linear (or mixed-integer linear) program that any row duals prove (weak duality with bounded variables).
 
-    Parameters
-    ----------
-    problem : ArrayProblem
-        Its ``program`` holds the arrays.
-    data : dict
-        ``duals``: one number a row, d objective / d right side, of a linear objective, without cones. Or ``ray``, whatever the objective:
-        one number a row, positive where the lower side of the row counts, in either sense of the program.
-
-    Returns
-    -------
-    float
-        The bound in the program's sense; minus infinity (``min``) or infinity (``max``) where nothing is proved, and the other way round
-        where the ray, or limits of a variable between which there is no number, prove that no x is within the limits.
-
-    Raises
-    ------
-    InputError
-        If the list is missing, too short or too long, or holds anything but finite numbers.
-
-    Notes
-    -----
-    Source: Neumaier and Shcherbina (2004), "Safe bounds in linear and mixed-integer linear programming";
+    ``duals``: one number a row, d objective / d right side, of a linear objective, without cones. Or ``ray``, whatever the objective: one
+    number a row, positive where the lower side of the row counts, in either sense of the program. The bound is minus infinity (``min``) or
+    infinity (``max``) where nothing is proved, and the other way round where the ray, or limits of a variable between which there is no
+    number, prove that no x is within the limits. Raises InputError for a list that is missing, of another length, or of other than finite
+    numbers. Source: Neumaier and Shcherbina (2004), "Safe bounds in linear and mixed-integer linear programming";
     docs/formulations/arrays.md#row-duals.
     """
     if problem.family != "arrays":

@@ -1,4 +1,4 @@
-"""Evidence ``quadratic-duals``: a linear function below a quadratic objective, and row duals of the linear program that it makes.
+"""Checker of evidence ``quadratic-duals``: a linear function below a quadratic objective, and row duals of its linear program.
 
 To be minimised is ``c x + x' Q x / 2`` over rows and bounds, Q symmetric. Of ``x' Q x / 2`` either the whole is replaced by its tangent at
 a point t, if Q is positive semidefinite, which is found out in fractions ::
@@ -36,7 +36,7 @@ from ...checking.row_duals import least_value
 from ...evidence import CHECKERS
 
 MOST_STEPS = 100_000
-"""Products of fractions that finding out about a matrix may take; more prove nothing."""
+"""Most products of fractions in the test whether a matrix is semidefinite; a matrix that needs more proves nothing."""
 
 _EPS = float(np.finfo(np.float64).eps)
 
@@ -48,24 +48,11 @@ Line = tuple[dict[int, Fraction], Fraction]
 def check_quadratic_duals(problem: Any, data: Mapping[str, Any]) -> float:
     """Bound on a program with a quadratic objective that row duals prove, together with lines below the objective.
 
-    Parameters
-    ----------
-    problem : ArrayProblem
-    data : dict
-        ``duals``: one number a row, d objective / d right side. ``point``: t, one number a variable, 0 where there is none. ``shares``: one
-        number s from 0 to 1 for each product of two different variables, in the order of rows and columns of the upper triangle; without
-        them the whole tangent is taken.
-
-    Returns
-    -------
-    float
-        The bound in the program's sense; infinite, with the sign of no proof, where a limit that it takes is missing, or the matrix is not
-        semidefinite; with the other sign where limits of a variable cross.
-
-    Raises
-    ------
-    InputError
-        If lists are missing, too short or too long, or hold anything but finite numbers.
+    ``duals``: one number a row, d objective / d right side. ``point``: t, one number a variable, 0 where there is none. ``shares``: one
+    number s from 0 to 1 for each product of two different variables, in the order of rows and columns of the upper triangle; without them
+    the whole tangent is taken. The bound is infinite, with the sign of no proof, where a limit that it takes is missing, or the matrix is
+    not semidefinite; with the other sign where limits of a variable cross. Raises InputError for lists that are missing, of another length,
+    or of other than finite numbers.
     """
     if problem.family != "arrays" or problem.program.quadratic is None:
         raise InputError("this is evidence for programs with a quadratic objective", found=problem.family)
@@ -107,22 +94,22 @@ def check_quadratic_duals(problem: Any, data: Mapping[str, Any]) -> float:
     step = _step(program, terms)
     if step is not None:
         bound = lift(bound, "min", step)
-    made = sign * bound + float(program.offset)
-    return made - sign * 4 * _EPS * max(abs(bound), abs(made)) if program.offset else made
+    value = sign * bound + float(program.offset)
+    return value - sign * 4 * _EPS * max(abs(bound), abs(value)) if program.offset else value
 
 
 def _terms(program: Any, sign: int) -> dict[tuple[int, int], Fraction]:
     """Coefficients of ``x_i x_j``, i <= j, of the objective as it is minimised, in order."""
     matrix = program.quadratic.tocoo()
-    found: dict[tuple[int, int], Fraction] = {}
+    coefficients: dict[tuple[int, int], Fraction] = {}
     for i, j, q in zip(matrix.row.tolist(), matrix.col.tolist(), matrix.data.tolist(), strict=True):
         at = (min(i, j), max(i, j))
-        found[at] = found.get(at, Fraction(0)) + sign * Fraction(q) / 2
-    return {at: found[at] for at in sorted(found) if found[at]}
+        coefficients[at] = coefficients.get(at, Fraction(0)) + sign * Fraction(q) / 2
+    return {at: coefficients[at] for at in sorted(coefficients) if coefficients[at]}
 
 
 def _step(program: Any, terms: Mapping[tuple[int, int], Fraction]) -> Any:
-    """Of what the objective without its constant is a multiple, exactly."""
+    """A number of which the objective without its constant is an exact multiple; None where none is known."""
     counted = np.array([*program.cost[program.cost != 0].tolist(), *map(float, terms.values())])
     used = np.unique([*np.nonzero(program.cost)[0].tolist(), *(k for at in terms for k in at)]).astype(np.int64)
     step = grain(counted) if program.integer[used].all() else None
@@ -144,7 +131,7 @@ def _tangent(terms: Mapping[tuple[int, int], Fraction], point: Floats) -> Line |
 
 
 def _semidefinite(terms: Mapping[tuple[int, int], Fraction]) -> bool:
-    """Whether the symmetric matrix of a quadratic form is positive semidefinite, by elimination; False where that takes too long."""
+    """Test by elimination if the symmetric matrix of a quadratic form is positive semidefinite; False where that takes too long."""
     rows: dict[int, dict[int, Fraction]] = {}
     for (i, j), q in terms.items():
         rows.setdefault(i, {})[j] = rows.setdefault(j, {})[i] = 2 * q if i == j else q

@@ -1,13 +1,16 @@
-"""Writers and hand-overs of programs: MPS, LP, HiGHS, PuLP, CVXPY, MathOpt."""
+"""Exports of programs: MPS and LP files, and models of HiGHS, PuLP, CVXPY and MathOpt."""
 
 from __future__ import annotations
 
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from .... import _guard as _guard
 from ....instances.errors import UsageError
-from ..program import Program
+
+if TYPE_CHECKING:
+    from ..program import Program
 
 SUFFIXES = (".mps", ".lp")
 
@@ -34,22 +37,14 @@ def write_program(program: Program, path: str | PathLike[str], *, names: bool = 
         If the data hold a NaN or sides that cross, which neither format can express, or the file cannot be written.
     """
     from ....instances.atomic import atomic_write
-    from ..soundness import refuse_numbers
-    from ._checks import refuse_circuits, refuse_cones, refuse_crossing, refuse_levels
+    from ._checks import check_export, refuse_crossing
+    from .lp import lp_text
+    from .mps import mps_text
 
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
         raise UsageError(f"programs are written as {' or '.join(SUFFIXES)}, not as {suffix or 'a file without suffix'}")
-    refuse_cones(program, f"a {suffix} file")
-    refuse_circuits(program, f"a {suffix} file")
-    refuse_levels(program, f"a {suffix} file")
-    refuse_numbers(program)
+    check_export(program, f"a {suffix} file")
     refuse_crossing(program)
-    if suffix == ".mps":
-        from .mps import mps_text
-
-        atomic_write(path, mps_text(program, names=names))
-    else:
-        from .lp import lp_text
-
-        atomic_write(path, lp_text(program, names=names))
+    text = mps_text if suffix == ".mps" else lp_text
+    atomic_write(path, text(program, names=names))

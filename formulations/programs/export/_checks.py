@@ -1,39 +1,34 @@
-"""What no hand-over lets pass."""
+"""Programs that an export refuses, and rows as exports need them."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....instances.errors import InputError, UnsupportedError
-from ..program import Floats, Indices, Program
+from ..soundness import refuse_numbers
+
+if TYPE_CHECKING:
+    from ..program import Floats, Indices, Program
 
 
-def refuse_cones(program: Program, target: str) -> None:
-    """Raise UnsupportedError for a program with cones."""
-    if program.cones:
-        raise UnsupportedError(target, {"cone programs"})
-
-
-def refuse_circuits(program: Program, target: str) -> None:
-    """Raise UnsupportedError for a program with circuits."""
-    if program.circuits:
-        raise UnsupportedError(target, {"circuits"})
-
-
-def refuse_quadratic(program: Program, target: str) -> None:
-    """Raise UnsupportedError for a program with a quadratic objective."""
-    if program.quadratic is not None:
-        raise UnsupportedError(target, {"quadratic programs"})
-
-
-def refuse_levels(program: Program, target: str) -> None:
-    """Raise UnsupportedError for a program with several objectives in order of priority."""
-    if program.further:
-        raise UnsupportedError(target, {"levels of priority"})
+def check_export(program: Program, target: str, *, cones: bool = False, quadratic: bool = True) -> None:
+    """Raise UnsupportedError for a feature that ``target`` cannot hold, and InputError for numbers that mean nothing."""
+    present = {
+        "cone programs": bool(program.cones) and not cones,
+        "circuits": bool(program.circuits),
+        "quadratic programs": program.quadratic is not None and not quadratic,
+        "levels of priority": bool(program.further),
+    }
+    for feature, is_present in present.items():
+        if is_present:
+            raise UnsupportedError(target, {feature})
+    refuse_numbers(program)
 
 
 def refuse_crossing(program: Program) -> None:
-    """Raise InputError for lower bounds above upper ones: a program that says at once that it has no answer."""
+    """Raise InputError for lower bounds or sides above upper ones."""
     for lower, upper, what, name in (
         (program.lower, program.upper, "bounds of variable", program.variable_name),
         (program.row_lower, program.row_upper, "sides of row", program.row_name),

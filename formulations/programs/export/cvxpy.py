@@ -2,44 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..names import block_names
-from ..program import Floats, Program, Rows
-from ..soundness import refuse_numbers
-from ._checks import refuse_circuits, refuse_crossing, refuse_levels
+from ._checks import check_export, refuse_crossing
+
+if TYPE_CHECKING:
+    from ..program import Floats, Program, Rows
 
 
 def to_cvxpy(program: Program) -> Any:
     """A ``cvxpy.Problem`` with one vector variable a block of variables and up to three constraints a block of rows.
 
-    Parameters
-    ----------
-    program : Program
-        A quadratic part must be convex (concave for maximisation).
-
-    Returns
-    -------
-    cvxpy.Problem
-        ``problem.var_dict`` holds the variables by the names of their blocks, in column order; a name that occurs again gets a
-        number (``x, x.2``). Empty blocks have none.
-
-    Raises
-    ------
-    UnsupportedError
-        If the program has circuits, or several objectives in order of priority.
-    InputError
-        If the data hold a NaN, an infinite coefficient or bounds that cross.
+    ``problem.var_dict`` holds the variables by the names of their blocks, in column order; a name that occurs again gets a number
+    (``x, x.2``), and empty blocks have none. A quadratic part must be convex (concave for maximisation).
     """
     import cvxpy as cp
     import scipy.sparse as sp
 
-    refuse_circuits(program, "CVXPY")
-    refuse_levels(program, "CVXPY")
-    refuse_numbers(program)
+    check_export(program, "CVXPY", cones=True)
     refuse_crossing(program)
     variables: list[Any] = []
     starts: list[int] = []
@@ -71,8 +55,8 @@ def to_cvxpy(program: Program) -> Any:
     if program.quadratic is not None:
         sign = -1.0 if program.sense == "max" else 1.0
         objective += sign * 0.5 * cp.quad_form(cp.hstack(variables), sign * sp.csc_matrix(program.quadratic))
-    goal: Any = cp.Maximize if program.sense == "max" else cp.Minimize
-    return cp.Problem(goal(objective), constraints)
+    direction: Any = cp.Maximize if program.sense == "max" else cp.Minimize
+    return cp.Problem(direction(objective), constraints)
 
 
 def _image(matrix: Any, offset: Floats, variables: list[Any], starts: list[int], ends: list[int]) -> Any:
@@ -84,7 +68,7 @@ def _image(matrix: Any, offset: Floats, variables: list[Any], starts: list[int],
 
 
 def vector_of(program: Program, model: Any) -> Floats | None:
-    """What ``model``, made by ``to_cvxpy``, holds as values, in column order; None where it holds none."""
+    """Values of a model made by ``to_cvxpy``, in column order; None where it holds none."""
     held = model.var_dict
     parts = [held[name].value for block, name in zip(program.variables, block_names(program), strict=True) if block.size]
     return None if any(p is None for p in parts) else np.concatenate([np.zeros(0), *(np.atleast_1d(p) for p in parts)])
@@ -108,7 +92,7 @@ def row_duals_of(program: Program, model: Any) -> Floats | None:
 
 
 def _sides(rows: Rows) -> list[tuple[NDArray[np.bool_], Floats, str]]:
-    """The constraints that a block of rows becomes: which rows, their side, and the relation."""
+    """The constraints that a block of rows becomes: a mask of the rows, their sides, and the relation."""
     equal = rows.lower == rows.upper
     parts = [
         (equal, rows.lower, "=="),

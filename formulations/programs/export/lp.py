@@ -11,29 +11,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
 
-from ..names import column_names, plain_names, row_names
-from ..program import Program
+from ..names import file_names
 from ._checks import merged_rows
+
+if TYPE_CHECKING:
+    from ..program import Program
 
 _WIDTH = 200
 
 
 def lp_text(program: Program, *, names: bool = True) -> str:
     """The program as text in LP format; see ``write_program``."""
-    n, m = program.num_variables, program.num_rows
-    columns = column_names(program) if names else plain_names(n, "x")
-    rows = row_names(program) if names else plain_names(m, "r")
+    columns, rows = file_names(program, readable=names)
     lines = ["Maximize" if program.sense == "max" else "Minimize"]
-    lines.extend(_wrapped(" obj:", _objective(program, columns)))
-    lines.append("Subject To")
-    lines.extend(_rows(program, columns, rows))
-    lines.append("Bounds")
-    lines.extend(_bounds(program, columns))
+    lines += [*_wrapped(" obj:", _objective(program, columns)), "Subject To", *_rows(program, columns, rows)]
+    lines += ["Bounds", *_bounds(program, columns)]
     whole = [name for name, integer in zip(columns, program.integer.tolist(), strict=True) if integer]
     if whole:
-        lines.append("General")
-        lines.extend(_wrapped("", whole))
+        lines += ["General", *_wrapped("", whole)]
     return "\n".join([*lines, "End", ""])
 
 

@@ -12,29 +12,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..names import column_names, plain_names, row_names
-from ..program import Program
+from ..names import file_names
+
+if TYPE_CHECKING:
+    from ..program import Program
 
 OBJECTIVE = "obj"
 
 
 def mps_text(program: Program, *, names: bool = True) -> str:
     """The program as text in free MPS format; see ``write_program``."""
-    n, m = program.num_variables, program.num_rows
-    columns = column_names(program) if names else plain_names(n, "x")
-    rows = row_names(program) if names else plain_names(m, "r")
-    lines = [f"NAME {_title(program)} FREE"]  # without the word CBC takes short lines for the fixed format
+    columns, rows = file_names(program, readable=names)
+    title = program.name.replace(" ", "_") or "program"
+    lines = [f"NAME {title} FREE"]  # without the word CBC takes short lines for the fixed format
     if program.sense == "max":
         lines += ["OBJSENSE", "    MAX"]
     kinds, sides, ranges = _sides(program)
     lines += ["ROWS", f" N  {OBJECTIVE}"]
     lines += [f" {kind}  {row}" for kind, row in zip(kinds, rows, strict=True)]
-    lines.append("COLUMNS")
-    lines.extend(_columns(program, columns, rows))
-    lines.append("RHS")
+    lines += ["COLUMNS", *_columns(program, columns, rows), "RHS"]
     if program.offset:
         lines.append(f"    RHS  {OBJECTIVE}  {-program.offset!r}")
     lines += [f"    RHS  {row}  {side!r}" for row, side, kind in zip(rows, sides, kinds, strict=True) if side and kind != "N"]
@@ -45,13 +45,8 @@ def mps_text(program: Program, *, names: bool = True) -> str:
     if bounds:
         lines += ["BOUNDS", *bounds]
     if program.quadratic is not None:
-        lines.append("QUADOBJ")
-        lines.extend(_quadratic(program, columns))
+        lines += ["QUADOBJ", *_quadratic(program, columns)]
     return "\n".join([*lines, "ENDATA", ""])
-
-
-def _title(program: Program) -> str:
-    return program.name.replace(" ", "_") or "program"
 
 
 def _sides(program: Program) -> tuple[list[str], list[float], list[float | None]]:

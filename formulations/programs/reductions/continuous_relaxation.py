@@ -1,4 +1,4 @@
-"""Programs without integrality: relaxations."""
+"""Continuous relaxation of a linear program."""
 
 from __future__ import annotations
 
@@ -21,12 +21,11 @@ class ContinuousRelaxation(Reduction):
     may_refuse = True
 
     def apply(self, program: Program) -> tuple[Step, ...]:
-        """See ``Reduction.apply``."""
         if program.quadratic is not None or program.cones or program.circuits:
             raise Irreducible(f"form {program.name} is not linear; only linear programs are relaxed")
         whole = int(program.integer.sum())
-        made = replace(program, variables=tuple(replace(b, integer=False) for b in program.variables))
-        return (Continuous(program=made, exactness=Exactness.RELAXATION, told=f"integrality of {whole} variables dropped"),)
+        relaxed = replace(program, variables=tuple(replace(b, integer=False) for b in program.variables))
+        return (Continuous(program=relaxed, exactness=Exactness.RELAXATION, told=f"integrality of {whole} variables dropped"),)
 
 
 CONTINUOUS_RELAXATION = ContinuousRelaxation()

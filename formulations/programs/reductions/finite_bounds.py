@@ -18,7 +18,7 @@ _SLACK = 1e-9
 
 
 class Bounded(Step):
-    """Bounds that leave the optimum in place; still infinite where nothing was found."""
+    """The same variables, with bounds that leave the optimum in place; infinite where none could be derived."""
 
     name = "finite-bounds"
 
@@ -46,8 +46,8 @@ class FiniteBounds(Reduction):
         for block in program.variables:
             mine = slice(first, first := first + block.size)
             variables.append(replace(block, lower=search.lower[mine], upper=search.upper[mine]))
-        told = f"bounds of {count} variables from rows and objective"
-        return (Bounded(program=replace(program, variables=tuple(variables)), told=told),)
+        note = f"bounds of {count} variables from rows and objective"
+        return (Bounded(program=replace(program, variables=tuple(variables)), told=note),)
 
 
 FINITE_BOUNDS = FiniteBounds()
@@ -68,7 +68,7 @@ class _Search:
         self.rows, self.row_lower, self.row_upper = program.num_rows, program.row_lower, program.row_upper
 
     def _rest(self) -> tuple[Floats, Floats]:
-        """For each entry the smallest and largest sum of the others in its row."""
+        """Smallest and largest sum of the other entries in the row of each entry."""
         up = self.value > 0
         least = self.value * np.where(up, self.lower[self.column], self.upper[self.column])
         most = self.value * np.where(up, self.upper[self.column], self.lower[self.column])
@@ -84,7 +84,7 @@ class _Search:
         return np.where(count[self.row] - open_ > 0, endless, rest)
 
     def from_rows(self) -> bool:
-        """Bounds that single rows imply; whether any is new."""
+        """Take bounds that single rows imply; whether any is new."""
         least, most = self._rest()
         up = self.value > 0
         with np.errstate(invalid="ignore"):
@@ -96,7 +96,7 @@ class _Search:
         return self._take(np.isinf(self.upper), high, np.isinf(self.lower), low)
 
     def from_objective(self) -> bool:
-        """Bounds beyond which a variable only costs; whether any is new."""
+        """Take bounds beyond which a variable only costs; whether any is new."""
         least, most = self._rest()
         up, plain = self.value > 0, ~self.multiplied
         # What a row can at most ask of the variable: from below where that helps it, from above likewise.
@@ -114,7 +114,8 @@ class _Search:
         )
 
     def _take(self, upper: NDArray[np.bool_], high: Floats, lower: NDArray[np.bool_], low: Floats, *, ask: bool = False) -> bool:
-        """Put finite ones of ``high`` and ``low`` where ``upper`` and ``lower`` say so; ``ask``: round up to what is asked for."""
+        """Take finite ``high`` and ``low`` as bounds where ``upper`` and ``lower`` say so; with ``ask`` they are rounded up to what rows
+        need."""
         near = tuple(_SLACK * np.maximum(1.0, np.where(np.isfinite(v), np.abs(v), 0.0)) for v in (high, low))
         whole = (np.ceil(high - near[0]), np.floor(low + near[1])) if ask else (np.floor(high + near[0]), np.ceil(low - near[1]))
         high, low = np.where(self.integer, whole[0], high + near[0]), np.where(self.integer, whole[1], low - near[1])

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Linearised(Step):
-    """``pairs`` of shape (products, 2) holds the columns that each new variable, after those there were, is the product of."""
+    """A program whose products are variables after its own; ``pairs`` of shape (products, 2) holds the columns of their factors."""
 
     name = "linear-products"
     columns: int
@@ -51,7 +51,6 @@ class LinearProducts(Reduction):
         return features - QUADRATIC if features >= INTEGERS | QUADRATIC else features
 
     def apply(self, program: Program) -> tuple[Step, ...]:
-        """See ``Reduction.apply``."""
         if program.quadratic is None or not program.is_integer:
             return ()
         import scipy.sparse as sp
@@ -85,13 +84,13 @@ class LinearProducts(Reduction):
         wanted = (_rows("product_of_0", at_0, large, np.zeros(count)), _rows("product_of_1", at_1, large, 0.0 - far))
         ends = np.cumsum([0, *(v.size for v in program.variables)])
         blocks = tuple(replace(v, cost=cost[s:e]) for v, s, e in zip(program.variables, ends[:-1], ends[1:], strict=True))
-        made = replace(program, variables=(*blocks, z), rows=(*program.rows, *wanted), quadratic=None)
-        told = f"{count} products, {int(square.sum())} squares"
-        return (Linearised(program=made, told=told, columns=n, rows=program.num_rows, pairs=np.stack([b, y], axis=1)),)
+        linear = replace(program, variables=(*blocks, z), rows=(*program.rows, *wanted), quadratic=None)
+        note = f"{count} products, {int(square.sum())} squares"
+        return (Linearised(program=linear, told=note, columns=n, rows=program.num_rows, pairs=np.stack([b, y], axis=1)),)
 
 
 def _rows(name: str, matrix: sp.csr_matrix, most: np.ndarray, side: Floats) -> Rows:
-    """``matrix x <= side`` where ``most``, else ``>=``."""
+    """Rows ``matrix x <= side`` where ``most``, else ``>=``."""
     matrix.eliminate_zeros()
     matrix.sort_indices()
     return Rows(

@@ -1,4 +1,4 @@
-"""Programs to be minimised and without a constant, for solvers whose formats know no other, or disagree about its sign."""
+"""Minimisation without a constant, for solvers whose formats know no other, or disagree about its sign."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .reduction import Reduction, Step
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Minimised(Step):
-    """``value = sign * value' + constant``."""
+    """A program whose value is ``sign`` times its own objective, plus ``constant``."""
 
     name = "minimisation"
     sign: float
@@ -27,16 +27,15 @@ class Minimisation(Reduction):
     """Turns the sign of an objective to be maximised, and leaves out its constant."""
 
     def apply(self, program: Program) -> tuple[Step, ...]:
-        """See ``Reduction.apply``."""
         turned = program.sense == "max"
         if not turned and program.offset == 0.0:
             return ()
-        made = replace(program, sense="min", offset=0.0)
+        minimised = replace(program, sense="min", offset=0.0)
         if turned:
             quadratic = None if program.quadratic is None else -program.quadratic
-            made = replace(made, variables=tuple(replace(b, cost=-b.cost) for b in program.variables), quadratic=quadratic)
-        told = [*(["sign turned"] if turned else []), *([f"constant {program.offset:g} left out"] if program.offset else [])]
-        return (Minimised(program=made, told=", ".join(told), sign=-1.0 if turned else 1.0, constant=program.offset),)
+            minimised = replace(minimised, variables=tuple(replace(b, cost=-b.cost) for b in program.variables), quadratic=quadratic)
+        notes = [*(["sign turned"] if turned else []), *([f"constant {program.offset:g} left out"] if program.offset else [])]
+        return (Minimised(program=minimised, told=", ".join(notes), sign=-1.0 if turned else 1.0, constant=program.offset),)
 
 
 MINIMISATION = Minimisation()

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..program import Floats, Indices, Program, Rows
 from .reduction import Reduction, Step
+
+if TYPE_CHECKING:
+    from ..program import Floats, Indices, Program, Rows
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OneSided(Step):
-    """``rows`` of shape (rows of the result,) holds the row that each was made of."""
+    """A program with ranges split; ``rows`` of shape (rows of the result,) holds the row that each was made of."""
 
     name = "one-sided-rows"
     rows: Indices
@@ -26,7 +29,6 @@ class OneSidedRows(Reduction):
     """Splits rows with two different finite sides; the lower ones come last, as blocks named ``low``."""
 
     def apply(self, program: Program) -> tuple[OneSided, ...]:
-        """See ``Reduction.apply``."""
         ranges = [(b.lower != b.upper) & np.isfinite(b.lower) & np.isfinite(b.upper) for b in program.rows]
         if not any(r.any() for r in ranges):
             return ()
@@ -38,12 +40,12 @@ class OneSidedRows(Reduction):
                 origins.append(first + np.nonzero(split)[0])
             first += block.size
         rows = np.concatenate([np.arange(first), *origins])
-        told = f"{len(rows) - first} ranges split"
-        return (OneSided(program=replace(program, rows=(*upper, *lower)), told=told, rows=rows, num_rows=first),)
+        note = f"{len(rows) - first} ranges split"
+        return (OneSided(program=replace(program, rows=(*upper, *lower)), told=note, rows=rows, num_rows=first),)
 
 
 def _below(block: Rows, split: np.ndarray) -> Rows:
-    """The rows of ``split`` with their lower sides."""
+    """Rows of the lower sides of ``split``."""
     widths = np.diff(block.indptr)
     entries = np.repeat(split, widths)
     return replace(

@@ -1,4 +1,4 @@
-"""What a reduction is, and the chain that several of them make.
+"""Reductions of programs, and the chain that several of them make.
 
 Flags compose along the chain (``Exactness.then``); points, objectives, bounds and duals travel back through it, starts forth.
 """
@@ -9,28 +9,30 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..exactness import Exactness, Link
-from ..program import Floats, Program
+
+if TYPE_CHECKING:
+    from ..program import Floats, Program
 
 
 class Irreducible(ValueError):
-    """A program that cannot be written so; the text is the feature of it that stands in the way."""
+    """A program that a reduction cannot rewrite; the text names the feature that stands in the way."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Step:
-    """A program written otherwise, and the way back: identities, where a reduction says nothing else.
+    """A rewritten program, and the way back: identities, where a reduction says nothing else.
 
     Parameters
     ----------
     program : Program
-        What it became; for solvers that count in integers alone an ``IntegerProgram``.
+        The rewritten program; for solvers that count in integers alone an ``IntegerProgram``.
     exactness : Exactness
-        How its optimum relates to that of the program it was made of.
+        How its optimum relates to that of the program before.
     told : str
-        What was done.
+        Description of the rewriting.
     """
 
     name: ClassVar[str]
@@ -43,39 +45,39 @@ class Step:
         return Link(self.name, self.exactness, self.told)
 
     def vector(self, x: Any) -> Floats:
-        """The point of the program as it was, for one of what it became."""
+        """Point of the program before, for a point of the rewritten one."""
         return x  # type: ignore[no-any-return]
 
     def encoded(self, x: Floats) -> Floats:
-        """The way forth, for starts, whose NaN stay unknown."""
+        """Point of the rewritten program, for a start of the one before; NaN stay unknown."""
         return x
 
     def value(self, value: float) -> float:
-        """An objective as it was."""
+        """Objective of the program before."""
         return value
 
     def bound(self, bound: float) -> float:
-        """A bound as it was, rounded outwards."""
+        """Bound of the program before, rounded outwards."""
         return self.value(bound)
 
     def duals(self, duals: Floats) -> Floats:
-        """Row duals as they were."""
+        """Row duals of the program before."""
         return duals
 
 
 class Reduction(ABC):
-    """Writes programs otherwise.
+    """Rewrites programs.
 
     Class attributes
     ----------------
     may_refuse : bool
-        Whether there are programs that it cannot write.
+        Whether there are programs that it cannot rewrite.
     """
 
     may_refuse: bool = False
 
     def features(self, features: frozenset[str]) -> frozenset[str]:
-        """Features of what it makes of programs with these."""
+        """Features of the program that it makes of one with these."""
         return features
 
     @abstractmethod
@@ -85,14 +87,14 @@ class Reduction(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """A program and the steps that led to what a solver is given."""
+    """A program and the steps that led from it to the one that a solver is given."""
 
     source: Program
     steps: tuple[Step, ...] = ()
 
     @property
     def program(self) -> Any:
-        """What the last step made."""
+        """Program after the last step."""
         return self.steps[-1].program if self.steps else self.source
 
     @cached_property
@@ -105,10 +107,10 @@ class Chain:
 
     def then(self, reductions: Iterable[Reduction]) -> Chain:
         """The chain with more steps; raises Irreducible."""
-        made = self
+        chain = self
         for reduction in reductions:
-            made = replace(made, steps=(*made.steps, *reduction.apply(made.program)))
-        return made
+            chain = replace(chain, steps=(*chain.steps, *reduction.apply(chain.program)))
+        return chain
 
     def vector(self, x: Any) -> Floats:
         for step in reversed(self.steps):

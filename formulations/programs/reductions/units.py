@@ -1,12 +1,12 @@
-"""Programs brought to the magnitudes that solvers count in, by powers of two: exact, and the same program whatever the unit of the data.
+"""Units in which a program has the magnitudes that solvers count in: powers of two, so that nothing is rounded.
 
 Solvers decide with absolute tolerances, 1e-6 a row and 1e-9 a coefficient, which mean nothing for weights of 1e-9 or times of 1e12.
 With x = S x' and row factors R, and f for the objective, all of them powers of two::
 
     min c x + c0,  l <= A x <= u      becomes      min f c S x' + f c0,  R l <= R A S x' <= R u
 
-Integers keep their unit, and rows of ones theirs. The powers follow from the data alone, so that it is the same program to the bit
-whatever unit these are in. Whole numbers and short decimals of ordinary size stay so, but for a power of two that all of a row, of the
+Integers keep their unit, and rows of ones theirs. The powers follow from the data alone, so that the program is the same to the bit in
+whatever unit these are. Whole numbers and short decimals of ordinary size stay so, but for a power of two that all of a row, of the
 objective or of what stands beside a block of variables have in common; all else is brought to one size.
 """
 
@@ -33,23 +33,15 @@ COMMON = 2
 _PASSES = 4
 
 _BITS = 30
-"""Of whole numbers, and of short decimals once they are multiplied: 20 before the point and three digits behind it."""
+"""Bits of whole numbers, and of short decimals once they are multiplied: 20 before the point and three digits behind it."""
 
 _ROUNDING = 2.0**-20
-"""In steps of 2**-_BITS of the largest: four times what doubles round."""
+"""Rounding of doubles, fourfold, in steps of 2**-_BITS of the largest number."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Scaled(Step):
-    """A program in other units.
-
-    Parameters
-    ----------
-    columns, rows : int arrays of shape (variables,) and (rows,)
-        Binary exponents of S and R.
-    objective : int
-        That of f.
-    """
+    """A program in other units; ``columns``, ``rows`` and ``objective`` are the binary exponents of S, R and f."""
 
     name = "units"
     columns: NDArray[np.int64]
@@ -63,11 +55,11 @@ class Scaled(Step):
         return np.asarray(np.ldexp(x, -self.columns), dtype=np.float64)
 
     def residual(self, x: Floats) -> float:
-        """Largest violation by x, a vector of the program as it was, as a solver counts it."""
+        """Largest violation by a vector of the program as it was, as a solver counts it."""
         return float(self.program.residual(self.encoded(x)))
 
     def counted(self, value: float) -> float:
-        """An objective of the program as it was, as a solver counts it."""
+        """Objective of the program as it was, as a solver counts it."""
         return _times(value, self.objective)
 
     def value(self, value: float) -> float:
@@ -78,7 +70,7 @@ class Scaled(Step):
 
 
 def scaled(program: Program) -> Scaled:
-    """The program in units in which its numbers are of ordinary size, as far as one factor a row and a block of columns can do it."""
+    """The program with numbers of ordinary size, as far as one factor a row and a block of columns can bring them there."""
     row = np.repeat(np.arange(program.num_rows), np.diff(program.indptr))
     columns = _column_units(program, row)
     rows, objective = _row_units(program, row, columns), _objective_unit(program, columns)
@@ -88,27 +80,26 @@ def scaled(program: Program) -> Scaled:
     if not math.isfinite(_times(program.offset, objective)):
         objective = 0
     with np.errstate(over="ignore"):
-        made = _apply(program, columns, rows, objective)
-    if any(np.isfinite(new).sum() < np.isfinite(old).sum() for old, new in zip(_numbers(program), _numbers(made), strict=True)):
+        result = _apply(program, columns, rows, objective)
+    if any(np.isfinite(new).sum() < np.isfinite(old).sum() for old, new in zip(_numbers(program), _numbers(result), strict=True)):
         return same  # numbers too far apart for any unit
-    told = f"{program.num_variables} variables and {program.num_rows} rows brought to ordinary sizes by powers of two"
-    return Scaled(program=made, told=told, columns=columns, rows=rows, objective=objective)
+    note = f"{program.num_variables} variables and {program.num_rows} rows brought to ordinary sizes by powers of two"
+    return Scaled(program=result, told=note, columns=columns, rows=rows, objective=objective)
 
 
 class Units(Reduction):
-    """Brings programs to ordinary units, the same for data in any."""
+    """Brings programs to ordinary units, the same for data in any unit."""
 
     def apply(self, program: Program) -> tuple[Step, ...]:
-        """See ``Reduction.apply``."""
-        made = scaled(program)
-        return () if made.program is program else (made,)
+        step = scaled(program)
+        return () if step.program is program else (step,)
 
 
 UNITS = Units()
 
 
 def objective_unit(program: Program) -> float:
-    """What a solver counts as 1 in the objective, in its own units."""
+    """A solver's unit of the objective, in the program's own unit."""
     return _times(1.0, -scaled(program).objective)
 
 
@@ -117,10 +108,10 @@ def _numbers(p: Program) -> tuple[Floats, ...]:
 
 
 def _column_units(program: Program, row: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Binary exponents of S: continuous variables are counted as are their bounds and what else stands in their rows, integers by one.
+    """Binary exponents of S; integers are counted by one.
 
-    Where not all of these are short decimals their bounds decide, else their size; what stands beside nothing but other continuous
-    variables follows these.
+    Continuous variables are counted as their bounds and as the other numbers in their rows are, where all of these are short decimals; else
+    their bounds decide, else their size. A variable beside nothing but other continuous variables follows these.
     """
     none = np.zeros(program.num_variables, dtype=np.int64)
     if program.integer.all():
@@ -177,7 +168,7 @@ def _row_units(program: Program, row: NDArray[np.int64], columns: NDArray[np.int
 
 
 def _sides(program: Program) -> tuple[Floats, NDArray[np.int64]]:
-    """Sizes of the limits of rows, and whose they are."""
+    """Sizes of the finite sides of rows, and the row of each."""
     sides = np.abs(np.concatenate([program.row_lower, program.row_upper]))
     limited = np.isfinite(sides)
     return sides[limited], np.tile(np.arange(program.num_rows), 2)[limited]
@@ -194,16 +185,10 @@ def _objective_unit(program: Program, columns: NDArray[np.int64]) -> int:
 
 @dataclass(frozen=True, eq=False)
 class _Counts:
-    """How the numbers of each group are counted.
+    """Units of groups of numbers; arrays of shape (groups,).
 
-    Attributes
-    ----------
-    units : int array of shape (groups,)
-        Binary exponents; 0 for groups without a number.
-    decimals : float array of shape (groups,)
-        1, 10, 100 or 1000, times which all numbers in these units are whole; 0 where none does it.
-    largest : float array of shape (groups,)
-        The largest number, in its own units.
+    ``units`` are binary exponents, 0 without a number; ``decimals`` the least of 1, 10, 100 and 1000 times which all numbers in these
+    units are whole, 0 where none does it; ``largest`` the largest number, in its own units.
     """
 
     units: NDArray[np.int64]
@@ -212,11 +197,11 @@ class _Counts:
 
 
 def _counted(values: Floats, group: NDArray[np.int64], groups: int) -> _Counts:
-    """The unit of each group: the same numbers come out whatever they were multiplied by.
+    """The unit of each group of numbers, the same whatever all of them are multiplied by.
 
-    The largest power of two of which all of them, times 1, 10, 100 or 1000, are multiples, if the largest number is then of ordinary size,
-    so that whole numbers and short decimals stay so; else that which brings the largest to the common one, or the least to 1 if that is
-    more, as far as the largest stays ordinary: what is small is not lost among a solver's tolerances.
+    It is the largest power of two of which all of them, times 1, 10, 100 or 1000, are multiples, if the largest number is then of ordinary
+    size, so that whole numbers and short decimals stay so. Else it brings the largest to the common size, or the least to 1 if that is
+    more, as far as the largest stays ordinary: small numbers are not lost among a solver's tolerances.
     """
     kept = (values > 0) & np.isfinite(values)
     values, group = values[kept], group[kept]
@@ -226,7 +211,7 @@ def _counted(values: Floats, group: NDArray[np.int64], groups: int) -> _Counts:
     np.minimum.at(least, group, values)
     top, low = (np.frexp(np.where((ends > 0) & np.isfinite(ends), ends, 1.0))[1].astype(np.int64) - 1 for ends in (largest, least))
     units = np.where(largest > 0, np.maximum(top - (LARGEST - 1), np.minimum(top - COMMON, low)), 0)
-    found = np.zeros(groups)
+    counted_in = np.zeros(groups)
     for decimals in (1.0, 10.0, 100.0, 1000.0):
         if not len(values):
             break
@@ -242,10 +227,10 @@ def _counted(values: Floats, group: NDArray[np.int64], groups: int) -> _Counts:
         good = _ordinary(most / lowest / decimals)
         good[group[bad]] = False
         units[good] = (top - _BITS + np.log2(lowest).astype(np.int64))[good]
-        found[good] = decimals
-        left = ~good[group]
-        values, group = values[left], group[left]
-    return _Counts(units, found, largest)
+        counted_in[good] = decimals
+        uncounted = ~good[group]
+        values, group = values[uncounted], group[uncounted]
+    return _Counts(units, counted_in, largest)
 
 
 def _ordinary(sizes: Floats) -> NDArray[np.bool_]:
@@ -253,18 +238,17 @@ def _ordinary(sizes: Floats) -> NDArray[np.bool_]:
 
 
 def _shift(sizes: Floats) -> NDArray[np.int64]:
-    """Binary exponents to be taken off; 0 where nothing is known."""
+    """Binary exponents to be taken off sizes; 0 where a size is not known."""
     with np.errstate(invalid="ignore"):
         exponent = np.frexp(sizes)[1].astype(np.int64) - 1 - COMMON
     return np.where((sizes > 0) & np.isfinite(sizes), exponent, 0)
 
 
 def _sizes(program: Program, row: NDArray[np.int64]) -> tuple[Floats, NDArray[np.int64]]:
-    """How large the variables are, by their bounds, or by what the rows that hold them speak of, 0 where nothing tells; and groups of one
-    size.
+    """Sizes of variables by their bounds, or by the numbers in their rows, 0 where neither tells; and groups of one size.
 
-    One size a block, whose variables are of one kind, so that rows that add them up keep their coefficients of 1; but each its own where
-    they are more than 2**SPREAD apart.
+    A block has one size, as its variables are of one kind, so that rows that add them up keep their coefficients of 1; but each variable
+    has its own where they are more than 2**SPREAD apart.
     """
     bounds = np.maximum(*(np.where(np.isfinite(end), np.abs(end), 0.0) for end in (program.lower, program.upper)))
     size = np.where(program.integer, np.maximum(bounds, 1.0), bounds)
@@ -307,10 +291,10 @@ def _apply(program: Program, columns: NDArray[np.int64], rows: NDArray[np.int64]
     for block in program.variables:
         by = columns[first : first + block.size]
         first += block.size
-        made = replace(
+        scaled_block = replace(
             block, lower=np.ldexp(block.lower, -by), upper=np.ldexp(block.upper, -by), cost=np.ldexp(block.cost, by + objective)
         )  # fmt: skip
-        variables.append(made)
+        variables.append(scaled_block)
     scaled_rows, first = [], 0
     for part in program.rows:
         by = rows[first : first + part.size]

@@ -31,15 +31,15 @@ DENOMINATORS = (*range(1, 101), 1000, 10_000, 100_000, 1_000_000)
 """Tried in this order for exact scaling."""
 
 ROW_ERROR = 1e-7
-"""By how much, in the row's own units, rounding may loosen a row."""
+"""Most by which rounding may loosen a row, in the row's own units."""
 
 OBJECTIVE_ERROR = 1e-9
-"""How far, relative to the sum of all that the objective may hold, rounding should move it; ``LARGEST_OBJECTIVE`` comes first."""
+"""Error of the objective that rounding should keep to, in parts of the sum of its terms; ``LARGEST_OBJECTIVE`` comes first."""
 
 LARGEST_OBJECTIVE = 2.0**60
 
 LARGEST = 2.0**55
-"""No sum along a row or the objective may exceed this: far enough from what 64 bits hold for sums of sums."""
+"""Largest sum along a row or the objective: far enough below the limit of 64 bits for sums of sums."""
 
 FUZZ = 1e-12
 """Relative error that sums of the data may carry. Where they are scaled finely this is loosened too, else a row that holds with equality
@@ -51,29 +51,12 @@ _EPS = math.ulp(1.0)
 
 @dataclass(frozen=True, eq=False)
 class IntegerProgram:
-    """minimise ``cost z + sum of factors z_i z_j`` over rows and bounds; ``x = shift + unit * z``.
+    """minimise ``cost z + sum of factors z_i z_j`` over rows and bounds, all in integers; ``x = shift + unit * z``.
 
-    Attributes
-    ----------
-    lower, upper, cost : int arrays of shape (variables,)
-    pairs, factors : int arrays of shape (products, 2) and (products,)
-    indptr, indices, data : arrays
-        The rows in CSR form, in integers.
-    row_lower, row_upper : int arrays of shape (rows,)
-        ``-UNLIMITED`` and ``UNLIMITED`` where there is no limit.
-    unit, shift : float arrays of shape (variables,)
-    sense : float
-        1 for a program to be minimised, -1 for one to be maximised.
-    scale : float
-        Integers in one unit of the objective.
-    error : float
-        How far the scaled objective can be from that of the program, in the program's units.
-    constant : float
-        Of the program's objective, in its own sense.
-    exact : bool
-        Whether nothing was rounded.
-    source : Program
-        What it counts.
+    ``pairs`` has the shape (products, 2); rows are in CSR form, their sides ``-UNLIMITED`` and ``UNLIMITED`` where there is no limit.
+    ``sense`` is 1 for a program to be minimised and -1 for one to be maximised, ``scale`` how many integers make up one unit of the
+    objective, ``error`` how far that can be from the program's, ``constant`` that of the program; both in the program's units. ``exact``
+    says that nothing was rounded, ``source`` is the program.
     """
 
     is_integer: ClassVar[bool] = True
@@ -107,7 +90,7 @@ class IntegerProgram:
         return float(self.cost @ z + self.factors @ z[self.pairs].prod(axis=1))
 
     def residual(self, z: Any) -> float:
-        """Largest violation by integer values, as they are once counted in fractions again."""
+        """Largest violation by integer values, counted in fractions again."""
         return self.source.residual(self.vector(z))
 
     def vector(self, z: Any) -> Floats:
@@ -122,30 +105,20 @@ class IntegerProgram:
 
     def bound(self, least: float) -> float:
         """Bound of the program's objective from one of the integer objective: rounded outwards."""
-        made = least / self.scale - self.error
-        made -= 4 * _EPS * (abs(made) + abs(self.constant))
-        return self.sense * made + self.constant
+        bound = least / self.scale - self.error
+        bound -= 4 * _EPS * (abs(bound) + abs(self.constant))
+        return self.sense * bound + self.constant
 
 
 UNLIMITED = 2**62
 
 
-def integer_program(given: Program, bounded: Program | None = None) -> IntegerProgram:
-    """The program in integers.
+def integer_program(source: Program, bounded: Program | None = None) -> IntegerProgram:
+    """The program in integers; raises Irreducible where numbers, bounds or continuous variables do not allow it.
 
-    Parameters
-    ----------
-    given : Program
-        Linear or with products, its rows holding each column once.
-    bounded : Program, optional
-        The same with bounds derived where it has none, which need not be met exactly.
-
-    Raises
-    ------
-    Irreducible
-        If a continuous variable cannot be counted in steps, a variable has no bounds, or numbers are too far apart.
+    Its rows hold each column once. ``bounded`` is the same program with bounds derived where it has none, which need not be met exactly.
     """
-    program = bounded or given
+    program = bounded or source
     sense = 1.0 if program.sense == "min" else -1.0
     endless = ~(np.isfinite(program.lower) & np.isfinite(program.upper))
     if endless.any():
@@ -163,7 +136,7 @@ def integer_program(given: Program, bounded: Program | None = None) -> IntegerPr
     sides = np.stack([program.row_lower - moved, program.row_upper - moved])
     row_scale, unit, group = _unimodular(program, row, column, value, whole)
     bounds = np.stack([np.where(fixed, 0.0, program.lower), np.where(fixed, 0.0, program.upper)])
-    met = np.where(np.isfinite([given.lower, given.upper]), bounds, 0.0)
+    met = np.where(np.isfinite([source.lower, source.upper]), bounds, 0.0)
     factor, exact = _group_factors(row, column, value, sides, bounds, np.where(whole, 0.0, met / unit), whole, row_scale, unit, group)
     row_factor, unit = row_scale * factor[group[:m]], np.where(whole, 1.0, unit / factor[group[m:]])
     indptr, indices, data, row_lower, row_upper = _rounded_rows(
@@ -181,7 +154,7 @@ def integer_program(given: Program, bounded: Program | None = None) -> IntegerPr
         lower=low.astype(np.int64), upper=high.astype(np.int64), cost=weights[:n].astype(np.int64), pairs=pairs,
         factors=weights[n:].astype(np.int64), indptr=indptr, indices=indices, data=data, row_lower=row_lower, row_upper=row_upper,
         unit=unit, shift=shift, sense=sense, scale=scale, error=error, constant=constant, exact=bool(exact.all()) and error == 0.0,
-        source=given,
+        source=source,
     )  # fmt: skip
 
 
@@ -234,7 +207,7 @@ def _unimodular(
 
 
 def _is_network(i: Integers, j: Integers, sign: Floats, m: int, n: int) -> bool:
-    """Whether rows hold at most one 1 and one -1, or columns do where rows of one entry do not count."""
+    """True if rows hold at most one 1 and one -1, or columns do where rows of one entry do not count."""
     inner = np.bincount(i, minlength=m)[i] > 1
     i, j, sign = i[inner], j[inner], sign[inner]
 
@@ -245,7 +218,7 @@ def _is_network(i: Integers, j: Integers, sign: Floats, m: int, n: int) -> bool:
 
 
 def _scales(i: Integers, j: Integers, size: Floats, group: NDArray[np.integer[Any]], groups: int, m: int, n: int) -> tuple[Floats, Floats]:
-    """Scales and steps along shortest ways from the first column of each group, which make all coefficients 1 where anything does."""
+    """Scales and steps along shortest ways from the first column of each group, which make all coefficients 1 if any do."""
     step, scale = np.full(n, np.nan), np.full(m, np.nan)
     first = np.full(groups, n, dtype=np.int64)
     np.minimum.at(first, group[m:], np.arange(n))
@@ -264,10 +237,7 @@ def _group_factors(
     row: Integers, column: Integers, value: Floats, sides: Floats, bounds: Floats, steps: Floats, whole: NDArray[np.bool_],
     row_scale: Floats, unit: Floats, group: Integers,
 ) -> tuple[Floats, NDArray[np.bool_]]:  # fmt: skip
-    """For each group the factor that makes its coefficients, sides and steps whole, or as fine as the errors of its rows ask for.
-
-    Also whether it is the former.
-    """
+    """Factor that makes coefficients, sides and steps of each group whole, or fine enough for its rows; and which are whole."""
     m = len(row_scale)
     mine = whole[column]
     others, at = value[mine] * row_scale[row[mine]], group[row[mine]]
@@ -294,24 +264,24 @@ def _group_factors(
 
 
 def _denominators(values: Floats) -> Integers:
-    """The smallest denominator of each value, 0 where there is none among ``DENOMINATORS``."""
-    found = np.zeros(len(values), dtype=np.int64)
-    left = np.arange(len(values))
+    """Smallest denominator of each value, 0 where there is none among ``DENOMINATORS``."""
+    smallest = np.zeros(len(values), dtype=np.int64)
+    unsettled = np.arange(len(values))
     for d in DENOMINATORS:
-        if len(left) == 0:
+        if len(unsettled) == 0:
             break
-        scaled = values[left] * d
+        scaled = values[unsettled] * d
         good = _is_whole(scaled)
-        found[left[good]] = d
-        left = left[~good]
-    return found
+        smallest[unsettled[good]] = d
+        unsettled = unsettled[~good]
+    return smallest
 
 
 def _rounded_rows(
     program: Program, row: Integers, column: Integers, value: Floats, sides: Floats, bounds: Floats, whole: NDArray[np.bool_],
     row_factor: Floats, exact: NDArray[np.bool_],
 ) -> tuple[Integers, Integers, Integers, Integers, Integers]:  # fmt: skip
-    """Rows in integers; those that are not exact are loosened by what the rounding of their coefficients can amount to."""
+    """Rows in integers; rows that are not exact are loosened by the largest error that rounding their coefficients can make."""
     m = program.num_rows
     scaled, top = value * row_factor[row], np.abs(bounds).max(axis=0)[column]
     rounded = np.where(whole[column], np.rint(scaled), np.sign(scaled))
@@ -336,7 +306,7 @@ def _rounded_rows(
 
 
 def _scaled_objective(cost: Floats, products: Floats, pairs: Integers, low: Floats, high: Floats) -> tuple[float, Floats, float]:
-    """Scale, whole weights of variables and products, and how far their sum can be from the truth."""
+    """Scale, whole weights of variables and products, and how far their sum can be from the true objective."""
     weights = np.concatenate([cost, products])
     top = np.maximum(np.abs(low), np.abs(high))
     reach = np.concatenate([top, top[pairs].prod(axis=1)])
@@ -371,7 +341,7 @@ def _snapped(values: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Counted(Step):
-    """An ``IntegerProgram``."""
+    """An ``IntegerProgram`` in place of the program."""
 
     name = "whole-numbers"
 
@@ -396,21 +366,21 @@ class WholeNumbers(Reduction):
     def apply(self, program: Program) -> tuple[Step, ...]:
         """See ``Reduction.apply``; the rows hold each column once."""
         bounded = FINITE_BOUNDS.apply(program)
-        made = integer_program(program, bounded[-1].program if bounded else None)
-        told = f"objective in steps of {1.0 / made.scale:g}"
-        if not made.exact:
-            told += f", rounded by {made.error:g} at most, rows loosened by {ROW_ERROR:g} at most"
-        return (*bounded, Counted(program=made, exactness=Exactness.EXACT if made.exact else Exactness.RELAXATION, told=told))
+        counted = integer_program(program, bounded[-1].program if bounded else None)
+        note = f"objective in steps of {1.0 / counted.scale:g}"
+        if not counted.exact:
+            note += f", rounded by {counted.error:g} at most, rows loosened by {ROW_ERROR:g} at most"
+        return (*bounded, Counted(program=counted, exactness=Exactness.EXACT if counted.exact else Exactness.RELAXATION, told=note))
 
 
 class Whole(Step):
-    """Integer variables in the place of continuous ones that have whole values anyway."""
+    """The same with integer variables in place of continuous ones that have whole values anyway."""
 
     name = "whole-variables"
 
 
 class WholeVariables(Reduction):
-    """Makes all variables integer and gives them finite bounds, where that leaves their values as they are."""
+    """Makes all variables integer and gives them finite bounds, where that does not change their values."""
 
     may_refuse = True
 
@@ -423,8 +393,8 @@ class WholeVariables(Reduction):
         if program.integer.all():
             return bounded
         low, high = counted.vector(counted.lower), counted.vector(counted.upper)
-        made = replace(program, variables=(Variables("x", lower=low, upper=high, cost=program.cost, integer=True),))
-        return (*bounded, Whole(program=made, told=f"{int((~program.integer).sum())} continuous variables made integer"))
+        whole = replace(program, variables=(Variables("x", lower=low, upper=high, cost=program.cost, integer=True),))
+        return (*bounded, Whole(program=whole, told=f"{int((~program.integer).sum())} continuous variables made integer"))
 
 
 WHOLE_NUMBERS, WHOLE_VARIABLES = WholeNumbers(), WholeVariables()

@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 _EPS = float(np.finfo(np.float64).eps)
 
 _LARGEST, _TINY = 1e300, 1e-300
-"""Potentials beyond overflow where they are added up; weights of means below prove nothing that those of variances alone do not."""
+"""Potentials from the first on overflow in sums; weights of means below the second prove no more than those of variances alone."""
 
 MOST_PAIRS = 10_000
 """Half-planes that are read: each has as many numbers as the graph has vertices."""
@@ -34,27 +34,10 @@ MOST_PAIRS = 10_000
 
 @CHECKERS.register("path-potentials")
 def check_path_potentials(problem: Any, data: Mapping[str, Any]) -> float:
-    """Lower bound on the cost at risk that any weights and potentials prove.
+    """Lower bound on the cost at risk that any weights and potentials prove, at least 0, since costs are not negative.
 
-    Parameters
-    ----------
-    problem : UncertainPath
-    data : dict
-        ``weights``: pairs [a, b], negative ones counting as 0; ``potentials``: for each pair one number a vertex.
-
-    Returns
-    -------
-    float
-        At least 0, since costs are not negative.
-
-    Raises
-    ------
-    InputError
-        If the lists differ in length, or hold anything but finite numbers.
-
-    Notes
-    -----
-    Source: duality of shortest paths, and Nikolova et al. (2006) on the extreme points of (mean, variance);
+    ``weights`` are pairs [a, b], negative ones counting as 0; ``potentials`` hold for each pair one number a vertex. Raises InputError for
+    anything else. Source: duality of shortest paths, and Nikolova et al. (2006) on the extreme points of (mean, variance);
     docs/formulations/uncertain-path.md#evidence. All sums are rounded downwards.
     """
     graph = getattr(problem, "graph", None)
@@ -77,7 +60,7 @@ def check_path_potentials(problem: Any, data: Mapping[str, Any]) -> float:
 
 
 def _half_plane(graph: Any, a: float, b: float, p: Floats) -> tuple[float, float, float]:
-    """a, b and what a mean + b variance of every simple path comes to at least."""
+    """a, b and the least that a mean + b variance of any simple path comes to."""
     if not (np.abs(p) < _LARGEST).all():
         return a, b, 0.0
     cost = a * graph.mean + b * graph.variance

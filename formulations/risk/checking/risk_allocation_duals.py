@@ -41,29 +41,14 @@ _FARTHEST = 40
 def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
     """Bound on the cost of a risk allocation that any prices prove (weak duality).
 
-    Parameters
-    ----------
-    problem : RiskAllocation
-        Where risk is ``joint``, budgets have no price: no constraint may have more risk than all of its budgets.
-    data : dict
-        ``rows``: one number each, positive where the lower side counts. ``chance``: one a chance row, ``budgets``: one a budget; negative
-        ones count as 0, and those of alternatives, of which any suffices. ``terms``: one a row of the convex terms. ``cones``: of each
-        cone one for its limit and one a row. ``infeasible``, true: the cost counts as 0, and prices of a positive value prove that there
-        is no answer.
+    ``rows``: one number each, positive where the lower side counts. ``chance``: one a chance row, ``budgets``: one a budget; negative
+    ones count as 0, and those of alternatives, of which any suffices. ``terms``: one a row of the convex terms. ``cones``: of each
+    cone one for its limit and one a row. ``infeasible``, true: the cost counts as 0, and prices of a positive value prove that there
+    is no answer. Where risk is ``joint``, budgets have no price: no constraint may have more risk than all of its budgets.
 
-    Returns
-    -------
-    float
-        Minus infinity (``min``) or infinity (``max``) where nothing is proved; the other one where it is proved that there is no answer.
-
-    Raises
-    ------
-    InputError
-        If a list is missing, has another length, or holds anything but finite numbers.
-
-    Notes
-    -----
-    Source: Lagrangian duality; docs/formulations/risk-allocation.md#the-bound. Sums are rounded to the safe side by ``lp-dual``'s rules.
+    The bound is minus infinity (``min``) or infinity (``max``) where nothing is proved, and the other one where it is proved that there is
+    no answer. Raises InputError for a list that is missing, has another length, or holds anything but finite numbers. Source: Lagrangian
+    duality; docs/formulations/risk-allocation.md#the-bound. Sums are rounded to the safe side by ``lp-dual``'s rules.
     """
     if problem.family != "risk-allocation":
         raise InputError("prices of chance constraints are evidence for risk allocation", found=problem.problem)
@@ -73,10 +58,10 @@ def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
     }  # fmt: skip
     rows, chance, budgets, terms, cones = (numbers(data, key, size) for key, size in sizes.items())
     infeasible = data.get("infeasible") is True
-    left = np.bincount(problem.constraint, weights=problem.open, minlength=len(problem.names))
-    if (left == 0.0).any():
+    alternatives = np.bincount(problem.constraint, weights=problem.open, minlength=len(problem.names))
+    if (alternatives == 0.0).any():
         return float(problem.sign * math.inf)
-    single = problem.open & (left[problem.constraint] == 1.0)
+    single = problem.open & (alternatives[problem.constraint] == 1.0)
     chance = np.where(single, np.maximum(chance, 0.0), 0.0)
     budgets = np.maximum(budgets, 0.0) if problem.risk.kind == "allocated" else np.zeros(len(budgets))
     terms, constant = _allowed_terms(problem, np.zeros(len(terms)) if infeasible else terms)
@@ -104,33 +89,33 @@ def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
     return float(problem.sign * bound)
 
 
-def _allowed_terms(problem: Any, given: Floats) -> tuple[Floats, float]:
+def _allowed_terms(problem: Any, prices: Floats) -> tuple[Floats, float]:
     """Vectors v with ``term(r) >= v r + constant``: the given ones, cut to what the weights allow; and the sum of the constants."""
-    made, constants, start = given.copy(), [], 0
+    allowed, constants, start = prices.copy(), [], 0
     for kind, weight, _, constant in problem.terms:
         part = slice(start, start + len(constant))
         start = part.stop
         if kind == "absolute":
-            made[part] = np.clip(made[part], -weight, weight)
+            allowed[part] = np.clip(allowed[part], -weight, weight)
         elif kind == "norm":
-            made[part] = _shortened(made[part], weight)
+            allowed[part] = _shortened(allowed[part], weight)
         elif weight > 0.0:
-            square = math.fsum((made[part] ** 2).tolist()) / (4.0 * weight)
+            square = math.fsum((allowed[part] ** 2).tolist()) / (4.0 * weight)
             constants.append(-square * (1.0 + 8.0 * _EPS))
         else:
-            made[part] = 0.0
-    return made, math.fsum(constants)
+            allowed[part] = 0.0
+    return allowed, math.fsum(constants)
 
 
-def _allowed_cones(problem: Any, given: Floats) -> Floats:
+def _allowed_cones(problem: Any, prices: Floats) -> Floats:
     """Numbers (t, v) with t >= |v|, cone after cone."""
-    made, start = given.copy(), 0
+    allowed, start = prices.copy(), 0
     for _, constant, _, _ in problem.cones:
         part = slice(start + 1, start + 1 + len(constant))
-        made[start] = max(made[start], 0.0)
-        made[part] = _shortened(made[part], float(made[start]))
+        allowed[start] = max(allowed[start], 0.0)
+        allowed[part] = _shortened(allowed[part], float(allowed[start]))
         start = part.stop
-    return made
+    return allowed
 
 
 def _shortened(vector: Floats, length: float) -> Floats:
@@ -196,15 +181,15 @@ def _least_margins(problem: Any, chance: Floats, budgets: Floats) -> list[float]
     price = np.zeros(len(problem.names))
     for budget, own in zip(problem.budgets, budgets.tolist(), strict=True):
         price[budget.constraints] += own
-    found, floors = [], {}
+    margins, floors = [], {}
     for k in np.nonzero((chance > 0.0) & (problem.deviation > 0.0))[0].tolist():
         constraint = int(problem.constraint[k])
         cap = float(problem.caps[constraint])
         if cap not in floors:
             floors[cap] = least_quantile(cap)
         slope = float(chance[k] * problem.deviation[k]) * (1.0 - 4.0 * _EPS)
-        found.append(_least_margin(slope, float(price[constraint]) * (1.0 - len(budgets) * _EPS), floors[cap]))
-    return found
+        margins.append(_least_margin(slope, float(price[constraint]) * (1.0 - len(budgets) * _EPS), floors[cap]))
+    return margins
 
 
 def _least_margin(slope: float, price: float, floor: float) -> float:

@@ -7,21 +7,16 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...evidence import Evidence
-from ...programs.cones import Cones
+from ...programs.cones import Cones, Floats
 from ...programs.program import Program, Rows, Variables
 from ...programs.rows import rows
 from ...programs.size import ProgramSize
-from ..risk_allocation import RiskAllocation
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
+from ..risk_allocation import Ints, RiskAllocation
 
 SHORTENED = 1e-9
-"""Part by which prices of cones are made smaller, so that what is left of the cost of a variable that only a cone bounds has its sign."""
+"""Part by which prices of cones are reduced, so that the reduced cost of a variable that only a cone bounds keeps its sign."""
 
 
 def dense_rows(name: str, matrix: Floats, lower: Any, upper: Any, extra: Any = (), keys: tuple[Ints, ...] = (), labels: Any = ()) -> Rows:
@@ -49,7 +44,7 @@ def size_of(problem: RiskAllocation, pieces: int = 0) -> ProgramSize:
 
 @dataclass
 class Blocks:
-    """A program under construction; ``columns`` counts what is there."""
+    """A program under construction; ``columns`` counts its variables."""
 
     problem: RiskAllocation
     variables: list[Variables] = field(default_factory=list)
@@ -125,15 +120,9 @@ class Blocks:
 
 
 def prices(problem: RiskAllocation, program: Program, x: Floats, duals: Floats, cone_duals: Floats | None = None) -> dict[str, Floats]:
-    """Prices of evidence ``risk-allocation-duals``, from a solver's duals of ``program``, made of ``Blocks``.
+    """Prices of evidence ``risk-allocation-duals``, from the vector, row duals and, where there are cones, cone duals of a solver.
 
-    Parameters
-    ----------
-    x : array of shape (variables,)
-    duals : array of shape (rows,)
-        d objective / d right side.
-    cone_duals : array of shape (rows of cones,)
-        Members of the dual cones; needed where there are cones.
+    ``program`` is made of ``Blocks``; row duals are d objective / d right side, cone duals members of the dual cones.
     """
     y, starts, row = problem.sign * duals, {}, 0
     for block in program.rows:
@@ -170,6 +159,6 @@ def evidence_of(prices: dict[str, Floats], value: float, source: str, *, infeasi
 
 
 def _listed(values: Floats) -> Any:
-    """A list, or positions and values of what is not 0 where there is little of it."""
+    """A list, or positions and values of the numbers that are not 0 where these are few."""
     at = np.nonzero(values)[0]
     return values.tolist() if 2 * len(at) > len(values) else {"at": at.tolist(), "values": values[at].tolist()}

@@ -7,7 +7,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...evidence import Evidence
@@ -16,9 +15,8 @@ from ...programs.compiled import Compiled
 from ...programs.program import Program, Variables
 from ...programs.rows import rows
 from ...programs.size import ProgramSize
+from ..moves import Floats
 from ..risky_path import Path, RiskyPath
-
-Floats = NDArray[np.float64]
 
 
 def build(problem: RiskyPath) -> Compiled:
@@ -35,22 +33,20 @@ def build(problem: RiskyPath) -> Compiled:
     graph, moves = problem.graph, problem.moves
     m, names = len(graph.tail), [graph.state_name(s) for s in range(graph.num_states)]
     ends = np.nonzero(np.isin(graph.head, list(graph.goals)) & (graph.head != graph.start))[0]
-    told = [f"{names[a]} {names[b]}" for a, b in zip(graph.tail.tolist(), graph.head.tolist(), strict=True)]
-    blocks, place = [], 0
-    at = {}
-    for name, keys, cost in (
-        ("begin", (moves.begin,), moves.begin_hazard), ("follow", (moves.first, moves.second), moves.hazard), ("end", (ends,), None),
-    ):  # fmt: skip
-        size = len(keys[0])
-        price = np.zeros(size) if cost is None else cost
-        blocks.append(Variables(name, keys, (told,) * len(keys), np.zeros(size), np.ones(size), price, integer=True))
-        at[name] = np.arange(place, place + size)
-        place += size
-    begin, follow, end = at["begin"], at["follow"], at["end"]
+    move_names = [f"{names[a]} {names[b]}" for a, b in zip(graph.tail.tolist(), graph.head.tolist(), strict=True)]
+    blocks = [
+        Variables(name, keys, (move_names,) * len(keys), np.zeros(len(cost)), np.ones(len(cost)), cost, integer=True)
+        for name, keys, cost in (
+            ("begin", (moves.begin,), moves.begin_hazard),
+            ("follow", (moves.first, moves.second), moves.hazard),
+            ("end", (ends,), np.zeros(len(ends))),
+        )
+    ]
+    begin, follow, end = np.split(np.arange(sum(b.size for b in blocks)), np.cumsum([b.size for b in blocks])[:-1])
     start = rows("start", 1, [(np.zeros(len(begin), int), begin, 1.0)], 1.0, 1.0)
     flow = rows(
         "flow", m, [(moves.begin, begin, 1.0), (moves.second, follow, 1.0), (moves.first, follow, -1.0), (ends, end, -1.0)],
-        0.0, 0.0, (np.arange(m),), (told,),
+        0.0, 0.0, (np.arange(m),), (move_names,),
     )  # fmt: skip
     head = graph.head.astype(np.int64)
     visit = rows(
@@ -74,7 +70,7 @@ def build(problem: RiskyPath) -> Compiled:
         except KeyError as fault:
             raise InputError(f"no move leads along {fault}") from None
         pairs = set(itertools.pairwise(taken))
-        x = np.zeros(place)
+        x = np.zeros(len(begin) + len(follow) + len(end))
         x[begin] = moves.begin == taken[0] if taken else 0.0
         x[follow] = [pair in pairs for pair in zip(moves.first.tolist(), moves.second.tolist(), strict=True)]
         x[end] = ends == taken[-1] if taken else 0.0
@@ -102,14 +98,6 @@ def _size(problem: RiskyPath) -> ProgramSize:
     return ProgramSize(begin + follow + edges, edges + graph.num_states + 1.0, 3.0 * (begin + follow) + edges)
 
 
-FORMS.add(
-    "consecutive-moves",
-    Form(
-        "consecutive-moves",
-        "risky-path",
-        frozenset({"objective:hazard", "goals", "locale-risk", "action-risk"}),
-        build,
-        refuses=_refuses,
-        size=_size,
-    ),
-)
+FEATURES = frozenset({"objective:hazard", "goals", "locale-risk", "action-risk"})
+
+FORMS.add("consecutive-moves", Form("consecutive-moves", "risky-path", FEATURES, build, refuses=_refuses, size=_size))

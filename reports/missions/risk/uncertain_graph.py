@@ -11,13 +11,12 @@ import numpy as np
 from ....formulations.problem import Problem
 from ....formulations.risk.path_sets import FIRST_EDGES
 from ....formulations.risk.uncertain_path import RISK, UncertainPath
-from ....heuristics.risk.graph_policies.d_star_lite import DStarLite
-from ....heuristics.risk.graph_policies.policy import Greedy, Hindsight, LeastMean, Policy
-from ....heuristics.risk.graph_policies.rags import COMPARISONS, RULES, RiskAware
+from ....heuristics.risk._graph_policies import DStarLite, Greedy, Hindsight, LeastMean, Policy
+from ....heuristics.risk.rags import COMPARISONS, RULES, RiskAware
 from ....instances.risk.uncertain_graph import UncertainGraph
 from ....instances.risk.worlds.uncertain_graph import ROBOT, UncertainGraphObservation, UncertainGraphWorld
 from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
-from ....solvers.engines.risk.path_search.non_dominated_paths import DOMINANCE, NonDominated, non_dominated_paths
+from ....solvers.engines.risk.non_dominated_paths import DOMINANCE, NonDominated, non_dominated_paths
 from ...plots.risk.uncertain_path import places
 from ..mission import MISSIONS, Actions, Mission, Scene
 
@@ -50,14 +49,14 @@ class UncertainGraphMission(Mission):
 
     def world(self, seed: int, **settings: Any) -> UncertainGraphWorld:
         self.values = setting_values(self.name, self.settings, settings)
-        made = make_world("uncertain-graph", seed, **{key: self.values[key] for key in WORLDS["uncertain-graph"].settings})
-        assert isinstance(made, UncertainGraphWorld)
-        self._world = made
+        world = make_world("uncertain-graph", seed, **{key: self.values[key] for key in WORLDS["uncertain-graph"].settings})
+        assert isinstance(world, UncertainGraphWorld)
+        self._world = world
         self._walks: dict[str, Policy] = {}
-        return made
+        return world
 
     def problem(self, observation: UncertainGraphObservation) -> Problem | None:
-        """A path from here to the goal, what is known at its cost; None at the goal."""
+        """A path from here to the goal, with known costs in place of uncertain ones; None at the goal."""
         o = observation
         if o.arrived:
             return None

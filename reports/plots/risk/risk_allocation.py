@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import math
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ....formulations.risk.allocations import Allocation
+from ....formulations.risk.allocations import Allocation, Floats
 from ....formulations.risk.risk_allocation import RiskAllocation
+from ....formulations.solution import Solution
 from ....instances.errors import UsageError
 from ....instances.risk.gaussian import Quantities
 from .. import PLOTS
 from ..drawing import ALARM, COLOURS, INK, LABELLED_BARS, QUIET, chart_axes, entitled, new_axes
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
-
-Floats = NDArray[np.float64]
 
 VIEWS = ("trajectory", "risks", "violations")
 SAMPLES = 20_000
@@ -38,52 +34,32 @@ def plot_risk_allocation(
     problem: RiskAllocation, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None,
     view: str | None = None,
 ) -> Any:  # fmt: skip
-    """A decision and its risks.
+    """A decision and its risks on matplotlib axes (new ones by default), with ``solution``'s objective, bound and gap, or ``title``, above.
 
-    Parameters
-    ----------
-    problem : RiskAllocation
-    answer : Allocation
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-    view : str, optional
-        ``trajectory`` (the default where the quantities are states of dynamics): the means, the spread of 95 %, and the limits.
-        ``risks``: what each constraint is allowed, and what it has, as bars. ``violations``: how many constraints fail at once, out of
-        samples.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    UsageError
-        For a view that there is not.
+    ``view`` is ``trajectory`` (the default where the quantities are states of dynamics): the means, the spread of 95 %, and the limits;
+    ``risks``: what each constraint is allowed, and what it has, as bars; or ``violations``: how many constraints fail at once, out of
+    samples. Raises UsageError for a view that there is not.
     """
-    made = problem.answer_of(answer)
-    given = problem.instance.quantities
-    view = view or ("trajectory" if given.dynamics is not None else "risks")
-    if view not in VIEWS or (view == "trajectory" and given.dynamics is None):
-        raise UsageError(f"a plot of risk allocation shows {', '.join(VIEWS[0 if given.dynamics is not None else 1 :])}, not {view!r}")
+    allocation = problem.answer_of(answer)
+    quantities = problem.instance.quantities
+    view = view or ("trajectory" if quantities.dynamics is not None else "risks")
+    if view not in VIEWS or (view == "trajectory" and quantities.dynamics is None):
+        raise UsageError(f"a plot of risk allocation shows {', '.join(VIEWS[0 if quantities.dynamics is not None else 1 :])}, not {view!r}")
     ax = new_axes() if ax is None else ax
     draw = {"trajectory": _trajectory, "risks": _risks, "violations": _violations}[view]
-    return entitled(ax, problem, made, solution, title, draw(ax, problem, made))
+    return entitled(ax, problem, allocation, solution, title, draw(ax, problem, allocation))
 
 
-def _spread(given: Quantities, at: NDArray[np.int64]) -> Floats:
-    return given.covariance[np.ix_(at, at)]
+def _spread(quantities: Quantities, at: NDArray[np.int64]) -> Floats:
+    return quantities.covariance[np.ix_(at, at)]
 
 
 def _trajectory(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
     """The states named x and y as a map with ellipses, or those that have limits of their own, else the first, over time with bands."""
-    given = problem.instance.quantities
-    dynamics = given.dynamics
+    quantities = problem.instance.quantities
+    dynamics = quantities.dynamics
     assert dynamics is not None
-    mean = (given.map @ answer.decision + given.offset).reshape(dynamics.steps, -1)
+    mean = (quantities.map @ answer.decision + quantities.offset).reshape(dynamics.steps, -1)
     states = len(dynamics.state_names)
     if {"x", "y"} <= set(dynamics.state_names):
         from matplotlib.patches import Ellipse
@@ -91,7 +67,7 @@ def _trajectory(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
         x, y = dynamics.state_names.index("x"), dynamics.state_names.index("y")
         for t in range(dynamics.steps):
             centre = (float(mean[t, x]), float(mean[t, y]))
-            values, vectors = np.linalg.eigh(_spread(given, np.array([t * states + x, t * states + y])))
+            values, vectors = np.linalg.eigh(_spread(quantities, np.array([t * states + x, t * states + y])))
             size = 2.0 * ELLIPSE * np.sqrt(np.maximum(values, 0.0))
             angle = math.degrees(math.atan2(vectors[1, 1], vectors[0, 1]))
             ax.add_patch(Ellipse(centre, size[1], size[0], angle=angle, facecolor=COLOURS[4], edgecolor="none", alpha=0.45, zorder=2))
@@ -104,7 +80,7 @@ def _trajectory(ax: Any, problem: RiskAllocation, answer: Allocation) -> str:
         return "means of the states, ellipses that hold 95 % each, and limits"
     step, alone = np.arange(1, dynamics.steps + 1), problem.instance.chance.rows.quantities
     limited = np.unique(np.nonzero(alone[np.count_nonzero(alone, axis=1) == 1])[1] % states).tolist() or [0]
-    deviation = np.sqrt(np.diag(given.covariance)).reshape(mean.shape)
+    deviation = np.sqrt(np.diag(quantities.covariance)).reshape(mean.shape)
     for k, state in enumerate(limited):
         middle, band, line = mean[:, state], BAND * deviation[:, state], COLOURS[k % len(COLOURS)]
         shade = COLOURS[4] if len(limited) == 1 else line

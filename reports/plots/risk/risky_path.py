@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....formulations.risk.risky_path import RiskyPath
+from ....formulations.solution import Solution
 from .. import PLOTS
-from ..drawing import ALARM, COLOURS, INK, QUIET, bare, chart_axes, entitled
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
+from ..drawing import ALARM, COLOURS, INK, QUIET, bare, chart_axes, entitled, new_axes
 
 FEW_STATES = 4000
-"""Up to this many states are drawn one by one."""
+"""Most states that are drawn one by one."""
 
 
 def plot_risky_path(
@@ -23,35 +21,16 @@ def plot_risky_path(
 ) -> Any:  # fmt: skip
     """A path on its map, coloured by the risk until then; where states have no places, the risk along the path as a chart.
 
-    Parameters
-    ----------
-    problem : RiskyPath
-    answer : tuple of int
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
+    It is drawn on matplotlib axes, new ones by default, with ``solution``'s objective, bound and gap, or ``title``, above.
     """
-    from ..drawing import new_axes
-
     ax = new_axes() if ax is None else ax
     frame = problem.answer_to_frame(answer)
     if problem.graph.positions is None:
         _chart(ax, frame)
         return entitled(ax, problem, answer, solution, title, "risk until each state, and of each element there")
     _map(ax, problem, answer, frame["risk"].to_numpy())
-    return entitled(ax, problem, answer, solution, title, _told(problem))
-
-
-def _told(problem: RiskyPath) -> str:
     dots = "; dots: the risk of each place, the darker the more" if problem.graph.num_states <= FEW_STATES else ""
-    return f"path coloured by the risk run until then{dots}"
+    return entitled(ax, problem, answer, solution, title, f"path coloured by the risk run until then{dots}")
 
 
 def _map(ax: Any, problem: RiskyPath, path: Any, risk: Any) -> None:

@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.risk.uncertain_path import UncertainPath
+from ....formulations.solution import Solution
 from ....formulations.stop import Stop
-from ....instances.risk.uncertain_graph import UncertainGraph
-from ....solvers.engines.risk.path_search.non_dominated_paths import non_dominated_paths
+from ....instances.risk.uncertain_graph import Floats, UncertainGraph
+from ....solvers.engines.risk.non_dominated_paths import non_dominated_paths
 from .. import PLOTS
 from ..drawing import COLOURS, INK, QUIET, bare, entitled, new_axes
 
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
-
-Floats = NDArray[np.float64]
-
 MAP_EDGES = 4000
-"""More edges than this are left out of a map: they would hide it."""
+"""Most edges that are drawn: more would hide the map."""
 
 NAMED = 30
-"""Up to this many vertices are named."""
+"""Most vertices that are named."""
 
 PATIENCE = 1.0
 """Seconds that the non-dominated paths behind an answer may take."""
@@ -52,20 +47,7 @@ def plot_uncertain_path(
 ) -> Any:
     """A map: the path, the other non-dominated paths, and all edges, the darker the more uncertain their costs.
 
-    Parameters
-    ----------
-    problem : UncertainPath
-    answer : tuple of vertices
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
+    It is drawn on matplotlib axes, new ones by default, with ``solution``'s objective, bound and gap, or ``title``, above.
     """
     ax = new_axes() if ax is None else ax
     graph = problem.graph
@@ -81,7 +63,7 @@ def plot_uncertain_path(
 
 
 def draw_edges(ax: Any, graph: UncertainGraph, at: Floats) -> None:
-    """All edges, unless they are too many, as dark as they are uncertain."""
+    """Draw all edges, unless they are too many, the darker the more uncertain."""
     from matplotlib.collections import LineCollection
 
     if graph.num_edges > MAP_EDGES:
@@ -92,7 +74,7 @@ def draw_edges(ax: Any, graph: UncertainGraph, at: Floats) -> None:
 
 
 def draw_vertices(ax: Any, graph: UncertainGraph, at: Floats) -> None:
-    """Vertices, start and goal, with their names where there are few."""
+    """Draw vertices, start and goal, with names where there are few."""
     ax.scatter(*at.T, s=10, color="white", edgecolors=QUIET if graph.num_vertices > NAMED else INK, linewidths=0.6, zorder=4)
     for vertex, marker in ((graph.start, "o"), (graph.goal, "s")):
         ax.scatter(*at[vertex], s=70, marker=marker, color=COLOURS[2], edgecolors="white", zorder=5)

@@ -1,4 +1,4 @@
-"""What problems of risk allocation hold, and their answers."""
+"""Tables of risk allocations: budgets, and the risks of an answer."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from ..table import Column, Row, Table
 
 
 def _budgets(budgets: dict[str, float]) -> list[Row]:
-    """One line for a few of them, their number where there are many."""
+    """Budgets in one line where they are few, else their number."""
     if len(budgets) > 4:
         return [("budgets", f"{len(budgets)}, the first {next(iter(budgets))} of {number(next(iter(budgets.values())))}")]
     return [("budgets", ", ".join(f"{name} {number(risk)}" for name, risk in budgets.items()) or "none")]
 
 
-def answer(problem: RiskAllocation, given: Any) -> list[Table]:
-    """What any constraint fails with, beside what it was allowed; and the risk of each, the largest first.
+def answer(problem: RiskAllocation, allocation: Any) -> list[Table]:
+    """Probability that any constraint fails, beside what was allowed; and the risk of each, the largest first.
 
     Where risk is joint no constraint is allowed one of its own.
     """
-    if given is None:
+    if allocation is None:
         return []
-    frame = problem.answer_to_frame(given).sort_values("risk", ascending=False, kind="stable")
+    frame = problem.answer_to_frame(allocation).sort_values("risk", ascending=False, kind="stable")
     shown, rest = frame.head(SHOWN_ROWS), frame[SHOWN_ROWS:]
     rows = [(str(name), _risk(allowed), _risk(risk)) for name, allowed, risk in shown.to_numpy().tolist()]
     if len(rest):
@@ -33,17 +33,17 @@ def answer(problem: RiskAllocation, given: Any) -> list[Table]:
     columns = [Column("constraint"), Column("allowed", right=True), Column("risk", right=True)]
     step = 2 if problem.risk.kind == "joint" else 1
     each = Table("Risks", tuple(columns[::step]), tuple(tuple(row)[::step] for row in rows))
-    return [each, Table("Together", (Column(""), Column("", wide=True)), tuple(_together(problem, problem.answer_of(given).decision)))]
+    return [each, Table("Together", (Column(""), Column("", wide=True)), tuple(_together(problem, problem.answer_of(allocation).decision)))]
 
 
 def _together(problem: RiskAllocation, decision: Any) -> list[Row]:
-    """The chain from the budget to what is true."""
+    """The chain from the budget to the true probabilities."""
     rows = [] if problem.risk.total is None else [("allowed", f"{_risk(problem.risk.total)} in total, {problem.risk.kind}")]
     rows.append(("sum of the risks", _risk(problem.risks(decision).sum())))
-    for name, found in problem.joint_risk(decision).items():
-        sure = "proved" if found.confidence == 1.0 else f"with confidence {percent(found.confidence)}"
-        span = "exact" if found.exact else f"{_risk(found.low)} to {_risk(found.high)}, {sure}"
-        rows.append(("any fails" if name == "total" else f"any of {name} fails", f"{_risk(found.value)} ({span})"))
+    for name, probability in problem.joint_risk(decision).items():
+        sure = "proved" if probability.confidence == 1.0 else f"with confidence {percent(probability.confidence)}"
+        span = "exact" if probability.exact else f"{_risk(probability.low)} to {_risk(probability.high)}, {sure}"
+        rows.append(("any fails" if name == "total" else f"any of {name} fails", f"{_risk(probability.value)} ({span})"))
     if problem.risk.total is not None:
         joint = next(iter(problem.joint_risk(decision).values()))
         rows.append(("conservatism", f"{1.0 - joint.value / problem.risk.total:.1%} of the total is not used"))

@@ -1,4 +1,4 @@
-"""What graphs of uncertain edge costs hold."""
+"""Tables of graphs of uncertain edge costs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Method ``endless-ray``: a direction in which the objective of a program improves for ever, and a point to begin at."""
+"""Bound ``endless-ray``: a direction in which the objective of a program improves for ever, and a point to begin at."""
 
 from __future__ import annotations
 
@@ -25,23 +25,13 @@ DENOMINATORS = (1, 12, 1000, 10**6)
 """Largest denominators of the fractions that entries of a ray are tried as."""
 
 LEAST_GAIN = 1e-9
-"""Of the objective along a ray, in ordinary units, below which it is rounding."""
+"""Rounding error of the objective along a ray, in ordinary units."""
 
 
 def endless_ray(problem: ArrayProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence of kind ``endless-ray`` that the objective of a linear program, mixed-integer or not, has no bound.
 
-    Parameters
-    ----------
-    problem : ArrayProblem
-    stop : Stop
-    linear : LinearPrograms, optional
-        Its seed counts.
-
-    Returns
-    -------
-    Evidence or None
-        None where no ray improves the objective, none is found that does so in fractions, or no point was found.
+    None where no ray improves the objective, none does so in fractions, or no point was reached in time.
     """
     program = problem.program
     if stop.reached() or len(program.data) > ENTRIES_PER_SECOND * stop.seconds_left:
@@ -55,9 +45,9 @@ def endless_ray(problem: ArrayProblem, stop: Stop = NEVER, linear: LinearProgram
         return None
     worst = -math.inf if program.sense == "min" else math.inf
     for denominator in DENOMINATORS:
-        given = units.vector(_whole(ray, denominator))
-        data = {"point": point.tolist(), "ray": given.tolist()}
-        if np.isfinite(given).all() and ENDLESS["endless-ray"](problem, data):
+        direction = units.vector(_whole(ray, denominator))
+        data = {"point": point.tolist(), "ray": direction.tolist()}
+        if np.isfinite(direction).all() and ENDLESS["endless-ray"](problem, data):
             return Evidence("endless-ray", "a point and a ray along which the objective improves for ever", worst, data)
     return None
 
@@ -80,12 +70,12 @@ def _point(program: Program, stop: Stop) -> Floats | None:
     bare = replace(program, offset=0.0).with_costs(np.zeros(program.num_variables))
     control = Control()
     with stop.telling(control.stop):
-        found = Highs().run(bare, Options(time_limit=max(stop.seconds_left, 0.01)), control)
-    return None if found.answer is None else np.asarray(found.answer, dtype=np.float64)
+        result = Highs().run(bare, Options(time_limit=max(stop.seconds_left, 0.01)), control)
+    return None if result.answer is None else np.asarray(result.answer, dtype=np.float64)
 
 
 def _whole(ray: Floats, denominator: int) -> Floats:
-    """The nearest fractions of at most this denominator, times what makes all of them whole."""
+    """The nearest fractions of at most this denominator, multiplied so that all are whole."""
     near = [Fraction(float(r) / float(np.abs(ray).max())).limit_denominator(denominator) for r in ray]
     factor = math.lcm(*(f.denominator for f in near))
     return np.array([float(f * factor) if abs(f * factor) < 2**53 else math.nan for f in near])

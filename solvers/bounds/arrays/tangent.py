@@ -24,16 +24,7 @@ from ..linear_relaxation import ENTRIES_PER_SECOND, vertex
 def tangent_bound(problem: ArrayProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence of kind ``quadratic-duals`` at the optimum of the continuous relaxation, or that no point is within rows and bounds.
 
-    Parameters
-    ----------
-    problem : ArrayProblem
-    stop : Stop
-    linear : LinearPrograms, optional
-
-    Returns
-    -------
-    Evidence or None
-        None where the relaxation is not convex, or was not solved in time.
+    None where the relaxation is not convex, or was not solved in time.
     """
     linear, program = linear or LinearPrograms(), problem.program
     if stop.reached() or len(program.data) > ENTRIES_PER_SECOND * stop.seconds_left:
@@ -41,12 +32,12 @@ def tangent_bound(problem: ArrayProblem, stop: Stop = NEVER, linear: LinearProgr
     relaxed = replace(program, variables=tuple(replace(block, integer=False) for block in program.variables))
     control = Control()
     with stop.telling(control.stop):
-        found = Highs().run(relaxed, Options(time_limit=max(stop.seconds_left, 0.01), seed=linear.seed), control)
-    if found.status == "infeasible":
+        result = Highs().run(relaxed, Options(time_limit=max(stop.seconds_left, 0.01), seed=linear.seed), control)
+    if result.status == "infeasible":
         return vertex(problem.compile("arrays"), stop, linear.seed)
-    if found.answer is None or program.quadratic is None:
+    if result.answer is None or program.quadratic is None:
         return None
-    point = np.asarray(found.answer, dtype=np.float64)
+    point = np.asarray(result.answer, dtype=np.float64)
     flat = replace(relaxed, quadratic=None, offset=0.0).with_costs(program.cost + program.quadratic @ point)
     duals = linear.duals(flat, stop)
     if duals is None:

@@ -3,44 +3,40 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....formulations.evidence import Evidence
 from ....formulations.risk.risk_allocation import Ints, RiskAllocation
 from ....formulations.stop import Stop
+from ...engines.risk.convex_allocation_steps.successive_tangents import Interval, SuccessiveTangents
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 
-if TYPE_CHECKING:
-    from ...engines.risk.convex_allocation_steps.interval import Interval
-
 
 def missing(problem: Any) -> frozenset[str]:
-    """For what it proves nothing; empty if it applies."""
+    """Features for which it proves nothing."""
     return frozenset() if problem.family == "risk-allocation" else frozenset({f"{problem.family} problems"})
 
 
 def compute(problem: RiskAllocation, stop: Stop, linear: LinearPrograms) -> Evidence | None:
-    """Prices by successive tangents, for what is left of the problem without alternatives, and without sums where risk is joint."""
-    from ...engines.risk.convex_allocation_steps.successive_tangents import SuccessiveTangents
-
+    """Prices by successive tangents, for the part of the problem without alternatives, and without sums where risk is joint."""
     part, rows = problem.convex_part()
     return next(iter(part_evidence(problem, rows, SuccessiveTangents(part, linear.seed).run(stop))), None)
 
 
-def part_evidence(problem: RiskAllocation, rows: Ints, found: Interval) -> tuple[Evidence, ...]:
-    """What an interval of ``problem.convex_part()``, which holds ``rows``, proves of the problem."""
-    if found.prices is None:
+def part_evidence(problem: RiskAllocation, rows: Ints, interval: Interval) -> tuple[Evidence, ...]:
+    """Evidence that an interval of ``problem.convex_part()``, which holds ``rows``, has for the problem."""
+    if interval.prices is None:
         return ()
     chance, budgets = np.zeros(len(problem.limits)), np.zeros(len(problem.budgets))
-    chance[rows] = found.prices["chance"]
+    chance[rows] = interval.prices["chance"]
     if problem.risk.kind == "allocated":
         kept = np.unique(problem.constraint[rows])
-        there = [bool(np.isin(kept, b.constraints).any()) for b in problem.budgets]
-        budgets[there] = found.prices["budgets"]
-    return replace(found, prices={**found.prices, "chance": chance, "budgets": budgets}).evidence(problem.sign)
+        priced = [bool(np.isin(kept, b.constraints).any()) for b in problem.budgets]
+        budgets[priced] = interval.prices["budgets"]
+    return replace(interval, prices={**interval.prices, "chance": chance, "budgets": budgets}).evidence(problem.sign)
 
 
 BOUNDS.add(

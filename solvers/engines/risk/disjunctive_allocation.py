@@ -13,16 +13,14 @@ from numpy.typing import NDArray
 from ....formulations.evidence import Evidence
 from ....formulations.problem import Problem
 from ....formulations.programs.exactness import Exactness
-from ....formulations.risk.allocations import Allocation
+from ....formulations.risk.allocations import Allocation, Floats
 from ....formulations.risk.risk_allocation import RiskAllocation
 from ....formulations.stop import Stop
-from ....instances.errors import UnsupportedError
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...bounds.proof_tree import Node, ProofTree
 from ...bounds.risk.convex_allocation import part_evidence
 from .convex_allocation import LEANING, leans
-
-Floats = NDArray[np.float64]
+from .convex_allocation_steps.successive_tangents import SuccessiveTangents
 
 CLOSED = 1e-6
 """Gap at which a search for an optimum ends."""
@@ -30,7 +28,7 @@ CLOSED = 1e-6
 NODE_GAP = 1e-7
 
 DIVE_EVERY = 8
-"""Nodes between two plans that take the safest alternatives of a node's decision."""
+"""Nodes between two plans with the safest alternatives of a node's decision."""
 
 
 @BACKENDS.register("disjunctive-allocation")
@@ -53,34 +51,21 @@ class DisjunctiveAllocation(Engine):
     order: ClassVar[int] = 3
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
-        lacking = self.missing(problem)
-        if lacking:
-            raise UnsupportedError(self.name, lacking)
+        stop = self.begin(problem, options, control)
         assert isinstance(problem, RiskAllocation)
-        self.converted(options)
-        stop = Stop(options.time_limit)
-        control.on_stop(stop.ask)
         joint = problem.risk.kind == "joint"
         tree = _Tree(problem.by_allocation() if joint else problem, options, control, stop)
         tree.grow()
-        made = _result(tree, options, stop)
+        result = _result(tree, options, stop)
         if not joint:
-            return made
-        answer = None if made.answer is None else Allocation(made.answer.decision)
-        return replace(made, answer=answer, holds=Exactness.RESTRICTION, evidence=())
+            return result
+        answer = None if result.answer is None else Allocation(result.answer.decision)
+        return replace(result, answer=answer, holds=Exactness.RESTRICTION, evidence=())
 
 
 @dataclass(eq=False)
 class _Node(Node):
-    """A node, the decision of its convex allocation, and the rows that this decides on.
-
-    Attributes
-    ----------
-    decision_vector : array of shape (decisions,) or None
-        None where it has none.
-    rows : array
-    """
+    """A node, the decision of its convex allocation (None where it has none), and the chance rows that this decides on."""
 
     decision_vector: Floats | None = None
     rows: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
@@ -115,39 +100,35 @@ class _Tree(ProofTree[_Node]):
                 break
 
     def look(self, node: _Node) -> bool:
-        from .convex_allocation_steps.successive_tangents import SuccessiveTangents
-
         if self.stop.reached():
             return False
         problem = self.problem.restricted(node.decisions())
-        left = np.bincount(problem.constraint, weights=problem.open)
+        alternatives = np.bincount(problem.constraint, weights=problem.open)
         self.begin(node)
         self.looked += 1
         part, rows = problem.convex_part()
         parent = node.parent
-        if (left == 0).any():  # the checker sees it
-            nothing = {
-                "rows": [0.0] * len(problem.row_lower),
-                "chance": [0.0] * len(problem.limits),
-                "budgets": [0.0] * len(problem.budgets),
-                "terms": [0.0] * sum(len(t[3]) for t in problem.terms),
-                "cones": [0.0] * sum(1 + len(c[1]) for c in problem.cones),
-            }
-            self.prove(node, problem, [Evidence("risk-allocation-duals", "no alternative is left", math.inf, nothing)])
+        if (alternatives == 0).any():  # the checker sees it
+            sizes = {
+                "rows": len(problem.row_lower), "chance": len(problem.limits), "budgets": len(problem.budgets),
+                "terms": sum(len(t[3]) for t in problem.terms), "cones": sum(1 + len(c[1]) for c in problem.cones),
+            }  # fmt: skip
+            no_prices = {name: [0.0] * size for name, size in sizes.items()}
+            self.prove(node, problem, [Evidence("risk-allocation-duals", "no alternative is left", math.inf, no_prices)])
             self.close(node)
             return True
         if isinstance(parent, _Node) and np.array_equal(rows, parent.rows):
             node.rows, node.decision_vector, node.own, node.evidence = rows, parent.decision_vector, parent.own, parent.evidence
         else:
-            found = SuccessiveTangents(part, self.options.seed).run(self.stop, NODE_GAP)
-            if found.status == "unknown" and self.stop.reached():
+            interval = SuccessiveTangents(part, self.options.seed).run(self.stop, NODE_GAP)
+            if interval.status == "unknown" and self.stop.reached():
                 self.nodes.pop()
                 return False
-            self.prove(node, problem, part_evidence(problem, rows, found))
-            node.rows, node.decision_vector = rows, None if found.answer is None else found.answer.decision
-            if found.answer is not None:
-                self._try(found.answer.decision, self.looked % DIVE_EVERY == 1)
-            elif found.status == "infeasible":
+            self.prove(node, problem, part_evidence(problem, rows, interval))
+            node.rows, node.decision_vector = rows, None if interval.answer is None else interval.answer.decision
+            if interval.answer is not None:
+                self._try(interval.answer.decision, self.looked % DIVE_EVERY == 1)
+            elif interval.status == "infeasible":
                 node.bound = max(node.bound, node.own)
                 (self.close if node.own == math.inf else self.wait)(node)
                 return True
@@ -172,21 +153,19 @@ class _Tree(ProofTree[_Node]):
 
     def _undecided(self, problem: RiskAllocation, node: _Node) -> list[int]:
         """The safest open row of the undecided constraint that the node's decision breaks most; none where all are decided."""
-        left = np.bincount(problem.constraint, weights=problem.open)
-        several = np.nonzero(left > 1)[0]
+        alternatives = np.bincount(problem.constraint, weights=problem.open)
+        several = np.nonzero(alternatives > 1)[0]
         if not len(several) or node.decision_vector is None:
             return []
         excess = problem.chance @ node.decision_vector - problem.limits
         excess = np.where(problem.open, excess / np.where(problem.deviation > 0.0, problem.deviation, 1.0), math.inf)
-        least = np.full(len(left), math.inf)
+        least = np.full(len(alternatives), math.inf)
         np.minimum.at(least, problem.constraint, excess)
         worst = int(several[int(np.argmax(least[several]))])
         return [int(np.nonzero((problem.constraint == worst) & (excess == least[worst]))[0][0])]
 
     def _try(self, x: Floats, dive: bool) -> None:
         """Take a decision if it is an answer; or else the best plan with the alternatives that are safest at it."""
-        from .convex_allocation_steps.successive_tangents import SuccessiveTangents
-
         p = self.problem
         own = p.risks(x)
         if all(float(own[b.constraints].sum()) <= b.risk for b in p.budgets) and (own <= p.risk.each).all():
@@ -195,9 +174,9 @@ class _Tree(ProofTree[_Node]):
             excess = (p.chance @ x - p.limits) / np.where(p.deviation > 0.0, p.deviation, 1.0)
             order = np.lexsort((np.arange(len(excess)), excess, p.constraint))
             first = order[np.unique(p.constraint[order], return_index=True)[1]]
-            found = SuccessiveTangents(p.choosing(np.sort(first)), self.options.seed).run(self.stop, NODE_GAP)
-            if found.answer is not None:
-                self._take(found.answer.decision)
+            interval = SuccessiveTangents(p.choosing(np.sort(first)), self.options.seed).run(self.stop, NODE_GAP)
+            if interval.answer is not None:
+                self._take(interval.answer.decision)
 
     def _take(self, x: Floats) -> None:
         p = self.problem

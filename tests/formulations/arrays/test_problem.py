@@ -127,8 +127,8 @@ def test_compiling_gives_the_arrays_back_with_vectors_as_answers() -> None:
 @pytest.mark.parametrize("sense", ["min", "max"])
 def test_row_duals_prove_the_value_of_the_relaxation_whatever_their_sign(sense: str) -> None:
     x = knapsack().variables[0]
-    program = knapsack() if sense == "max" else knapsack(sense="min", variables=(replace(x, cost=-x.cost),), offset=-1.0)
-    problem = ArrayProblem(program)
+    turned = knapsack() if sense == "max" else knapsack(sense="min", variables=(replace(x, cost=-x.cost),), offset=-1.0)
+    problem = ArrayProblem(turned)
     relaxed = problem.compile(relax=True)
     assert relaxed.dual_evidence is not None
     model = relaxed.to_highs()
@@ -196,14 +196,7 @@ def test_a_cone_program_is_solved_and_checked() -> None:
 
 def small(cost, upper, row, low, high, integer=()) -> ArrayProblem:
     """One row over variables from 0 to ``upper``, each a block of its own."""
-    blocks = tuple(
-        Variables(f"x{k}", lower=np.zeros(1), upper=np.array([u]), cost=np.array([c]), integer=k in integer)
-        for k, (c, u) in enumerate(zip(cost, upper, strict=True))
-    )
-    n = len(cost)
-    rows = Rows("row", indptr=np.array([0, n], np.int32), indices=np.arange(n, dtype=np.int32), data=np.array(row, dtype=float),
-                lower=np.array([low]), upper=np.array([high]))  # fmt: skip
-    return ArrayProblem(Program("small", "min", blocks, (rows,)))
+    return ArrayProblem(program(cost, [row], low, high, 0, upper, integer=integer))
 
 
 @pytest.mark.parametrize("most", [1.0, 1e3, 1e6])

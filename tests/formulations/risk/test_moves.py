@@ -10,9 +10,11 @@ import risky_cases as cases
 
 from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.risk import moves
-from waybound.formulations.risk.moves import MoveGraph
+from waybound.formulations.risk.moves import Memories, MoveGraph
 from waybound.instances.errors import UsageError
 from waybound.instances.risk.elements import LocaleRisk
+from waybound.instances.risk.tether import Tether
+from waybound.instances.risk.traverse_elements import CollectedRisk, TetherRisk
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -73,3 +75,22 @@ def test_graphs_with_too_many_pairs_are_refused(monkeypatch):
     monkeypatch.setattr(moves, "MOST_PAIRS", 10)
     with pytest.raises(UsageError, match="pairs of moves that follow each other; at most 10 are searched"):
         MoveGraph(cases.lattice(3, 3).graph)
+
+
+def test_equal_memories_have_one_number_and_less_mud_is_no_worse():
+    problem = cases.mud_costs()
+    memories = Memories(problem.graph)
+    clean, _ = memories.step(memories.begin, 0, 2)
+    muddy, _ = memories.step(memories.begin, 0, 1)
+    assert clean == memories.begin != muddy
+    assert memories.step(muddy, 5, 6)[1] == pytest.approx(9.0) and memories.step(clean, 5, 6)[1] == 0.0
+    assert memories.no_worse(clean, muddy) and not memories.no_worse(muddy, clean)
+
+
+def test_all_elements_are_remembered_together_and_certain_failure_is_infinite():
+    at = np.array([(3, 0), (3, 2), (0, 1.5)])
+    elements = [TetherRisk(Tether((0, 0), [[1, 1, 2, 2]]), 0.0, 0.03), CollectedRisk([True] * 3, [[0.0] * 3, [0.1] * 3])]
+    memories = Memories(cases.graph([(0, 1), (1, 2)], elements, goals=(2,), positions=at))
+    first, hazard = memories.step(memories.begin, 0, 1)
+    assert hazard == pytest.approx(-math.log(0.97 * 0.9)) and not memories.no_worse(memories.begin, first)
+    assert memories.step(first, 1, 2)[1] == math.inf

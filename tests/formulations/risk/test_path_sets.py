@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from statistics import NormalDist
 
 import numpy as np
 import pytest
@@ -13,11 +14,31 @@ from waybound.formulations.risk.path_sets import (
     cheaper_probability,
     cheapest_path_probabilities,
     cheapest_set_probabilities,
-    closed_form,
 )
 from waybound.instances.errors import InputError, UsageError
 
 A, B, C, D = (1.5, 36), (0.75, 0.01), (0, 4), (0.4, 0.01)
+
+
+def closed_form(a: PathSet, b: PathSet) -> float | None:
+    """The probability by a formula, where one is known: one path against one; paths alike; one against two or three of equal means
+    (orthants of two and three dimensions: Sheppard 1899)."""
+    (m, v), (n, w) = ((s.means + s.first_mean, s.variances + s.first_variance) for s in (a, b))
+    if len(m) == 1 == len(n):
+        apart, spread = float(n[0] - m[0]), math.sqrt(v[0] + w[0])
+        return NormalDist().cdf(apart / spread) if spread > 0 else float(apart > 0) + 0.5 * float(apart == 0)
+    means, variances = np.append(m, n), np.append(v, w)
+    if (means != means[0]).any() or variances.min() == 0:
+        return None
+    if (variances == variances[0]).all():
+        return len(m) / len(means)
+    if len(n) == 1:
+        other = closed_form(b, a)
+        return None if other is None else 1.0 - other
+    if len(m) > 1 or len(n) > 3:
+        return None
+    angles = [math.asin(v[0] / math.sqrt((v[0] + w[j]) * (v[0] + w[k]))) for j in range(len(n)) for k in range(j)]
+    return 0.25 + angles[0] / (2.0 * math.pi) if len(n) == 2 else 0.125 + sum(angles) / (4.0 * math.pi)
 
 
 def probability(a, b, **options):

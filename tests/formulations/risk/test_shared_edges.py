@@ -10,8 +10,14 @@ from scipy.stats import multivariate_normal
 from uncertain_graphs import CROSSED, WORKED, all_paths, graph_of, named, random_graph
 
 from waybound.formulations.risk.path_sets import PathSet, cheaper_probability
-from waybound.formulations.risk.shared_edges import JointCosts, joint_probabilities, orthant_probability, sampled_probabilities
+from waybound.formulations.risk.shared_edges import SHIFTS, JointCosts, _by_shift, joint_probabilities, sampled_probabilities
 from waybound.instances.errors import InputError, UsageError
+
+
+def orthant_probability(upper, covariance):
+    """P(Z <= upper), and its standard error."""
+    shares = _by_shift(upper, covariance)
+    return float(shares.mean()), float(shares.std(ddof=1) / math.sqrt(SHIFTS))
 
 
 def at_start(edges, *first, **options):

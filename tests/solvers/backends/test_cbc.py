@@ -7,11 +7,10 @@ import sys
 import textwrap
 import time
 
-import numpy as np
 import pytest
 from programs import INF, program
 
-from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.formulations.programs.program import Program
 from waybound.instances.errors import UsageError
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends.cbc import Log
@@ -20,13 +19,8 @@ from waybound.solvers.backends.pulp import PuLP
 
 def knapsack(sense: str = "max") -> Program:
     """Two items, of which one fits; a constant of 5."""
-    sign = 1.0 if sense == "max" else -1.0
-    items = Variables("x", keys=(np.arange(2),), lower=np.zeros(2), upper=np.ones(2), cost=sign * np.array([3.0, 4.0]), integer=True)
-    rows = Rows(
-        "room", indptr=np.array([0, 2], dtype=np.int32), indices=np.arange(2, dtype=np.int32), data=np.array([2.0, 3.0]),
-        lower=np.array([-np.inf]), upper=np.array([4.0]),
-    )  # fmt: skip
-    return Program("knapsack", sense, (items,), (rows,), offset=5.0)
+    cost = [3.0, 4.0] if sense == "max" else [-3.0, -4.0]
+    return program(cost, [[2, 3]], -INF, 4, 0, 1, integer=[0, 1], sense=sense, offset=5)
 
 
 def test_bounds_are_read_as_they_come_and_weakened_by_what_printing_may_add() -> None:
@@ -66,24 +60,19 @@ def test_optimal_within_a_gap_is_not_optimal() -> None:
 
 
 @pytest.mark.parametrize(("sense", "value"), [("max", 9.0), ("min", 1.0)])
-def test_values_come_back_in_the_programs_own_sense(sense: str, value: float, tmp_path) -> None:
+def test_values_come_back_in_the_programs_own_sense(sense: str, value: float) -> None:
     result = PuLP().run(knapsack(sense), Options(), Control())
     assert (result.status, result.objective, result.bound) == ("optimal", value, value)
     assert result.answer.tolist() == [0, 1]
 
 
-def test_points_and_duals_come_with_all_their_digits(tmp_path) -> None:
-    share = Variables("x", lower=np.zeros(1), upper=np.array([np.inf]), cost=np.ones(1))
-    rows = Rows(
-        "room", indptr=np.array([0, 0, 1], dtype=np.int32), indices=np.zeros(1, dtype=np.int32), data=np.array([3.0]),
-        lower=np.full(2, -np.inf), upper=np.array([np.inf, 1e6]),
-    )  # fmt: skip
-    result = PuLP().run(Program("thirds", "max", (share,), (rows,)), Options(), Control())
+def test_points_and_duals_come_with_all_their_digits() -> None:
+    result = PuLP().run(program([1], [[0], [3]], -INF, [INF, 1e6], sense="max"), Options(), Control())
     assert result.answer == pytest.approx([1e6 / 3.0], rel=1e-15)
     assert result.row_duals == pytest.approx([0.0, 1.0 / 3.0], rel=1e-15)
 
 
-def test_parameters_of_cbc_are_passed_on(tmp_path) -> None:
+def test_parameters_of_cbc_are_passed_on() -> None:
     for extra in ({"cuts": "off"}, {"cutsOnOff": "off", "heuristicsOnOff": "off"}, {"strongBranching": 2}):
         assert PuLP().run(knapsack(), Options(extra=extra), Control()).objective == 9.0
 
@@ -96,7 +85,7 @@ def test_parameters_of_cbc_are_passed_on(tmp_path) -> None:
         ({"ratioGap": 0.1}, "the gap"), ({"seconds": 3}, "the time limit"), ({"quit": ""}, "no parameter"),
     ],
 )  # fmt: skip
-def test_unknown_parameters_and_values_are_refused(extra, message: str, tmp_path) -> None:
+def test_unknown_parameters_and_values_are_refused(extra, message: str) -> None:
     with pytest.raises(UsageError, match=message):
         PuLP().run(knapsack(), Options(extra=extra), Control())
 

@@ -8,7 +8,7 @@ import pytest
 from programs import program
 
 from waybound.formulations.forms import FORMS
-from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.formulations.programs.program import Program
 from waybound.formulations.routing.objective import LongestRoute, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import UsageError
@@ -21,12 +21,7 @@ from waybound.solvers.backends.highs import INTERIOR_POINT, SOUND, STATUS_MAP, H
 def lp(size: int = 2) -> Program:
     """Cover every row at least cost."""
     rng = np.random.default_rng(0)
-    x = Variables("x", keys=(np.arange(size),), lower=np.zeros(size), upper=np.full(size, np.inf), cost=1.0 + rng.random(size))
-    rows = Rows(
-        "need", indptr=np.arange(size + 1, dtype=np.int32) * size, indices=np.tile(np.arange(size, dtype=np.int32), size),
-        data=rng.random(size * size), lower=np.ones(size), upper=np.full(size, np.inf),
-    )  # fmt: skip
-    return Program("cover", "min", (x,), (rows,))
+    return program(1.0 + rng.random(size), rng.random((size, size)), 1, np.inf)
 
 
 def test_every_status_of_highs_has_one_of_ours() -> None:
@@ -38,10 +33,10 @@ def test_every_status_of_highs_has_one_of_ours() -> None:
 
 @pytest.mark.parametrize("form", INTERIOR_POINT)
 def test_linear_programs_of_some_forms_go_to_the_interior_point_unless_overridden(form: str) -> None:
-    program = replace(lp(30), name=form)
-    inner = Highs().run(program, Options(), Control())
+    asked = replace(lp(30), name=form)
+    inner = Highs().run(asked, Options(), Control())
     assert inner.statistics["ipm_iterations"] > 0
-    for other in (Highs().run(program, Options(extra={"solver": "simplex"}), Control()), Highs().run(lp(30), Options(), Control())):
+    for other in (Highs().run(asked, Options(extra={"solver": "simplex"}), Control()), Highs().run(lp(30), Options(), Control())):
         assert other.statistics["ipm_iterations"] <= 0
         assert other.statistics["simplex_iterations"] > 0
         assert inner.objective == pytest.approx(other.objective)
@@ -103,11 +98,11 @@ def test_nothing_is_written_to_the_standard_output(capfd: pytest.CaptureFixture[
 
 
 def test_the_duals_of_an_lp_prove_its_value() -> None:
-    program = lp(30)
-    result = Highs().run(program, Options(), Control())
+    asked = lp(30)
+    result = Highs().run(asked, Options(), Control())
     assert result.row_duals is not None
-    assert (program.cost - program.matrix.T @ result.row_duals >= -1e-7).all()
-    assert result.row_duals @ program.row_lower == pytest.approx(result.objective)
+    assert (asked.cost - asked.matrix.T @ result.row_duals >= -1e-7).all()
+    assert result.row_duals @ asked.row_lower == pytest.approx(result.objective)
 
 
 def test_an_integer_between_fractional_bounds_is_whole() -> None:

@@ -11,11 +11,12 @@ from sata_cases import CASES
 
 import waybound as wb
 from waybound.formulations.programs.program import INTEGERS, QUADRATIC
+from waybound.formulations.programs.reductions.reduction import Irreducible
 from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.backends import mathopt as module
-from waybound.solvers.backends.mathopt import PROGRAMS, REASONS, REDUCTIONS, MathOpt
+from waybound.solvers.backends.mathopt import PROGRAMS, REASONS, REDUCTIONS, MathOpt, SeparableObjective
 
 INF = math.inf
 LP = program([1, 1], [[1, 2], [3, 1]], [4, 6], INF)
@@ -34,6 +35,13 @@ def test_every_reason_and_limit_has_one_of_ours():
     assert set(REASONS.values()) <= set(STATUSES)
     assert set(module.LIMITS) <= set(mathopt.Limit.__members__)
     assert set(module.LIMITS.values()) <= set(LIMITS)
+
+
+def test_squares_pass_and_products_are_refused():
+    assert SeparableObjective().apply(program([1, 1], [[1, 1]], 1, 2)) == ()
+    assert SeparableObjective().apply(program([1, 1], [[1, 1]], 1, 2, quadratic=[[2, 0], [0, 1]])) == ()
+    with pytest.raises(Irreducible, match="products of two variables"):
+        SeparableObjective().apply(program([1, 1], [[1, 1]], 1, 2, quadratic=[[2, -1], [-1, 1]]))
 
 
 @pytest.mark.parametrize(("alias", "solver"), [("scip", "gscip"), ("SCIP", "gscip"), ("cpsat", "cp-sat"), ("HiGHS", "highs"), ("", "")])

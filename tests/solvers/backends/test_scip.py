@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from programs import program
 
+from waybound.formulations.programs.reductions.reduction import Irreducible
 from waybound.instances.errors import MissingPackageError, UsageError
 from waybound.solvers.backend import LIMITS as OUR_LIMITS
 from waybound.solvers.backend import Control, Options, solver_named
-from waybound.solvers.backends.scip import LIMITS, Scip
+from waybound.solvers.backends.scip import LIMITS, FiniteNumbers, Scip
 
 INF = math.inf
 needs_scip = pytest.mark.skipif(not Scip.installed(), reason="needs the extra scip (PySCIPOpt)")
@@ -29,6 +30,12 @@ def test_a_missing_package_is_named_with_what_installs_it(monkeypatch):
 
 def test_limits_are_ours():
     assert set(LIMITS.values()) <= set(OUR_LIMITS)
+
+
+def test_numbers_taken_for_infinite_are_refused_and_infinity_is_not():
+    assert FiniteNumbers().apply(program([1], [[1]], -INF, 9e19)) == ()
+    with pytest.raises(Irreducible, match="numbers of 1e\\+20 and more"):
+        FiniteNumbers().apply(program([1], [[1]], -INF, 1e20))
 
 
 @needs_scip

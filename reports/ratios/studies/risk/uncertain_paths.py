@@ -36,6 +36,6 @@ BELOW = GuaranteePlan(
         families.graphs(0.05, whole=True), families.long_ways(0.05),
     ),
 )  # fmt: skip
-"""Of no guarantee, so no part of ``all``; a ratio that is stated all the same is a fault."""
+"""Configurations without a guarantee, so no part of ``all``; a ratio that is stated all the same is a fault."""
 
 STUDIES.add(BELOW_EVEN, Study(BELOW_EVEN, SUMMARY, 600, lambda setting: run_plan(BELOW_EVEN, SUMMARY, BELOW, setting), guarantees=False))

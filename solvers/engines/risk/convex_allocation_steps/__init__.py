@@ -1,3 +1,3 @@
-"""Convex programs that are solved again and again, and what successive tangents make of them."""
+"""Convex programs that are solved again and again, and successive tangents."""
 
 from ..... import _guard as _guard

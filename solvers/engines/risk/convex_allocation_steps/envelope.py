@@ -1,4 +1,4 @@
-"""Tangents of the normal tail as columns of a program, so that further ones leave its rows as they are.
+"""Tangents of the normal tail as columns of a program, so that further tangents leave its rows as they are.
 
 The largest of some tangents is a convex function of z, in pieces of which each has the slope of one tangent. With z_i = its least value and
 what it goes on along each piece, up to that one's length,
@@ -8,7 +8,7 @@ what it goes on along each piece, up to that one's length,
     0 <= piece_j <= length_j
 
 Where less risk is worth something, pieces are taken in their order, as the first are the steepest. It is the program of
-``formulations/risk/forms/_piecewise.py`` with as many rows as there are chance constraints and budgets, however many tangents it has.
+``formulations/risk/forms/piecewise.py`` with as many rows as there are chance constraints and budgets, however many tangents it has.
 """
 
 from __future__ import annotations
@@ -21,39 +21,22 @@ from numpy.typing import NDArray
 from .....formulations.programs.program import Variables
 from .....formulations.programs.rows import rows
 from .....formulations.risk.forms._blocks import Blocks, dense_rows
-from .....formulations.risk.forms._piecewise import density, mean_risk, points
+from .....formulations.risk.forms.piecewise import density, mean_risk, points
 from .....formulations.risk.normal import ndtr
 from .....formulations.risk.risk_allocation import RiskAllocation
-from .session import Solved, open_session
+from .session import Ints, Solved, open_session
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 TINY = float(np.finfo(np.float64).tiny)
 
 
 class Envelope:
-    """A program with tangents, and its session.
+    """A program with tangents, and its session, of a problem with ``allocated`` risk and without alternatives.
 
-    Parameters
-    ----------
-    problem : RiskAllocation
-        With ``allocated`` risk and without alternatives.
-    count, least : int and float
-        Tangents of each constraint at the start, from its largest risk to that part of a mean one.
-    seed : int
-
-    Attributes
-    ----------
-    program : Program
-        That of the start; its rows are those of all others.
-    session : Session
-    unit : float
-        In which risks are counted.
-    chance, budget : int
-        First rows of the chance rows and of the budgets.
-    budgets : array of shape (budgets,)
-        Their risks, in the unit.
+    It begins with ``count`` tangents of each constraint, from its largest risk to the part ``least`` of a mean one. ``program`` is that of
+    the start, whose rows are those of all others; ``chance`` and ``budget`` are the first rows of the chance rows and of the budgets, whose
+    risks, in ``unit``, are ``budgets`` of shape (budgets,).
     """
 
     def __init__(self, problem: RiskAllocation, count: int, least: float, seed: int) -> None:
@@ -86,7 +69,7 @@ class Envelope:
         self.session = open_session(self.program, seed)
 
     def _lay(self, at: Floats) -> Ints:
-        """Take tangents at ``at``, one for each further entry of the constraints; the pieces before them whose length that changes."""
+        """Take further tangents at ``at``, one for each new entry of the constraints; the earlier pieces whose length changes."""
         before = self._length
         self._tangents = np.concatenate((self._tangents, (at, density(at) / self.unit, ndtr(-at) / self.unit)), axis=1)
         order = np.lexsort((self._tangents[0], self._constraint))
@@ -115,15 +98,15 @@ class Envelope:
         self.session.add_columns(self._length[known:], column, row, entries)
 
     def _sides(self, less: float) -> Floats:
-        """Right sides of the budgets when they are smaller by that part."""
+        """Right sides of the budgets smaller by the part ``less``."""
         return np.asarray(self.budgets * (1.0 - less) - self._members @ self._base)
 
     def use(self, less: float) -> None:
-        """Budgets smaller by that part."""
+        """Make budgets smaller by the part ``less``."""
         self.session.change_upper(self.budget, self._sides(less))
 
-    def parts(self, made: Solved) -> tuple[Floats, Floats]:
+    def parts(self, solved: Solved) -> tuple[Floats, Floats]:
         """Arguments of the tail, and the risks that the program counts for them in the unit; shape (constraints,)."""
-        piece = made.x[self._first :]
+        piece = solved.x[self._first :]
         z = self._floor + np.bincount(self._constraint, piece, self._many)
         return z, self._base - np.bincount(self._constraint, self._tangents[1] * piece, self._many)

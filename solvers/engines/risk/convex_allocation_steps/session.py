@@ -1,4 +1,4 @@
-"""Convex programs that are solved again and again, each time with further rows or other sides: HiGHS from where it stood, or Clarabel."""
+"""Sessions: convex programs that are solved again and again with further rows or other sides, by HiGHS from where it stood, or Clarabel."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ....backends.highs import SOUND
 Ints = NDArray[np.int64]
 
 PRECISION = 1e-9
-"""Of rows and reduced costs in HiGHS, of the gap and of rows in Clarabel."""
+"""Tolerance of rows and reduced costs in HiGHS, of the gap and of rows in Clarabel."""
 
 DANTZIG = 0
 """HiGHS' pricing by the largest infeasibility: a quarter less time on small programs that change a little than with weights."""
@@ -28,18 +28,11 @@ SLICE = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """What a run found.
+    """Outcome of a run; arrays are empty unless it is optimal.
 
-    Attributes
-    ----------
-    status : str
-        ``optimal``, ``infeasible``, ``unbounded`` or ``unknown``.
-    value, bound : float
-        Objective of ``x`` and a bound of the solver's own; NaN without a point.
-    x, duals, cone_duals : arrays of shape (variables,), (rows,) and (rows of cones,)
-        Empty unless optimal; no duals of programs with integers. d objective / d right side, and members of the dual cones.
-    ray : array of shape (rows,) or None
-        Of an infeasible program, of either sign.
+    ``status`` is ``optimal``, ``infeasible``, ``unbounded`` or ``unknown``; ``value`` and ``bound`` are the objective of ``x`` and the
+    solver's own bound, NaN without a point. ``duals`` (none of programs with integers) are d objective / d right side, ``cone_duals`` of
+    shape (rows of cones,) members of the dual cones. ``ray`` of shape (rows,) is that of an infeasible program, of either sign.
     """
 
     status: str
@@ -58,25 +51,25 @@ class Session(Protocol):
         """Append a block of rows."""
 
     def change_upper(self, start: int, upper: Floats) -> None:
-        """Other upper sides of rows that have no lower ones, from row ``start`` on."""
+        """Change upper sides of rows that have no lower ones, from row ``start`` on."""
 
     def add_columns(self, upper: Floats, column: Ints, row: Ints, data: Floats) -> None:
         """Append continuous columns from 0 to ``upper``, without cost; ``column`` counts them from 0."""
 
     def change_column_upper(self, columns: Ints, upper: Floats) -> None:
-        """Other upper bounds of columns that are at least 0."""
+        """Change upper bounds of columns that are at least 0."""
 
     def solve(self, stop: Stop, gap: float = 0.0) -> Solved:
-        """Run until the end or ``stop``; of a program with integers until the gap."""
+        """Run until the end or ``stop``; a program with integers until the gap."""
 
 
 def open_session(program: Program, seed: int = 1) -> Session:
-    """By Clarabel where there are cones or squares, else by HiGHS; raises MissingPackageError where it is not installed."""
+    """A session in Clarabel where there are cones or squares, else in HiGHS; raises MissingPackageError where it is not installed."""
     return ClarabelSession(program) if program.features() & (CONES | QUADRATIC) else HighsSession(program, seed)
 
 
 class HighsSession:
-    """In HiGHS, on one thread: dual simplex without presolve, or branch and cut."""
+    """A session in HiGHS, on one thread: dual simplex without presolve, or branch and cut."""
 
     def __init__(self, program: Program, seed: int = 1) -> None:
         import highspy
@@ -94,44 +87,39 @@ class HighsSession:
             self._model.setOptionValue(name, value)
 
     def add(self, rows: Rows) -> None:
-        """See ``Session.add``."""
         self._model.addRows(rows.size, rows.lower, rows.upper, len(rows.data), rows.indptr[:-1], rows.indices, rows.data)
 
     def change_upper(self, start: int, upper: Floats) -> None:
-        """See ``Session.change_upper``."""
         for row, side in enumerate(upper.tolist(), start=start):
             self._model.changeRowBounds(row, -math.inf, side)
 
     def add_columns(self, upper: Floats, column: Ints, row: Ints, data: Floats) -> None:
-        """See ``Session.add_columns``."""
         size, order = len(upper), np.argsort(column, kind="stable")
         starts = np.searchsorted(column[order], np.arange(size)).astype(np.int32)
         none = np.zeros(size)
         self._model.addCols(size, none, none, upper, len(data), starts, row[order].astype(np.int32), data[order])
 
     def change_column_upper(self, columns: Ints, upper: Floats) -> None:
-        """See ``Session.change_column_upper``."""
         self._model.changeColsBounds(len(columns), columns.astype(np.int32), np.zeros(len(columns)), upper)
 
     def solve(self, stop: Stop, gap: float = 0.0) -> Solved:
-        """See ``Session.solve``."""
         model, s = self._model, self._statuses
         if self._integer:
             model.setOptionValue("mip_rel_gap", gap)
         while not stop.reached():
-            left = stop.seconds_left
-            model.setOptionValue("time_limit", model.getRunTime() + (left if self._integer else min(SLICE, left)))
+            seconds = stop.seconds_left
+            model.setOptionValue("time_limit", model.getRunTime() + (seconds if self._integer else min(SLICE, seconds)))
             with stop.telling(model.cancelSolve):
                 model.run()
             status, info = model.getModelStatus(), model.getInfo()
             if status == s.kTimeLimit and not self._integer:
                 continue
             if status in (s.kOptimal, s.kModelEmpty) or (self._integer and info.primal_solution_status == 2):
-                found, value = model.getSolution(), float(info.objective_function_value)
-                duals = np.zeros(0) if self._integer else np.array(found.row_dual)
+                solution, value = model.getSolution(), float(info.objective_function_value)
+                duals = np.zeros(0) if self._integer else np.array(solution.row_dual)
                 bound = float(info.mip_dual_bound) if self._integer else value
                 return Solved(
-                    "optimal" if status in (s.kOptimal, s.kModelEmpty) else "unknown", value, bound, np.array(found.col_value), duals
+                    "optimal" if status in (s.kOptimal, s.kModelEmpty) else "unknown", value, bound, np.array(solution.col_value), duals
                 )
             if status == s.kInfeasible:
                 known, ray = (False, None) if self._integer else model.getDualRay()[1:]
@@ -143,7 +131,7 @@ class HighsSession:
 
 
 class ClarabelSession:
-    """In Clarabel (Goulart and Chen 2024), anew each time: interior points gain little from where they stood."""
+    """A session in Clarabel (Goulart and Chen 2024), anew each time: interior points gain little from where they stood."""
 
     def __init__(self, program: Program) -> None:
         try:
@@ -155,7 +143,6 @@ class ClarabelSession:
         self._bounds = [program.lower.copy(), program.upper.copy()]
 
     def add(self, rows: Rows) -> None:
-        """See ``Session.add``."""
         import scipy.sparse as sp
 
         further = sp.csr_matrix((rows.data, rows.indices, rows.indptr), shape=(rows.size, self._matrix.shape[1]))
@@ -163,11 +150,9 @@ class ClarabelSession:
         self._sides = [np.append(all_, new) for all_, new in zip(self._sides, (rows.lower, rows.upper), strict=True)]
 
     def change_upper(self, start: int, upper: Floats) -> None:
-        """See ``Session.change_upper``."""
         self._sides[1][start : start + len(upper)] = upper
 
     def add_columns(self, upper: Floats, column: Ints, row: Ints, data: Floats) -> None:
-        """See ``Session.add_columns``."""
         import scipy.sparse as sp
 
         further = sp.csr_matrix((data, (row, column)), shape=(self._matrix.shape[0], len(upper)))
@@ -175,11 +160,9 @@ class ClarabelSession:
         self._bounds = [np.append(all_, new) for all_, new in zip(self._bounds, (np.zeros(len(upper)), upper), strict=True)]
 
     def change_column_upper(self, columns: Ints, upper: Floats) -> None:
-        """See ``Session.change_column_upper``."""
         self._bounds[1][columns] = upper
 
     def solve(self, stop: Stop, gap: float = 0.0) -> Solved:
-        """See ``Session.solve``."""
         import clarabel
         import scipy.sparse as sp
 
@@ -200,23 +183,17 @@ class ClarabelSession:
         settings = clarabel.DefaultSettings()
         settings.verbose, settings.max_threads, settings.time_limit = False, 1, max(1e-3, stop.seconds_left)
         settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = PRECISION
-        found = clarabel.DefaultSolver(
-            quadratic,
-            sign * np.append(p.cost, np.zeros(n - known)),
-            sp.csc_matrix(sp.vstack(parts)),
-            np.concatenate(sides),
-            cones,
-            settings,
-        ).solve()
-        said, z = str(found.status), np.array(found.z)
+        cost, stacked = sign * np.append(p.cost, np.zeros(n - known)), sp.csc_matrix(sp.vstack(parts))
+        solution = clarabel.DefaultSolver(quadratic, cost, stacked, np.concatenate(sides), cones, settings).solve()
+        status, z = str(solution.status), np.array(solution.z)
         ends = np.cumsum([len(side) for side in sides[:5]])
         duals = np.zeros(len(equal))
         duals[equal] = -z[: ends[0]]
         duals[over] -= z[ends[0] : ends[1]]
         duals[under] += z[ends[1] : ends[2]]
-        if said in ("PrimalInfeasible", "AlmostPrimalInfeasible"):
+        if status in ("PrimalInfeasible", "AlmostPrimalInfeasible"):
             return Solved("infeasible", ray=duals, cone_duals=z[ends[4] :])
-        if said in ("Solved", "AlmostSolved"):
-            x = np.array(found.x)
-            return Solved("optimal", p.value(x[:known]), sign * float(found.obj_val_dual) + p.offset, x, sign * duals, z[ends[4] :])
-        return Solved("unbounded" if said in ("DualInfeasible", "AlmostDualInfeasible") else "unknown")
+        if status in ("Solved", "AlmostSolved"):
+            x = np.array(solution.x)
+            return Solved("optimal", p.value(x[:known]), sign * float(solution.obj_val_dual) + p.offset, x, sign * duals, z[ends[4] :])
+        return Solved("unbounded" if status in ("DualInfeasible", "AlmostDualInfeasible") else "unknown")

@@ -11,22 +11,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .....formulations.risk.allocations import Allocation
-from .....formulations.risk.forms._blocks import prices
-from .....formulations.risk.forms._piecewise import mean_risk, piecewise_program, points
+from .....formulations.evidence import Evidence
+from .....formulations.risk.allocations import Allocation, Floats
+from .....formulations.risk.forms._blocks import evidence_of, prices
+from .....formulations.risk.forms.piecewise import mean_risk, piecewise_program, points
 from .....formulations.risk.normal import ndtr, ndtri
 from .....formulations.risk.risk_allocation import RiskAllocation
 from .....formulations.stop import Stop
 from .envelope import Envelope
-from .interval import Interval
 from .session import Solved, open_session
 from .units import Units
-
-Floats = NDArray[np.float64]
 
 FIRST_POINTS, FIRST_LEAST = 6, 0.2
 """Tangents of each constraint at the start, from its largest risk to this part of a mean one."""
@@ -37,22 +35,22 @@ CLOSED = 1e-9
 MOST_ROUNDS = 100
 
 MARGIN = 0.5
-"""Of the excess of risk, by how much the budgets are made smaller."""
+"""Part of the excess of risk by which the budgets are solved smaller."""
 
 NEAR = 0.03
 """Excess of risk from which on decisions that keep the budgets are looked for: before, they would not last."""
 
 LEAST = 1e-10
-"""By which part budgets are made smaller at least."""
+"""Least part by which budgets are solved smaller."""
 
 TOUCHED = 1e-4
 """Part of the largest distance between tail and tangents from which on a constraint gets a further tangent."""
 
 CHORDS = 3
-"""Laid to find the last allowed point between two decisions."""
+"""Chords laid to find the last allowed point between two decisions."""
 
 CHORD_POINTS = 60
-"""Of each constraint, for a decision where the rounds found none."""
+"""Points of each constraint, for a decision where the rounds found none."""
 
 STALLED = 8
 """Rounds without progress after which it ends."""
@@ -61,20 +59,42 @@ HIGHEST = 1.0 / math.sqrt(2.0 * math.pi)
 """The normal density at 0."""
 
 MOST_NAMED = 60
-"""Chance rows of a contradiction that are left out one by one, to see which of them it takes."""
+"""Most chance rows of a contradiction that are left out one by one, to find those that it needs."""
+
+
+@dataclass
+class Interval:
+    """Interval that holds the optimum of a risk allocation, its answer, and the prices that prove its bound.
+
+    ``status`` is ``optimal`` (closed to what was asked), ``feasible``, ``infeasible``, ``unbounded`` or ``unknown``. ``bound`` and
+    ``value`` are at most and at least the optimum, in the sense of minimisation, and infinite where nothing is known.
+    """
+
+    status: str = "unknown"
+    bound: float = -math.inf
+    value: float = math.inf
+    answer: Allocation | None = None
+    rounds: int = 0
+    prices: dict[str, Floats] | None = None
+
+    @property
+    def gap(self) -> float:
+        """Width in parts of the value."""
+        if not (math.isfinite(self.bound) and math.isfinite(self.value)):
+            return math.inf
+        return max(0.0, self.value - self.bound) / max(abs(self.value), 1e-300)
+
+    def evidence(self, sign: float) -> tuple[Evidence, ...]:
+        """Evidence of its bound, or that there is no answer; ``sign`` is the problem's."""
+        if self.prices is None:
+            return ()
+        if self.status == "infeasible":
+            return (evidence_of(self.prices, sign * math.inf, "prices that no decision can pay", infeasible=True),)
+        return (evidence_of(self.prices, sign * self.bound, "duals of successive tangents"),)
 
 
 class SuccessiveTangents:
-    """The rounds.
-
-    Parameters
-    ----------
-    problem : RiskAllocation
-        With ``allocated`` risk and without alternatives.
-    seed : int
-    publish : callable, optional
-        Told of each better interval.
-    """
+    """Rounds of tangents for a problem with ``allocated`` risk and without alternatives; ``publish`` gets each better interval."""
 
     def __init__(self, problem: RiskAllocation, seed: int = 1, publish: Callable[[Interval], None] = lambda interval: None) -> None:
         self.original, self.units, self.publish = problem, Units.of(problem), publish
@@ -97,22 +117,22 @@ class SuccessiveTangents:
         self.inside: Floats | None = None
         self.best: Solved | None = None
         self.least = LEAST
-        self.found = Interval()
+        self.interval = Interval()
 
     def run(self, stop: Stop, gap: float = 0.0) -> Interval:
         """Rounds until the interval is as narrow as ``gap`` asks, nothing moves any more, or ``stop``."""
-        found, aim, still = self.found, max(gap, CLOSED), 0
-        while found.rounds < MOST_ROUNDS and not stop.reached():
-            before = found.gap
+        interval, aim, still = self.interval, max(gap, CLOSED), 0
+        while interval.rounds < MOST_ROUNDS and not stop.reached():
+            before = interval.gap
             self.tail.use(0.0)
             below = self.session.solve(stop)
             if below.status != "optimal":
                 self._ended(below, stop)
                 break
-            found.rounds += 1
+            interval.rounds += 1
             excess = self._lower(below)
             added = self._touch(below)
-            if found.gap > aim and excess < NEAR:
+            if interval.gap > aim and excess < NEAR:
                 less = MARGIN * max(excess, self.least)
                 self.tail.use(less)
                 above = self.session.solve(stop)
@@ -120,52 +140,52 @@ class SuccessiveTangents:
                     self._bound(above, less)
                     if not self._upper(above.x, below.x):
                         self.least *= 10.0  # beyond what the solver and the judge round
-                    added += self._touch(above) if found.gap > aim else 0
-            self.publish(found)
-            if found.gap <= aim:
-                found.status = "optimal"
+                    added += self._touch(above) if interval.gap > aim else 0
+            self.publish(interval)
+            if interval.gap <= aim:
+                interval.status = "optimal"
                 break
-            still = still + 1 if math.isfinite(before) and not found.gap < 0.9 * before else 0
-            if (not added and found.answer is not None) or still > STALLED:
+            still = still + 1 if math.isfinite(before) and not interval.gap < 0.9 * before else 0
+            if (not added and interval.answer is not None) or still > STALLED:
                 break
-        if found.answer is None and found.status == "unknown" and not stop.reached():
+        if interval.answer is None and interval.status == "unknown" and not stop.reached():
             self._restricted(stop)
-        if self.best is not None and found.status != "infeasible":
-            found.prices = self._prices(self.best, self.best.duals)
-        if found.answer is not None:
-            found.answer = self.original.allocated(found.answer.decision)
-        if found.status == "unknown" and found.answer is not None:
-            found.status = "feasible"
-        return found
+        if self.best is not None and interval.status != "infeasible":
+            interval.prices = self._prices(self.best, self.best.duals)
+        if interval.answer is not None:
+            interval.answer = self.original.allocated(interval.answer.decision)
+        if interval.status == "unknown" and interval.answer is not None:
+            interval.status = "feasible"
+        return interval
 
-    def _prices(self, made: Solved, duals: Floats) -> dict[str, Floats]:
+    def _prices(self, solved: Solved, duals: Floats) -> dict[str, Floats]:
         p = self.problem
-        found = prices(p, self.program, made.x, duals, made.cone_duals)
-        return self.units.prices({**found, "budgets": self._spent(duals)})
+        inner = prices(p, self.program, solved.x, duals, solved.cone_duals)
+        return self.units.prices({**inner, "budgets": self._spent(duals)})
 
     def _spent(self, duals: Floats) -> Floats:
         """Prices of the budgets."""
         start = self.tail.budget
         return np.asarray(np.maximum(-self.problem.sign * duals[start : start + len(self.budgets)] / self.tail.unit, 0.0))
 
-    def _bound(self, made: Solved, less: float = 0.0) -> None:
-        """Take the bound that the duals prove, of budgets that were smaller by that part."""
-        p, found = self.problem, self.found
-        z, risk = self.tail.parts(made)
-        chance = made.duals[self.tail.chance : self.tail.budget][self.order]
+    def _bound(self, solved: Solved, less: float = 0.0) -> None:
+        """Take the bound that the duals prove, of budgets that were smaller by the part ``less``."""
+        p, interval = self.problem, self.interval
+        z, risk = self.tail.parts(solved)
+        chance = solved.duals[self.tail.chance : self.tail.budget][self.order]
         slope = np.maximum(-p.sign * chance, 0.0) * self.deviation
-        prices = self._spent(made.duals)
+        prices = self._spent(solved.duals)
         spent = prices @ self.members
         more = float((least_margin(slope, spent, self.floor) - slope * z - spent * risk * self.tail.unit).sum())
         more -= less * float(prices @ self.budgets)
-        bound = (p.sign * made.value + more) / self.units.cost
-        if bound > found.bound:
-            found.bound, self.best = bound, made
+        bound = (p.sign * solved.value + more) / self.units.cost
+        if bound > interval.bound:
+            interval.bound, self.best = bound, solved
 
-    def _lower(self, made: Solved) -> float:
-        """Take the bound of a relaxation and try its decision; by which part that exceeds a budget at most."""
-        self._bound(made)
-        outside = made.x[: self.problem.size]
+    def _lower(self, solved: Solved) -> float:
+        """Take the bound of a relaxation and try its decision; the largest part by which that exceeds a budget."""
+        self._bound(solved)
+        outside = solved.x[: self.problem.size]
         excess = self._excess(self._risks(outside))
         if excess <= 0.0:
             self._take(outside)
@@ -174,11 +194,11 @@ class SuccessiveTangents:
         return max(excess, 0.0)
 
     def _risks(self, x: Floats) -> Floats:
-        """Of each constraint; rows without noise have none."""
+        """Risk of each constraint; rows without noise have none."""
         return np.asarray(ndtr(-(self.limits - self.slopes @ x)))
 
     def _excess(self, own: Floats) -> float:
-        """By which part the risks exceed a budget at most."""
+        """Largest part by which the risks exceed a budget."""
         return float((self.shares @ own).max(initial=1.0 if len(self.shares) == 0 else 0.0)) - 1.0
 
     def _upper(self, inside: Floats, outside: Floats) -> bool:
@@ -188,84 +208,84 @@ class SuccessiveTangents:
             return False
         self.inside = inside
         self._between(inside, outside[: self.problem.size])
-        return self.found.answer is not None or self._take(inside)
+        return self.interval.answer is not None or self._take(inside)
 
     def _between(self, inside: Floats, outside: Floats) -> None:
         """Take the last point that keeps the budgets on the way from a decision that does to one that does not: risks are convex."""
         start, way = self.limits - self.slopes @ inside, self.slopes @ (outside - inside)
         most, part, last = self._excess(ndtr(way - start)), 0.0, 0.0
         for _ in range(CHORDS):  # a chord of a convex function crosses 0 before the function does
-            left = self._excess(ndtr(part * way - start))
-            if left >= 0.0 or most <= 0.0:
+            excess = self._excess(ndtr(part * way - start))
+            if excess >= 0.0 or most <= 0.0:
                 break
-            last, part = part, part + (1.0 - part) * left / (left - most)
+            last, part = part, part + (1.0 - part) * excess / (excess - most)
         if part > 0.0 and not self._take(inside + part * (outside - inside)):  # which rounding may have carried too far
             self._take(inside + last * (outside - inside))
 
     def _take(self, x: Floats) -> bool:
-        """A decision, where it is better than what is known and keeps its risks in the judge's arithmetic; whether it does."""
+        """Keep a decision that is better than the best so far and keeps its risks in the judge's arithmetic; whether it does."""
         p = self.original
         decision = np.clip(x * self.units.columns, p.lower, p.upper)
         value = p.sign * p.value(decision)[0]
-        if value >= self.found.value:
+        if value >= self.interval.value:
             return False
         own = p.risks(decision)
         kept = self._excess(own) <= 0.0 and bool((own <= p.risk.each * (1.0 + 1e-7)).all())
         if kept:
-            self.found.value, self.found.answer = value, Allocation(decision)
+            self.interval.value, self.interval.answer = value, Allocation(decision)
         return kept
 
     def _restricted(self, stop: Stop) -> None:
-        """Take the decision of the program with chords where deviations are so small that the tangents' solver rounds them away."""
+        """Take the decision of the program with chords, where deviations are so small that the tangents' solver rounds them away."""
         at = points(self.problem, mean_risk(self.problem), CHORD_POINTS)
-        made = open_session(piecewise_program(self.problem, "secants", at, above=True).program, self.seed).solve(stop)
-        if made.status == "optimal":
-            self._take(made.x[: self.problem.size])
+        solved = open_session(piecewise_program(self.problem, "secants", at, above=True).program, self.seed).solve(stop)
+        if solved.status == "optimal":
+            self._take(solved.x[: self.problem.size])
 
-    def _touch(self, made: Solved) -> int:
-        """Add tangents where constraints have more risk than the program says; how many."""
-        slack, risk = self.limits - self.slopes @ made.x[: self.problem.size], self.tail.parts(made)[1]
+    def _touch(self, solved: Solved) -> int:
+        """Add tangents where constraints have more risk than the program counts; their number."""
+        slack, risk = self.limits - self.slopes @ solved.x[: self.problem.size], self.tail.parts(solved)[1]
         short = ndtr(-slack) / self.tail.unit - risk
         at = np.nonzero(short > max(1e-11, TOUCHED * float(short.max(initial=0.0))))[0]
         if len(at):
             self.tail.add(at, slack[at])
         return len(at)
 
-    def _ended(self, made: Solved, stop: Stop) -> None:
-        """The status, and where there is no answer the evidence, when the relaxation has no optimum."""
-        found = self.found
-        found.status = made.status if found.answer is None or made.status != "unknown" else "feasible"
-        if made.status == "infeasible":
-            proofs = (self._proof(ray) for ray in (self._fewest(made, stop), made))
-            found.prices = next((prices for prices in proofs if prices is not None), None)
+    def _ended(self, solved: Solved, stop: Stop) -> None:
+        """Take the status of a relaxation without optimum, and the evidence where there is no answer."""
+        interval = self.interval
+        interval.status = solved.status if interval.answer is None or solved.status != "unknown" else "feasible"
+        if solved.status == "infeasible":
+            proofs = (self._proof(ray) for ray in (self._fewest(solved, stop), solved))
+            interval.prices = next((prices for prices in proofs if prices is not None), None)
 
-    def _fewest(self, made: Solved, stop: Stop) -> Solved:
+    def _fewest(self, solved: Solved, stop: Stop) -> Solved:
         """A contradiction that needs few chance rows: each is left out where the others contradict each other without it."""
         first = self.tail.chance
-        priced = np.zeros(0) if made.ray is None else np.abs(made.ray[first : first + len(self.problem.limits)])
+        priced = np.zeros(0) if solved.ray is None else np.abs(solved.ray[first : first + len(self.problem.limits)])
         rows = np.nonzero(priced)[0]
         if len(rows) > MOST_NAMED:
-            return made
+            return solved
         for row in rows[np.argsort(priced[rows], kind="stable")].tolist():
             self.session.change_upper(first + row, np.array([math.inf]))
             trial = self.session.solve(stop)
             if trial.status == "infeasible" and trial.ray is not None:
-                made = trial
+                solved = trial
             else:
                 self.session.change_upper(first + row, self.problem.limits[[row]])
-        return made
+        return solved
 
-    def _proof(self, made: Solved) -> dict[str, Floats] | None:
+    def _proof(self, solved: Solved) -> dict[str, Floats] | None:
         """Prices that prove that there is no answer, from the ray of a program that has none."""
         from .....formulations.certificate import verified_bound
 
         sign = self.problem.sign
-        if made.ray is None:
+        if solved.ray is None:
             return None
-        size = float(np.abs(made.ray).max(initial=0.0)) or 1.0
-        nowhere = Solved("infeasible", x=np.zeros(self.program.num_variables), cone_duals=made.cone_duals / size)
+        size = float(np.abs(solved.ray).max(initial=0.0)) or 1.0
+        nowhere = Solved("infeasible", x=np.zeros(self.program.num_variables), cone_duals=solved.cone_duals / size)
         for turn in (1.0, -1.0):
-            prices = self._prices(nowhere, turn * sign * made.ray / size)
+            prices = self._prices(nowhere, turn * sign * solved.ray / size)
             claimed = Interval("infeasible", prices=prices).evidence(sign)[0]
             if verified_bound(self.original, claimed) == sign * math.inf:
                 return prices

@@ -14,25 +14,15 @@ from .....formulations.risk.risk_allocation import RiskAllocation
 Floats = NDArray[np.float64]
 
 ORDINARY = (1e-3, 1e5)
-"""Sizes between which numbers are left as they are."""
+"""Sizes between which numbers are not scaled."""
 
 
 @dataclass(frozen=True, eq=False)
 class Units:
     """A problem in its units, and the way back.
 
-    Parameters
-    ----------
-    problem : RiskAllocation
-        In the units.
-    columns : array of shape (decisions,)
-        A decision is that times what the problem in its units calls it.
-    rows, chance : arrays of shape (rows,) and (chance rows,)
-        Rows in their units are those of the problem times these.
-    cost : float
-        A cost in its unit is the problem's times this.
-    cones, terms : tuple of float
-        Rows of each cone and of each term of the cost, likewise.
+    A decision is ``columns`` times its value in ``problem``; rows and chance rows of ``problem`` are those of the original times ``rows``
+    and ``chance``, and its costs times ``cost``, as are the rows of each cone and each term of the cost times ``cones`` and ``terms``.
     """
 
     problem: RiskAllocation
@@ -57,39 +47,39 @@ class Units:
         cost = _one_over(max([float(np.abs(p.linear * columns).max()), *terms]))
         if all((part == 1.0).all() for part in (columns, per_row, per_chance)) and all(k == 1.0 for k in (cost, *per_cone, *per_term)):
             return cls(p, columns, per_row, per_chance, cost, per_cone, per_term)
-        made = copy.copy(p)
-        made.lower, made.upper = p.lower / columns, p.upper / columns
-        made.linear, made.offset = p.linear * columns * cost, p.offset * cost
-        made.terms = tuple(
+        scaled = copy.copy(p)
+        scaled.lower, scaled.upper = p.lower / columns, p.upper / columns
+        scaled.linear, scaled.offset = p.linear * columns * cost, p.offset * cost
+        scaled.terms = tuple(
             (kind, w * cost / (k * k if kind == "square" else k), f * columns * k, c * k)
             for (kind, w, f, c), k in zip(p.terms, per_term, strict=True)
         )
-        made.rows = rows * columns * per_row[:, None]
-        made.row_lower, made.row_upper = p.row_lower * per_row, p.row_upper * per_row
-        made.chance, made.limits = chance * columns * per_chance[:, None], p.limits * per_chance
-        made.deviation, made.covariance = p.deviation * per_chance, p.covariance * np.outer(per_chance, per_chance)
-        made.cones = tuple((f * columns * k, c * k, g * columns * k, h * k) for (f, c, g, h), k in zip(p.cones, per_cone, strict=True))
-        made._joint = ((b"", None), {})
-        return cls(made, columns, per_row, per_chance, cost, per_cone, per_term)
+        scaled.rows = rows * columns * per_row[:, None]
+        scaled.row_lower, scaled.row_upper = p.row_lower * per_row, p.row_upper * per_row
+        scaled.chance, scaled.limits = chance * columns * per_chance[:, None], p.limits * per_chance
+        scaled.deviation, scaled.covariance = p.deviation * per_chance, p.covariance * np.outer(per_chance, per_chance)
+        scaled.cones = tuple((f * columns * k, c * k, g * columns * k, h * k) for (f, c, g, h), k in zip(p.cones, per_cone, strict=True))
+        scaled._joint = ((b"", None), {})
+        return cls(scaled, columns, per_row, per_chance, cost, per_cone, per_term)
 
-    def prices(self, given: dict[str, Floats]) -> dict[str, Floats]:
-        """Prices of the problem, from those in its units."""
+    def prices(self, prices: dict[str, Floats]) -> dict[str, Floats]:
+        """Prices of the original problem, from prices of the problem in its units."""
         widths = [1 + len(c) for _, c, _, _ in self.problem.cones]
         return {
-            "rows": given["rows"] * self.rows / self.cost,
-            "chance": given["chance"] * self.chance / self.cost,
-            "budgets": given["budgets"] / self.cost,
-            "terms": given["terms"] * np.repeat(self.terms, [len(c) for _, _, _, c in self.problem.terms]) / self.cost,
-            "cones": given["cones"] * np.repeat(self.cones, widths) / self.cost,
+            "rows": prices["rows"] * self.rows / self.cost,
+            "chance": prices["chance"] * self.chance / self.cost,
+            "budgets": prices["budgets"] / self.cost,
+            "terms": prices["terms"] * np.repeat(self.terms, [len(c) for _, _, _, c in self.problem.terms]) / self.cost,
+            "cones": prices["cones"] * np.repeat(self.cones, widths) / self.cost,
         }
 
 
 def _column_sizes(p: RiskAllocation, entries: Floats, sides: Floats) -> Floats:
-    """Of each decision its larger bound, or else what the rows that hold it leave it, or 1; in the cost alone the largest of all."""
+    """Size of each decision by its larger bound, else by what its rows leave it, or 1; in the cost alone the largest of all."""
     bounds = np.maximum(*(np.where(np.isfinite(side), np.abs(side), 0.0) for side in (p.lower, p.upper)))
     with np.errstate(divide="ignore", invalid="ignore"):
-        left = np.where((entries > 0.0) & (sides[:, None] > 0.0), sides[:, None] / entries, math.inf)
-    rows = left.min(axis=0, initial=math.inf)
+        allowed = np.where((entries > 0.0) & (sides[:, None] > 0.0), sides[:, None] / entries, math.inf)
+    rows = allowed.min(axis=0, initial=math.inf)
     sizes = np.where(bounds > 0.0, bounds, np.where(np.isfinite(rows), rows, 1.0))
     parts = [entries, *(f for _, _, f, _ in p.terms), *(np.abs(f) + np.abs(g) for f, _, g, _ in p.cones)]
     loose = ~np.concatenate(parts).any(axis=0) & (bounds == 0.0)

@@ -17,30 +17,20 @@ from dataclasses import dataclass
 from typing import Any
 
 from .....formulations.evidence import Evidence
+from .....formulations.risk.moves import Memories
 from .....formulations.risk.risky_path import Path, RiskyPath
 from .....formulations.stop import Stop
-from .memories import Memories
 
 LOOK = 256
 """Labels between two looks at the clock."""
 
 
 @dataclass(frozen=True)
-class Found:
-    """What a search found.
+class LeastHazard:
+    """Outcome of a search for a path of least hazard; ``path`` is None where there is none, or none was known in time.
 
-    Attributes
-    ----------
-    path : tuple of int, optional
-        A best path; None where there is none, or it was not found in time.
-    hazard : float
-        No path to a goal has less; infinite where there is none.
-    labels : int
-        Labels that were grown.
-    limit : str
-        What cut the search short, or ``none``.
-    guarded : frozenset of int
-        States that no walk was let come to twice; of all other walks none has less than ``hazard``.
+    No path to a goal has less than ``hazard``, infinite where there is none; ``labels`` counts those grown, ``limit`` says what cut the
+    search short, ``guarded`` holds the states that no walk was let come to twice: no other walk has less than ``hazard``.
     """
 
     path: Path | None
@@ -50,52 +40,39 @@ class Found:
     guarded: frozenset[int] = frozenset()
 
     def evidence(self) -> Evidence:
-        """What proves ``hazard``: the states that walks must not repeat to have no less."""
+        """Evidence of ``hazard``: the states that walks must not repeat to have no less."""
         most = self.hazard if math.isfinite(self.hazard) else None
         return Evidence("guarded-walks", "walks with memory", self.hazard, {"guarded": sorted(self.guarded), "most": most})
 
 
 def least_hazard(
-    problem: RiskyPath,
-    goals: Sequence[int],
-    stop: Stop,
-    memories: Memories | None = None,
-    most: float = math.inf,
+    problem: RiskyPath, goals: Sequence[int], stop: Stop, memories: Memories | None = None, most: float = math.inf,
     labels: int | None = None,
-) -> Found:
+) -> LeastHazard:  # fmt: skip
     """A path without repetition of least hazard to one of ``goals``.
 
-    Parameters
-    ----------
-    problem : RiskyPath
-    goals : sequence of int
-    stop : Stop
-    memories : Memories, optional
-        Shared by searches of one problem.
-    most : float
-        Paths of this hazard or more are of no use: where there are no others, none is found, and ``hazard`` is at least this.
-    labels : int, optional
-        Labels that may be grown.
+    ``memories`` may be shared by searches of one problem. Paths of hazard ``most`` or more are of no use: where there are no others, none
+    is returned, and ``hazard`` is at least this. ``labels`` is how many may be grown.
     """
     moves, graph = problem.moves, problem.graph
     if graph.start in goals:
-        return Found((graph.start,) if moves.start_hazard < math.inf else None, moves.start_hazard, 0)
+        return LeastHazard((graph.start,) if moves.start_hazard < math.inf else None, moves.start_hazard, 0)
     left = moves.from_moves(goals).tolist()
     if not graph.traverse:
         walks = [walk for goal in goals if (walk := moves.walk(goal)) is not None]
         reach = moves.to_states()
         if not walks or reach[list(goals)].min() >= most:
-            return Found(None, float(reach[list(goals)].min()), 0)
+            return LeastHazard(None, float(reach[list(goals)].min()), 0)
         best = min(walks, key=lambda walk: (reach[walk[-1]], len(walk)))
         if len(set(best)) == len(best):
-            return Found(best, float(reach[best[-1]]), 0)
-    search = _Search(problem, frozenset(goals), left, memories or Memories(problem), stop, most, labels)
+            return LeastHazard(best, float(reach[best[-1]]), 0)
+    search = _Search(problem, frozenset(goals), left, memories or Memories(problem.graph), stop, most, labels)
     guarded: frozenset[int] = frozenset()
     while True:
         walk, hazard, limit = search.run(guarded)
         twice = frozenset(state for state in walk if walk.count(state) > 1) if walk is not None else frozenset()
         if walk is None or not twice:
-            return Found(walk, hazard, search.grown, limit, guarded)
+            return LeastHazard(walk, hazard, search.grown, limit, guarded)
         guarded |= twice
 
 
@@ -108,7 +85,7 @@ class _Search:
         self.budget, self.grown = labels, 0
 
     def run(self, guarded: frozenset[int]) -> tuple[Path | None, float, str]:
-        """The first walk to a goal that comes to no guarded state twice, the least hazard of such walks, and what cut it short."""
+        """The first walk to a goal that comes to no guarded state twice, the least hazard of such walks, and the limit that ended it."""
         moves, left, head, memories = self.moves, self.left, self.head, self.memories
         begin = len(head)
         bit = {state: 1 << k for k, state in enumerate(sorted(guarded))}

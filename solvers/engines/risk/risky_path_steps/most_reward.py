@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .....formulations.risk.marked_paths import CutShortError, risky_path
+from .....formulations.risk.moves import Memories
 from .....formulations.risk.risky_path import Path, RiskyPath
 from .....formulations.stop import Stop
 from ....backend import Control, Options, RawResult
 from .least_hazard import LOOK, least_hazard
-from .memories import Memories
 
 Floats = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ def most_reward(problem: RiskyPath, stop: Stop, options: Options, control: Contr
 class _Search:
     def __init__(self, problem: RiskyPath, stop: Stop, options: Options, control: Control) -> None:
         self.problem, self.stop, self.control, self.budget = problem, stop, control, options.iterations
-        self.graph, self.moves, self.memories = problem.graph, problem.moves, Memories(problem)
+        self.graph, self.moves, self.memories = problem.graph, problem.moves, Memories(problem.graph)
         self.reach = self.moves.to_states()
         self.ends = np.ones(self.graph.num_states, dtype=bool)
         if self.graph.goals:
@@ -74,13 +74,13 @@ class _Search:
             if hopes[k] <= self.value:
                 break
             most = -math.log1p(-min(float(rewards[able[k]]) / self.value, 1.0)) if self.value > rewards[able[k]] else math.inf
-            left = None if self.budget is None else max(self.budget - self.grown, 0)
-            found = least_hazard(self.problem, (int(able[k]),), self.stop, self.memories, most, left)
-            self.grown += found.labels
-            if found.path is not None:
-                self.offer(found.path)
-            elif found.limit != "none":
-                return self._result(found.limit, max(float(hopes[k]), self.value))
+            labels = None if self.budget is None else max(self.budget - self.grown, 0)
+            search = least_hazard(self.problem, (int(able[k]),), self.stop, self.memories, most, labels)
+            self.grown += search.labels
+            if search.path is not None:
+                self.offer(search.path)
+            elif search.limit != "none":
+                return self._result(search.limit, max(float(hopes[k]), self.value))
             bound = self.value
         return self._result("none", max(bound, self.value))
 
@@ -138,18 +138,18 @@ class _Search:
         return RawResult(status, limit, self.best, self.value, bound if math.isfinite(bound) else None, statistics=statistics)
 
     def _without_reward(self) -> str:
-        """Offer any path with a risk, as none earns anything; what cut it short."""
+        """Offer any path with a risk, as none earns anything; the limit that ended the search."""
         try:
-            found = risky_path(self.problem, self.stop, None if self.budget is None else max(self.budget - self.grown, 0))
+            path = risky_path(self.problem, self.stop, None if self.budget is None else max(self.budget - self.grown, 0))
         except CutShortError as cut:
             return str(cut)
-        if found is not None:
-            self.offer(found)
+        if path is not None:
+            self.offer(path)
         return "none"
 
 
 class _Hopes:
-    """The most reward per risk of any path that continues one: the rewards ahead in the order of what they cost at least."""
+    """Upper bounds on the reward per risk of paths that continue one: rewards ahead in the order of their least cost."""
 
     def __init__(self, problem: RiskyPath, reach: Floats) -> None:
         graph, moves = problem.graph, problem.moves

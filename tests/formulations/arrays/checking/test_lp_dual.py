@@ -8,24 +8,21 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import scipy.sparse as sp
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from programs import program
 from scipy.optimize import Bounds, LinearConstraint, linprog, milp
 
 from waybound.formulations.arrays.checking.lp_dual import check_lp_dual
-from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.instances.errors import InputError
 
 
 def arrays(cost, matrix, row_lower, row_upper, lower, upper, *, sense="min", integer=False, offset=0.0):
     """Stand-in for a problem of the family "arrays"."""
-    a = sp.csr_matrix(np.atleast_2d(np.array(matrix, dtype=float)))
-    as_array = lambda v: np.array(v, dtype=float)  # noqa: E731
-    columns = Variables("x", lower=as_array(lower), upper=as_array(upper), cost=as_array(cost), integer=integer)
-    rows = Rows("r", indptr=a.indptr, indices=a.indices, data=a.data, lower=as_array(row_lower), upper=as_array(row_upper))
-    return SimpleNamespace(family="arrays", sense=sense, program=Program("arrays", sense, (columns,), (rows,), offset=offset))
+    whole = range(len(cost)) if integer else ()
+    p = program(cost, matrix, row_lower, row_upper, lower, upper, integer=whole, sense=sense, offset=offset)
+    return SimpleNamespace(family="arrays", sense=sense, program=p)
 
 
 def random_arrays(seed: int, *, integer: bool = False, free: bool = False):

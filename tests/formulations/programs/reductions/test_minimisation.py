@@ -2,27 +2,20 @@ from __future__ import annotations
 
 import numpy as np
 
+from tests.program_text import expected, program_text
 from tests.programs import INF, program
-from waybound.formulations.programs.export.lp import lp_text
 from waybound.formulations.programs.reductions.minimisation import MINIMISATION
 
 
 def test_a_program_to_be_maximised_has_its_sign_turned_and_loses_its_constant() -> None:
     (step,) = MINIMISATION.apply(program([3, -2], [[1, 2]], -INF, 8, 0, 5, integer=[0], sense="max", offset=7))
-    assert (
-        lp_text(step.program)
-        == """\
-Minimize
- obj: - 3.0 x0 + 2.0 x1
-Subject To
- row: + 1.0 x0 + 2.0 x1 <= 8.0
-Bounds
- 0.0 <= x0 <= 5.0
- 0.0 <= x1 <= 5.0
-General
- x0
-End
-"""
+    assert program_text(step.program) == expected(
+        """
+        min - 3 x0 + 2 x1
+        row: x0 + 2 x1 <= 8
+        0 <= x0 <= 5 integer
+        0 <= x1 <= 5
+        """
     )
     assert (step.value(-15.0), step.bound(-16.0)) == (22.0, 23.0)
     assert step.duals(np.array([-1.0, 2.0])).tolist() == [1.0, -2.0]

@@ -16,7 +16,7 @@ from waybound.formulations.programs.reductions.finite_bounds import FINITE_BOUND
 from waybound.formulations.programs.reductions.minimisation import MINIMISATION
 from waybound.formulations.programs.reductions.one_sided_rows import ONE_SIDED_ROWS
 from waybound.formulations.programs.reductions.reduction import Chain
-from waybound.formulations.programs.reductions.unique_entries import UNIQUE_ENTRIES
+from waybound.formulations.programs.reductions.sound_arrays import UNIQUE_ENTRIES
 from waybound.formulations.programs.reductions.units import UNITS
 from waybound.formulations.programs.reductions.whole_numbers import WHOLE_NUMBERS
 

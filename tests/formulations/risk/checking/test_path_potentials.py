@@ -12,7 +12,7 @@ from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.risk.uncertain_path import UncertainPath
 from waybound.formulations.stop import NEVER
 from waybound.instances.errors import InputError
-from waybound.solvers.engines.risk.path_search.supported_paths import supported_paths
+from waybound.solvers.engines.risk.supported_paths import supported_paths
 
 check = CHECKERS["path-potentials"]
 

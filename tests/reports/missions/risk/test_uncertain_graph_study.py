@@ -1,7 +1,6 @@
-"""The study on uncertain graphs, in its short form, and what it must show."""
-
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -60,3 +59,27 @@ def test_what_can_be_asserted_of_the_policies():
     table = study.excess_table(study.plays((20.0,), "variance", 100, 10)).set_index("method")
     assert table.loc["a-star", "rags_above"] < 0.0
     assert table.loc["greedy", "rags_above"] < -5.0
+
+
+@pytest.fixture
+def walks():
+    rng = np.random.default_rng(1)
+    rows = [
+        {"level": level, "method": method, "excess": e}
+        for level in (5.0, "trees")
+        for method in study.METHODS
+        for e in rng.exponential(2.0, 20)
+    ]
+    return pd.DataFrame(rows)
+
+
+@pytest.mark.slow
+def test_methods_without_excess_are_drawn_too(tmp_path, walks):
+    study.draw_histograms(walks.assign(excess=0.0), tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").stat().st_size > 1000
+
+
+def test_a_walk_is_that_of_the_policy(tmp_path):
+    world = study._walked("a-star", 1, 2, vertices=15)
+    assert world.metrics()["arrived"] == 1.0
+    assert set(study.METHODS) < set(study.COLOURS)

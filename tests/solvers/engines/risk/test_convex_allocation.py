@@ -1,5 +1,3 @@
-"""Convex allocation as ``solve`` uses it: the default, its bound verified, its answers judged."""
-
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -7,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from risk_problems import margins, problem, run
+from risk_problems import around_a_box, margins, problem, risk_of_two_sensors, run, two_sensors
 
 import waybound as wb
 from waybound.api import solve
@@ -17,7 +15,7 @@ from waybound.formulations.stop import Stop
 from waybound.instances.errors import UnsupportedError
 from waybound.instances.risk.allocation import Budget, Risk
 from waybound.reports.benchmarks.risk_allocation import by_program, random_problem
-from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation, _unproved
+from waybound.solvers.engines.risk.convex_allocation import BEYOND, ConvexAllocation, _unproved, beyond_boole, quantile, room
 from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents import SuccessiveTangents
 
 
@@ -193,3 +191,33 @@ def test_joint_budgets_of_parts_are_worth_no_more_than_the_whole(solver: str) ->
         found = solve(split, solver, bound_time=0, gap=1e-5)
         assert found.certificate.feasible and found.objective >= whole.objective * (1.0 - 2e-5)
     assert found.objective == pytest.approx(whole.objective, rel=1e-3)
+
+
+@pytest.mark.parametrize(("total", "limit"), [(2e-5, 4.3), (6.5e-7, 5.0), (1e-3, 3.3)])
+def test_a_plan_is_found_where_no_allocation_is(total: float, limit: float) -> None:
+    p = two_sensors(total, limit)
+    assert run(ConvexAllocation, p.by_allocation()).answer is None
+    x = beyond_boole(p, 1, Stop())
+    assert x is not None and room(p, x, 1) >= 0.0 and risk_of_two_sensors(float(x[0]), limit) <= total
+    found = run(ConvexAllocation, p)
+    assert found.status == "feasible" and found.bound is None and found.message == BEYOND
+    assert p.evaluate(found.answer).feasible
+
+
+def test_none_is_found_where_there_is_none() -> None:
+    assert beyond_boole(two_sensors(1.5e-5, 4.3), 1, Stop()) is None
+    found = solve(two_sensors(1.5e-5, 4.3), "convex-allocation", bound_time=0)
+    assert found.answer is None and found.status == "unknown"
+
+
+def test_room_is_counted_in_deviations() -> None:
+    p = margins([1.0, 3.0], 0.1, kind="joint")
+    x = np.full(2, 2.0)
+    truth = p.joint_risk(x)["total"].value
+    assert room(p, x, 1) == pytest.approx(float(quantile(np.array(truth)) - quantile(np.array(0.1))))
+    assert room(p, np.full(2, 1.0), 1) < 0.0
+
+
+def test_alternatives_are_not_its_own() -> None:
+    p = around_a_box(risk={"total": 0.05, "kind": "joint"})
+    assert "alternatives" in ConvexAllocation().missing(p)

@@ -29,16 +29,16 @@ def random_map(rng: Rng, name: str, *, rewards: bool, discount: float = 1.0) -> 
     risks = rng.choice(RISKS, n)
     risks[0] = 0.01
     elements = (LocaleRisk(risks), LengthRisk(0.03), TurnRisk(0.1, "norm"))
-    given = rng.integers(0, 5, n).astype(float) * rewards
-    given[-1] += rewards
+    collected = rng.integers(0, 5, n).astype(float) * rewards
+    collected[-1] += rewards
     goals = () if rewards else (int(rng.integers(1, n)),)
     while goals and not np.isin(head, goals).any():
         goals = (int(rng.integers(1, n)),)
-    return RiskyPath(RiskyGraph(n, tail, head, elements, 0, True, goals, given, discount, positions=grid.positions, name=name))
+    return RiskyPath(RiskyGraph(n, tail, head, elements, 0, True, goals, collected, discount, positions=grid.positions, name=name))
 
 
 def enumerated(problem: RiskyPath) -> Case:
-    """With the best of all its paths."""
+    """A case with the best of all its paths."""
     graph = problem.graph
     ahead: list[tuple[int, ...]] = [(graph.start,)]
     best: tuple[float, tuple[int, ...]] | None = None
@@ -64,8 +64,10 @@ def least_risk() -> Family:
 
 def rewarded(discount: float) -> Family:
     """Random maps with rewards."""
-    told = "all rewards count" if discount else "the last reward alone counts"
-    return Family(f"rewarded maps, {discount:g}", f"random maps of nine cells, {told}", partial(_random, rewards=True, discount=discount))
+    counted = "all rewards count" if discount else "the last reward alone counts"
+    return Family(
+        f"rewarded maps, {discount:g}", f"random maps of nine cells, {counted}", partial(_random, rewards=True, discount=discount)
+    )
 
 
 def _decoy(share: float) -> Case:

@@ -11,7 +11,7 @@ from ......formulations.risk.uncertain_path import UncertainPath
 from ......instances.errors import CheckFailedError
 from ......instances.generating import generate
 from ......instances.risk.uncertain_graph import UncertainGraph
-from ......solvers.engines.risk.path_search.non_dominated_paths import non_dominated_paths
+from ......solvers.engines.risk.non_dominated_paths import non_dominated_paths
 from ....families import Family, listed
 from ....judging import Case
 from ....optimum import attained
@@ -21,17 +21,17 @@ Edge = tuple[int, int, float, float]
 """Tail, head, mean, variance."""
 
 VERTICES = 20
-"""Of a roadmap: some 20 of its paths are dominated by none."""
+"""Vertices of a roadmap: some 20 of its paths are dominated by none."""
 
 
 def graph_of(edges: Sequence[Edge], goal: int, name: str) -> UncertainGraph:
-    """From vertex 0 to ``goal``, which is the last."""
+    """A graph from vertex 0 to ``goal``, which is the last."""
     tails, heads, mean, variance = zip(*edges, strict=True)
     return UncertainGraph(goal + 1, np.array(tails), np.array(heads), np.array(mean), np.array(variance), 0, goal, name=name)
 
 
 def enumerated(problem: UncertainPath) -> Case:
-    """With the best of all its simple paths."""
+    """A case with the best of all its simple paths."""
     graph = problem.graph
     ahead: list[tuple[int, ...]] = [(graph.start,)]
     best: tuple[float, tuple[int, ...]] | None = None
@@ -48,12 +48,12 @@ def enumerated(problem: UncertainPath) -> Case:
 
 
 def from_non_dominated(problem: UncertainPath) -> Case:
-    """With the best of all paths that none other dominates in mean and variance: the cost at risk grows in both."""
-    found = non_dominated_paths(problem.graph)
-    if not found.complete:
+    """A case with the best of all paths that none other dominates in mean and variance: the cost at risk grows in both."""
+    front = non_dominated_paths(problem.graph)
+    if not front.complete:
         raise CheckFailedError(f"the paths of {problem.name} were not searched to the end")
-    values = [problem.value(mean, variance) for mean, variance in zip(found.means.tolist(), found.variances.tolist(), strict=True)]
-    return Case(problem, attained(problem, found.paths[int(np.argmin(values))], "non-dominated paths"))
+    values = [problem.value(mean, variance) for mean, variance in zip(front.means.tolist(), front.variances.tolist(), strict=True)]
+    return Case(problem, attained(problem, front.paths[int(np.argmin(values))], "non-dominated paths"))
 
 
 # -- random ------------------------------------------------------------------------------------------------------------
@@ -80,9 +80,9 @@ def graphs(risk: float, *, whole: bool = False) -> Family:
 
 
 def _roadmap(k: int, rng: Rng, risk: float) -> Case:
-    made = generate("prm-graph", int(rng.integers(0, 2**31)), vertices=VERTICES, variance=400.0, name=f"roadmap-{k}-risk-{risk:g}")
-    assert isinstance(made, UncertainGraph)
-    return from_non_dominated(UncertainPath(made, risk))
+    roadmap = generate("prm-graph", int(rng.integers(0, 2**31)), vertices=VERTICES, variance=400.0, name=f"roadmap-{k}-risk-{risk:g}")
+    assert isinstance(roadmap, UncertainGraph)
+    return from_non_dominated(UncertainPath(roadmap, risk))
 
 
 def roadmaps(risk: float) -> Family:
@@ -94,7 +94,7 @@ def roadmaps(risk: float) -> Family:
 
 
 def _gambles(stages: int, variance: float, risk: float) -> Case:
-    """In each stage an edge of mean 1 and some variance, and a way round of mean 1.01 and none."""
+    """Stages, each with an edge of mean 1 and some variance, and a way round of mean 1.01 and none."""
     edges: list[Edge] = []
     for k in range(stages):
         edges += [(2 * k, 2 * k + 2, 1.0, variance), (2 * k, 2 * k + 1, 0.505, 0.0), (2 * k + 1, 2 * k + 2, 0.505, 0.0)]

@@ -7,7 +7,7 @@ import pytest
 from risk_problems import problem
 from scipy.special import ndtr
 
-from waybound.formulations.risk.forms._piecewise import mean_risk, piecewise_program, points
+from waybound.formulations.risk.forms.piecewise import mean_risk, piecewise_program, points
 from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.stop import Stop
 from waybound.reports.benchmarks.risk_allocation import random_problem, reference

@@ -1,8 +1,7 @@
-"""Successive tangents: intervals that close, and say what they are worth."""
-
 from __future__ import annotations
 
 import itertools
+import math
 
 import numpy as np
 import pytest
@@ -11,7 +10,45 @@ from risk_problems import margins, problem
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
 from waybound.reports.benchmarks.risk_allocation import compared, reference
-from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents import SuccessiveTangents, least_margin
+from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents import Interval, SuccessiveTangents, least_margin
+
+PRICES = {"constraints": np.array([1.0, 2.0]), "chance": np.array([0.0, 0.0, 0.0, 0.5])}
+
+
+def test_of_nothing_the_gap_is_infinite_and_nothing_is_proved() -> None:
+    unknown = Interval()
+    assert (unknown.status, unknown.bound, unknown.value, unknown.answer) == ("unknown", -math.inf, math.inf, None)
+    assert unknown.gap == math.inf and unknown.evidence(1.0) == ()
+    assert Interval(bound=3.0).gap == Interval(value=3.0).gap == math.inf
+
+
+@pytest.mark.parametrize(
+    ("bound", "value", "gap"),
+    [
+        (9.0, 10.0, 0.1),
+        (-10.0, -8.0, 0.25),
+        (-1.0, 1.0, 2.0),
+        (10.0, 10.0, 0.0),
+        (10.0 + 1e-12, 10.0, 0.0),  # rounding may cross the two
+        (0.0, 0.0, 0.0),
+    ],
+)
+def test_the_gap_is_a_part_of_the_value_and_never_negative(bound: float, value: float, gap: float) -> None:
+    assert Interval(bound=bound, value=value).gap == pytest.approx(gap, rel=1e-12, abs=0.0)
+
+
+@pytest.mark.parametrize(("sign", "stated"), [(1.0, 9.0), (-1.0, -9.0)])
+def test_prices_prove_the_bound_in_the_sense_of_the_problem(sign: float, stated: float) -> None:
+    (evidence,) = Interval("feasible", bound=9.0, value=10.0, prices=PRICES).evidence(sign)
+    assert (evidence.kind, evidence.source, evidence.value) == ("risk-allocation-duals", "duals of successive tangents", stated)
+    assert evidence.data == {"constraints": [1.0, 2.0], "chance": {"at": [3], "values": [0.5]}}
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_prices_that_no_decision_can_pay_prove_that_there_is_none(sign: float) -> None:
+    (evidence,) = Interval("infeasible", prices=PRICES).evidence(sign)
+    assert evidence.value == sign * math.inf and evidence.data["infeasible"] is True
+    assert "no decision can pay" in evidence.source
 
 
 def test_random_problems_are_closed_and_never_worse_than_the_heuristics() -> None:

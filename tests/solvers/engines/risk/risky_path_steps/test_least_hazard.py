@@ -1,5 +1,3 @@
-"""Labels with memory against enumeration."""
-
 from __future__ import annotations
 
 import math

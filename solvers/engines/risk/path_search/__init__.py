@@ -1,3 +1,0 @@
-"""Searches for paths in graphs of uncertain edge costs."""
-
-from ..... import _guard as _guard
