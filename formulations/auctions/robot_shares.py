@@ -1,4 +1,4 @@
-"""What problems share whose answers give every task to one robot: answers, their files, and the test that all tasks are there."""
+"""Base of the problems whose answers give every task to one robot."""
 
 from __future__ import annotations
 
@@ -23,15 +23,10 @@ Shares = tuple[tuple[int, ...], ...]
 
 
 class RobotShares(Problem):
-    """A problem whose answer is a tuple with one tuple of tasks a robot, as numbers from 0.
+    """A problem whose answer is a tuple with one tuple of tasks a robot, as numbers from 0; ``answer_kind`` is its kind in JSON."""
 
-    Attributes
-    ----------
-    instance : RobotTasks
-    answer_kind : str
-        Of answers in files.
-    """
-
+    senses = ("min",)
+    convention = "exact"
     instance: RobotTasks
     answer_kind: ClassVar[str]
 
@@ -42,14 +37,6 @@ class RobotShares(Problem):
     @property
     def num_tasks(self) -> int:
         return self.instance.num_tasks
-
-    @property
-    def senses(self) -> tuple[str, ...]:
-        return ("min",)
-
-    @property
-    def convention(self) -> str:
-        return "exact"
 
     @property
     def size(self) -> int:
@@ -81,10 +68,8 @@ class RobotShares(Problem):
     # -- answers as files --------------------------------------------------------------------------------------------
 
     def answer_to_json(self, answer: Shares) -> dict[str, Any]:
-        told = self.instance
-        shares = [
-            {"robot": told.robot_name(robot), "tasks": [told.task_name(task) for task in share]} for robot, share in enumerate(answer)
-        ]
+        data = self.instance
+        shares = [{"robot": data.robot_name(r), "tasks": [data.task_name(task) for task in share]} for r, share in enumerate(answer)]
         return {"kind": self.answer_kind, "shares": shares}
 
     def answer_from_json(self, data: Any) -> Shares:
@@ -120,18 +105,13 @@ class RobotShares(Problem):
         return tuple(tuple(indices_of(share, names, "task")) for share in shares)
 
     def check_start(self, answer: Any) -> None:
-        """See ``Problem.check_start``."""
-        known = isinstance(answer, tuple) and all(isinstance(share, tuple) for share in answer)
-        if (
-            not known
-            or len(answer) != self.num_robots
-            or any(type(t) is not int or not 0 <= t < self.num_tasks for share in answer for t in share)
-        ):
+        shares = isinstance(answer, tuple) and len(answer) == self.num_robots and all(isinstance(share, tuple) for share in answer)
+        if not shares or any(type(t) is not int or not 0 <= t < self.num_tasks for share in answer for t in share):
             raise UsageError(f"the start is no answer of {self.name}: it has {self.num_robots} robots and {self.num_tasks} tasks")
 
 
 def robot_tasks(instance: Any, name: str) -> RobotTasks:
-    """``instance``, if it holds robots and tasks; UsageError for any other."""
+    """The instance, if it holds robots and tasks; UsageError otherwise."""
     if not isinstance(instance, RobotTasks):
         raise UsageError(f"{instance.name} holds no robots and tasks, so it cannot be read as {name}")
     return instance
@@ -149,6 +129,6 @@ def settings_of(name: str, settings: Mapping[str, Any], known: tuple[str, ...]) 
 
 
 def saved(problem: RobotShares, **settings: Any) -> RobotTasks:
-    """The instance, with what makes the problem of it."""
+    """The instance with the settings that make this problem of it."""
     made: RobotTasks = with_settings(replace(problem.instance, problem=problem.problem), settings)
     return made

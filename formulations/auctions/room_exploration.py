@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 GO, MAP, SEARCH = range(3)
 ACTIONS = ("go", "map", "search")
-"""To a room, or to stay; to observe the type of the room; to look for a target in it."""
+"""Go to a room or stay; observe the type of the room; look for a target in it."""
 
 Deed = tuple[int, int]
-"""The room in which a robot is after a step, and what it did."""
+"""The room in which a robot is after a step, and its action."""
 
 Plans = tuple[tuple[Deed, ...], ...]
 """Each robot's steps."""
@@ -51,6 +51,8 @@ class RoomExploration(Problem):
     """
 
     family: ClassVar[str] = "room-exploration"
+    senses = ("max",)
+    convention = "exact"
 
     def __init__(self, instance: ExplorationMap) -> None:
         if not isinstance(instance, ExplorationMap):
@@ -58,19 +60,10 @@ class RoomExploration(Problem):
         self.instance = instance
         self.name, self.problem, self.notes = instance.name, "room-exploration", instance.notes
 
-    @property
-    def senses(self) -> tuple[str, ...]:
-        return ("max",)
-
-    @property
-    def convention(self) -> str:
-        return "exact"
-
     def digest(self) -> str:
         return digest("room-exploration", self.instance.digest())
 
     def features(self) -> frozenset[str]:
-        """The limit of communication."""
         return frozenset({"contact"})
 
     @property
@@ -83,7 +76,7 @@ class RoomExploration(Problem):
     # -- judging -----------------------------------------------------------------------------------------------------
 
     def evaluate(self, answer: Any) -> Evaluation:
-        """Add up the gains, and test that each step leads through a door, observers stay, and contact is kept."""
+        """Add up the gains; test that each step leads through a door, that observers stay, and that contact is kept."""
         given = self.instance
         self._check_shape(answer)
         checks = Checklist()

@@ -1,8 +1,8 @@
-"""Evidence ``best-increments``: no robots gain more than by the best visits and observations, one a step, each in a room in reach by then.
+"""Evidence ``best-increments``: robots gain at most by the best visits and observations, one a robot and step, each in a room within reach.
 
-It holds for every instance, so that the evidence holds no data. A visit that gains is a step, and so is an observation; a room at a
-distance of d doors from the nearest start is entered in step d at the earliest, and observed in the step after. Which gains can be had one
-a robot and step, contact set aside, is a matroid, so that taking the largest first is best (Edmonds 1971).
+It holds for every instance, and has no data. A visit that gains takes a step, and so does an observation. A room d doors from the nearest
+start is entered in step d at the earliest, and observed in the step after. Without regard to contact, the sets of gains that can be had,
+one a robot and step, are a matroid, so that taking the largest first is best (Edmonds 1971).
 """
 
 from __future__ import annotations
@@ -19,27 +19,9 @@ from ...evidence import CHECKERS
 
 @CHECKERS.register("best-increments")
 def check_best_increments(problem: Any, data: Mapping[str, Any]) -> float:
-    """Upper bound on the gain.
+    """Upper bound on the gain, rounded upwards; the evidence must have no data.
 
-    Parameters
-    ----------
-    problem : RoomExploration
-    data : dict
-        Empty.
-
-    Returns
-    -------
-    float
-        Rounded upwards.
-
-    Raises
-    ------
-    InputError
-        For another problem, or data.
-
-    Notes
-    -----
-    docs/formulations/room-exploration.md#evidence.
+    Source: docs/formulations/room-exploration.md#evidence.
     """
     if problem.family != "room-exploration":
         raise InputError("best increments are evidence for room-exploration problems", found=problem.problem)

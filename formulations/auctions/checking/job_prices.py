@@ -1,14 +1,14 @@
 """Evidence ``job-prices`` and ``capacity-need`` of generalised assignments.
 
-With a price u_j a job, an agent gains u_j - c_ij (of costs) or v_ij - u_j (of profits) by doing it, and no more altogether than K_i, the
-most that fits its capacity. Whoever does the jobs,
+With a price u_j a job, an agent gains u_j - c_ij (of costs) or v_ij - u_j (of profits) by doing it, and altogether no more than K_i, the
+largest gain of jobs that fit its capacity. Whoever does the jobs,
 
     cost  >=  sum_j u_j - sum_i K_i             profit  <=  sum_j u_j + sum_i K_i     (u >= 0)
 
-where K_i is exact for whole consumption of moderate size, in whichever power of two it is counted (Bellman 1957), and elsewhere that of
-jobs done in part (Dantzig 1957).
+K_i is exact where consumption is a whole number of moderately many steps of some power of two (Bellman 1957); elsewhere jobs may be done in
+part (Dantzig 1957).
 
-With a weight y_i >= 0 an agent, there is no way to do all jobs if sum_j min_i y_i a_ij > sum_i y_i b_i.
+With a weight y_i >= 0 an agent, not all jobs can be done if sum_j min_i y_i a_ij > sum_i y_i b_i.
 """
 
 from __future__ import annotations
@@ -36,29 +36,11 @@ _LARGEST, _TINY, _WHOLE = 1e300, 1e-290, 2.0**53
 
 @CHECKERS.register("job-prices")
 def check_job_prices(problem: Any, data: Mapping[str, Any]) -> float:
-    """Bound on the cost or profit that any prices prove.
+    """Bound on the cost (rounded downwards) or profit (upwards) that any prices prove; ``data`` holds ``prices``, one number a job.
 
-    Parameters
-    ----------
-    problem : GeneralisedAssignment
-    data : dict
-        ``prices``: one number a job; of profits negative ones count as 0.
-
-    Returns
-    -------
-    float
-        Rounded downwards for costs, upwards for profits.
-
-    Raises
-    ------
-    InputError
-        If there is not one finite number a job.
-
-    Notes
-    -----
     Source: Lagrangean duality, Fisher, Jaikumar and Van Wassenhove (1986); docs/formulations/generalised-assignment.md#evidence.
     """
-    given, prices = _instance(problem, "prices of jobs"), _numbers(data, "prices", problem.num_jobs)
+    given, prices = _instance(problem, "prices of jobs"), finite_numbers(data, "prices", problem.num_jobs)
     costs = problem.objective == "cost"
     if not costs:
         prices = np.maximum(prices, 0.0)
@@ -85,7 +67,7 @@ def check_job_prices(problem: Any, data: Mapping[str, Any]) -> float:
 
 
 def _whole(used: Floats, most: float) -> tuple[NDArray[np.int64] | None, float]:
-    """Consumption, and the most that there is of use, in the largest power of two of which all are multiples; None for too many."""
+    """Consumption and useful capacity, counted in the largest power of two that divides all consumption; None for too many steps."""
     mantissa, exponent = np.frexp(used[used > 0.0])
     digits = np.ldexp(mantissa, 53).astype(np.int64)
     unit = int((exponent - 53 + np.log2(digits & -digits).astype(np.int64)).min(initial=2000))
@@ -96,7 +78,7 @@ def _whole(used: Floats, most: float) -> tuple[NDArray[np.int64] | None, float]:
 
 
 def _knapsack(gain: Floats, used: NDArray[np.int64], most: int) -> float:
-    """The most gain of jobs that take no more than ``most``, all whole."""
+    """The most gain of jobs that together take at most ``most``, in whole numbers."""
     best = np.zeros(most + 1)
     for each, part in zip(gain.tolist(), used.tolist(), strict=True):
         if part == 0:
@@ -107,7 +89,8 @@ def _knapsack(gain: Floats, used: NDArray[np.int64], most: int) -> float:
 
 
 def _in_part(gain: Floats, used: Floats, most: float) -> float:
-    """At least the most gain: for any rate q >= 0, q most and what jobs gain beyond q times their part; the best q is where room ends."""
+    """An upper bound on the most gain: at any rate q >= 0, q most and what jobs gain beyond q times their part; best where the capacity
+    ends."""
     with np.errstate(over="ignore", under="ignore", divide="ignore", invalid="ignore"):
         unit = -math.frexp(most)[1] if most > 0.0 else 0
         used, most = np.ldexp(used, unit), math.ldexp(most, unit)
@@ -124,15 +107,9 @@ def _in_part(gain: Floats, used: Floats, most: float) -> float:
 
 @CHECKERS.register("capacity-need")
 def check_capacity_need(problem: Any, data: Mapping[str, Any]) -> float:
-    """Infinite where weights of agents prove that not all jobs can be done, else minus infinity.
-
-    Parameters
-    ----------
-    problem : GeneralisedAssignment
-    data : dict
-        ``weights``: one number an agent; negative ones count as 0.
-    """
-    given, weights = _instance(problem, "weights of agents"), np.maximum(_numbers(data, "weights", problem.num_agents), 0.0)
+    """Infinity where weights of agents prove that not all jobs can be done, else minus infinity; ``data`` holds ``weights``, one number an
+    agent."""
+    given, weights = _instance(problem, "weights of agents"), np.maximum(finite_numbers(data, "weights", problem.num_agents), 0.0)
     if problem.objective != "cost":
         return math.inf  # nothing has to be done
     rooms = np.array([room(row, b) for row, b in zip(given.consumption, given.capacity.tolist(), strict=True)])
@@ -156,12 +133,14 @@ def _instance(problem: Any, what: str) -> Any:
     return problem.instance
 
 
-def _numbers(data: Mapping[str, Any], key: str, count: int) -> Floats:
-    given = data.get(key)
-    if not isinstance(given, list) or len(given) != count or not all(map(_finite, given)):
-        raise InputError(f"evidence needs a list of {key}", expected=f"{count} finite numbers")
-    return np.array(given, dtype=np.float64)
+def finite_numbers(data: Mapping[str, Any], key: str, count: int, what: str = "") -> Floats:
+    """A list of finite numbers out of evidence; ``what`` it holds is told in the error."""
+    listed = data.get(key)
+    if not isinstance(listed, list) or len(listed) != count or not all(map(is_finite, listed)):
+        raise InputError(f"evidence needs a list of {what or key}", expected=f"{count} finite numbers")
+    return np.array(listed, dtype=np.float64)
 
 
-def _finite(value: object) -> bool:
+def is_finite(value: object) -> bool:
+    """Whether a value is a number of moderate size."""
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < _LARGEST

@@ -1,9 +1,9 @@
-"""Evidence ``shortest-ways``: nobody is at a task sooner than the shortest way from any robot allows.
+"""Evidence ``shortest-ways``: nobody reaches a task sooner than the shortest way from any robot allows.
 
-Whoever does task t went at least D_t, the length of a shortest walk from some robot to it, so the longest path, and all paths together,
-are at least max D_t long, and the mean way is at least the mean of all D_t. Besides, the ways of all tasks together are every leg times
-the number of tasks from it on; of n robots at most n have a leg that counts k times, for each k, and the leg to t is at least e_t, the
-shortest from anywhere. So the sum is at least e_(1) + ... + e_(n) + 2 (e_(n+1) + ... + e_(2n)) + 3 ..., the largest e first.
+Whoever does task t went at least D_t, the length of a shortest walk from some robot to it. So the longest path, and all paths together, are
+at least max D_t long, and the mean way is at least the mean of all D_t. Besides, the ways of all tasks together are the sum of all legs,
+each times the number of tasks from it on. Of n robots at most n have a leg that counts k times, for each k, and the leg to t is at least
+e_t, the shortest from anywhere. So the sum is at least e_(1) + ... + e_(n) + 2 (e_(n+1) + ... + e_(2n)) + 3 ..., the largest e first.
 """
 
 from __future__ import annotations
@@ -25,20 +25,8 @@ _EPS = float(np.finfo(np.float64).eps)
 
 @CHECKERS.register("shortest-ways")
 def check_shortest_ways(problem: Any, data: Mapping[str, Any]) -> float:
-    """Lower bound from the shortest ways to all tasks; the data of the problem suffice, and none are read.
+    """Lower bound from the shortest ways to all tasks, rounded downwards; it reads no evidence data.
 
-    Returns
-    -------
-    float
-        Rounded downwards.
-
-    Raises
-    ------
-    InputError
-        For problems of another family.
-
-    Notes
-    -----
     Source: docs/formulations/task-allocation.md#evidence.
     """
     if problem.family != "task-allocation":
@@ -57,7 +45,7 @@ def check_shortest_ways(problem: Any, data: Mapping[str, Any]) -> float:
 
 
 def _shortest_ways(first: Floats, between: Floats) -> Floats:
-    """Lengths of shortest walks to all tasks, whose first legs are ``first`` (Dijkstra 1959)."""
+    """Lengths of shortest walks to all tasks, ``first`` being the lengths of their first legs (Dijkstra 1959)."""
     found, left = first.copy(), np.ones(len(first), dtype=bool)
     for _ in range(len(first)):
         node = int(np.where(left, found, math.inf).argmin())

@@ -1,7 +1,7 @@
 """Evidence ``task-forest``: prices of tasks and robots under which a smallest forest bounds all paths.
 
-The legs of all paths, without their direction, are a forest in which every task is joined to exactly one robot; in it a task has two legs
-at most, and a robot one. So for prices p_t, q_r >= 0 all paths together are at least as long as::
+The legs of all paths, regardless of direction, are a forest that joins every task to exactly one robot. In it a task has at most two legs,
+and a robot one. So for prices p_t, q_r >= 0 all paths together are at least as long as::
 
     min over forests that join each task to a robot of  sum (c_ij + p_i + p_j) + sum (c_rj + q_r + p_j)  -  2 sum p_t  -  sum q_r
 
@@ -28,26 +28,11 @@ _EPS = float(np.finfo(np.float64).eps)
 
 @CHECKERS.register("task-forest")
 def check_task_forest(problem: Any, data: Mapping[str, Any]) -> float:
-    """Lower bound on the sum of all paths, or on the longest of them, that any prices prove.
+    """Lower bound on the sum of all paths, or on the longest, that any prices prove; 0 for the mean way.
 
-    Parameters
-    ----------
-    problem : TaskAllocation
-    data : dict
-        ``tasks``: one number a task; ``robots``: one a robot. Negative ones count as 0.
+    ``data`` holds ``tasks`` and ``robots``, one price each; negative ones count as 0. The longest of n paths is at least an n-th of all
+    together.
 
-    Returns
-    -------
-    float
-        At least 0. The longest of n paths is at least an n-th of all together; for the mean way nothing else is proved.
-
-    Raises
-    ------
-    InputError
-        If a list is missing, has a wrong length, or holds anything but finite numbers.
-
-    Notes
-    -----
     Source: Lagoudakis et al. (2005) for the forest; Held and Karp (1971) for the prices; docs/formulations/task-allocation.md#evidence.
     """
     if problem.family != "task-allocation":
@@ -63,14 +48,14 @@ def check_task_forest(problem: Any, data: Mapping[str, Any]) -> float:
         return 0.0
     inner = np.minimum(distances[robots:], distances[robots:].T)
     root = (distances[:robots] + q[:, None]).min(axis=0) + p
-    forest = _smallest_forest(root, inner + p[:, None] + p)
+    forest = smallest_forest(root, inner + p[:, None] + p)
     rounding = 32.0 * _EPS * (tasks + robots) * size
     whole = math.fsum([*forest, *(-2.0 * p), *(-q), -rounding])
     return max(0.0, whole / robots * (1.0 - 4.0 * _EPS) if problem.objective == "mini-max" else whole)
 
 
-def _smallest_forest(root: Floats, edges: Floats) -> list[float]:
-    """Lengths of the edges by which Prim's algorithm joins the nodes to a root, one after the other."""
+def smallest_forest(root: Floats, edges: Floats) -> list[float]:
+    """Lengths of the edges by which Prim's algorithm (1957) joins all nodes to a root."""
     near, left, taken = root.copy(), np.ones(len(root), dtype=bool), []
     for _ in range(len(root)):
         node = int(np.where(left, near, math.inf).argmin())

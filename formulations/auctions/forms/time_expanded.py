@@ -22,7 +22,7 @@ MOST_VARIABLES = 100_000
 
 
 class _Columns:
-    """Blocks of variables, and the column at which each begins."""
+    """Blocks of variables one after the other."""
 
     def __init__(self) -> None:
         self.blocks: list[Variables] = []
@@ -160,7 +160,7 @@ def _send(
     problem: RoomExploration, at: list[int], heard: NDArray[np.bool_], vector: Floats, columns: tuple[Integers, Integers, Integers],
     pair: list[tuple[int, int]],
 ) -> None:  # fmt: skip
-    """One unit from the base to each robot in contact, along a tree of those that hear each other."""
+    """Send one unit of flow from the base to each robot in contact, along a tree of robots that hear each other."""
     linked, base = problem.instance.linked, problem.instance.base
     direct, flow, link = columns
     number = {ends: k for k, ends in enumerate(pair)}

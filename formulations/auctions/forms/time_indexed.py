@@ -19,11 +19,11 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 MOST_STARTS = 50_000
-"""Variables of trips and steps."""
+"""Variables, one a bin and step."""
 
 
 def full_at(problem: OrchardDay) -> Integers:
-    """Step at which each bin is full, where all stand from the first step on."""
+    """Step at which each bin is full if all stand from the first step on."""
     full = np.zeros(problem.jobs.num_bins, np.int64)
     for k, before in enumerate(problem.jobs.after.tolist()):
         full[k] = problem.jobs.work[k] + (full[before] if before >= 0 else 0)
@@ -31,8 +31,7 @@ def full_at(problem: OrchardDay) -> Integers:
 
 
 def latest_end(problem: OrchardDay) -> int:
-    """A step by which some best plan is over: that of the bins in turn for the last step; for the sum, when all are free and no robot that
-    has something to fetch waits."""
+    """A step by which some best plan is over: for the last step, that of the bins in turn; for the sum, when nobody waits any more."""
     jobs = problem.jobs
     known = int(problem.timetable(in_order(jobs, range(jobs.num_bins))).max())
     if problem.objective == "makespan":
