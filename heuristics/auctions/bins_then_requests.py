@@ -7,11 +7,12 @@ import numpy as np
 from ...formulations.auctions.bin_assignment import BinAssignment
 from ...formulations.auctions.joint_assignment import JointAssignment
 from ...solvers.engines.auctions.assignment_steps.auction import auction
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import Context, Outcome, heuristic
 
 
+@heuristic("bins-then-requests", "joint-assignment", {"triples"}, "the best assignment of bins, then the best of requests beside it")
 def bins_then_requests(problem: JointAssignment, context: Context) -> Outcome:
-    """Zhang's order of decisions: no robot looks at requests before it knows its bin."""
+    """Decide in Zhang's order: no robot looks at requests before it knows its bin."""
     stop = context.begin()
     given = problem.instance
     assert given.filled is not None
@@ -32,12 +33,3 @@ def bins_then_requests(problem: JointAssignment, context: Context) -> Outcome:
             return Outcome(None, limit=stop.reached() or "none")
         chosen[1] = np.array(second.answer)
     return Outcome(tuple(zip(chosen[0].tolist(), chosen[1].tolist(), strict=True)))
-
-
-HEURISTICS.add(
-    "bins-then-requests",
-    Heuristic(
-        "bins-then-requests", ("joint-assignment",), frozenset({"triples"}), bins_then_requests,
-        "the best assignment of bins, then the best of requests beside it",
-    ),
-)  # fmt: skip

@@ -1,4 +1,4 @@
-"""Conflict auction: robots bid for their cheapest bins, the lowest cost wins ("one-turn English auction")."""
+"""Heuristic ``auction``: robots bid for their cheapest bins, and the lowest cost wins ("one-turn English auction")."""
 
 from __future__ import annotations
 
@@ -12,41 +12,36 @@ from ...formulations.auctions.bin_assignment import BinAssignment
 from ...formulations.evidence import Guarantee
 from ...formulations.stop import Stop
 from ...instances.errors import UsageError
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from ._common import QUADRANGLE, completed, cut_short, quadrangle, told
+from ..heuristic import Context, Outcome, heuristic
+from ._bin_auctions import QUADRANGLE, changes_message, completed, cut_short, quadrangle
 
 MODES = ("deferred", "immediate")
 
 BLOCK = 500_000
-"""Pairs that are put in order at once, between two looks at the clock."""
+"""Pairs that are sorted between two looks at the clock."""
 
 SOURCE = "Reingold and Tarjan (1981), On a greedy heuristic for complete matching"
 
 
 def greedy_ratio(pairs: int) -> float:
-    """2 n^(log2 3/2) - 1, of cheapest-pair-first matchings of ``pairs`` pairs on costs that keep the quadrangle inequality."""
+    """2 n^(log2 3/2) - 1, the ratio of matchings that take the cheapest pair first, for costs that keep the quadrangle inequality."""
     return float(2.0 * max(1, pairs) ** math.log2(1.5) - 1.0)
 
 
+@heuristic(
+    "auction",
+    "bin-assignment",
+    {"objective:sum", "objective:bottleneck"},
+    "robots bid for their cheapest bins, the lowest cost wins",
+    "2 n^0.585 - 1 for n pairs whose costs keep the quadrangle inequality, where later bids may win (deferred)",
+)
 def conflict_auction(problem: BinAssignment, context: Context, *, mode: str = "deferred") -> Outcome:
     """Robots without a bin bid for their cheapest one until all have one, or none is left.
 
-    Parameters
-    ----------
-    problem : BinAssignment
-    context : Context
-    mode : str
-        ``deferred``: a cheaper later bid wins a bin from who holds it, so that the outcome is that of the cheapest pair again and
-        again. ``immediate``: who has won a bin keeps it; nothing is guaranteed.
+    With ``mode`` ``deferred`` a cheaper later bid wins a bin from its holder, so that the outcome is that of taking the cheapest pair again
+    and again. With ``immediate`` a bin that is won is kept, and nothing is guaranteed. Where pairs are forbidden the auction may match
+    fewer than possible; then as few robots as possible get other bins.
 
-    Returns
-    -------
-    Outcome
-        ``rounds`` and ``bids`` in its statistics. Where pairs are forbidden it may match fewer than possible; as few robots as possible
-        then get other bins.
-
-    Notes
-    -----
     Source: Zhang (2015), section 3.4.2, algorithm 1, read as in docs/formulations/bin-assignment.md#auctions. Equal costs go to the lower
     bin, equal bids to the lower robot. The ratio is that of Reingold and Tarjan (1981), whose proof needs no more than the inequality.
     """
@@ -72,7 +67,7 @@ def conflict_auction(problem: BinAssignment, context: Context, *, mode: str = "d
         ratio = greedy_ratio(pairs)
         statement = f"cost <= (2 n^(log2 3/2) - 1) OPT, that is {ratio:.4g} OPT for n = {pairs} pairs"
         guarantee = Guarantee(ratio, statement, (QUADRANGLE,), SOURCE)
-    return Outcome(answer, guarantee, (), {**statistics, **({"changed": changed} if changed else {})}, told(changed))
+    return Outcome(answer, guarantee, (), {**statistics, **({"changed": changed} if changed else {})}, changes_message(changed))
 
 
 def _by_cost(problem: BinAssignment, stop: Stop) -> NDArray[np.int64] | None:
@@ -85,13 +80,3 @@ def _by_cost(problem: BinAssignment, stop: Stop) -> NDArray[np.int64] | None:
         part = slice(int(indptr[first]), int(indptr[last]))
         order[part] = part.start + np.lexsort((problem.bins[part], problem.cost[part], problem.robots[part]))
     return order
-
-
-HEURISTICS.add(
-    "auction",
-    Heuristic(
-        "auction", ("bin-assignment",), frozenset({"objective:sum", "objective:bottleneck"}), conflict_auction,
-        "robots bid for their cheapest bins, the lowest cost wins",
-        "2 n^0.585 - 1 for n pairs whose costs keep the quadrangle inequality, where later bids may win (deferred)",
-    ),
-)  # fmt: skip

@@ -1,4 +1,4 @@
-"""Consensus-based bundle algorithm (CBBA): an auction without an auctioneer, over a communication graph."""
+"""Heuristic ``consensus-bundle``: consensus-based bundles (CBBA), an auction without an auctioneer over a communication graph."""
 
 from __future__ import annotations
 
@@ -8,38 +8,26 @@ from numpy.typing import NDArray
 from ...formulations.auctions.task_allocation import Paths, TaskAllocation
 from ...formulations.stop import Stop
 from ...instances.errors import UsageError
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import Context, Outcome, heuristic
 from .auction_steps.consensus import Consensus, consensus
-from .auction_steps.paths import ANY_OBJECTIVE, CUT_SHORT, arrays_of, completed
+from .auction_steps.task_paths import ANY_OBJECTIVE, CUT_SHORT, arrays_of, completed
 
 GRAPHS = ("complete", "ring", "line", "star")
 
 
+@heuristic(
+    "consensus-bundle",
+    "task-allocation",
+    ANY_OBJECTIVE,
+    "consensus-based bundle algorithm (CBBA): an auction without an auctioneer, over a communication graph",
+)
 def consensus_bundle(problem: TaskAllocation, context: Context, *, communication: str = "complete", most: int | None = None) -> Outcome:
-    """Robots fill bundles by what a task adds to their path, tell their neighbours, and give up what others do at less.
+    """Robots fill bundles by what a task adds to their path, tell their neighbours, and give up what others do for less.
 
-    Parameters
-    ----------
-    problem : TaskAllocation
-    context : Context
-    communication : str
-        Who hears whom, in the order of the robots: ``complete``, ``ring``, ``line``, or ``star`` around the first.
-    most : int, optional
-        Tasks of one robot in its bundle; what nobody has room for goes to the cheapest insertion afterwards.
+    ``communication`` says who hears whom, in the order of the robots: ``complete``, ``ring``, ``line``, or ``star`` around the first.
+    ``most`` limits the tasks in a robot's bundle; what nobody has room for is inserted where it is cheapest afterwards. There is no
+    guarantee: half of the optimum holds for gains that diminish as a bundle grows, and what a task adds to a path need not.
 
-    Returns
-    -------
-    Outcome
-        No guarantee: its half of the optimum is for gains that diminish as a bundle grows, and what a task adds to a path does not
-        keep to that. The statistics count rounds and messages.
-
-    Raises
-    ------
-    UsageError
-        For another graph, or no room at all.
-
-    Notes
-    -----
     Source: Choi, Brunet, How (2009), Consensus-based decentralized auctions for robust task allocation;
     docs/formulations/task-allocation.md#consensus-based-bundles.
     """
@@ -87,7 +75,7 @@ def _agree(problem: TaskAllocation, communication: str, most: int | None, stop: 
 
 
 def _once(paths: Paths) -> Paths:
-    """Without the second mention of a task."""
+    """The paths without the second mention of a task."""
     seen: set[int] = set()
     kept = []
     for path in paths:
@@ -97,7 +85,7 @@ def _once(paths: Paths) -> Paths:
 
 
 def _inserted(problem: TaskAllocation, paths: Paths, stop: Stop) -> Paths:
-    """With the tasks that are missing, one after the other where it adds least to a path."""
+    """The paths with missing tasks inserted, one after the other, where each adds least."""
     from .auction_steps.bidding_kernels import insertions
 
     starts, between = arrays_of(problem)
@@ -107,15 +95,3 @@ def _inserted(problem: TaskAllocation, paths: Paths, stop: Stop) -> Paths:
         robot = min(range(len(made)), key=lambda r: float(ways[r][0][task]))
         made[robot].insert(int(ways[robot][1][task]), task)
     return tuple(tuple(path) for path in made)
-
-
-HEURISTICS.add(
-    "consensus-bundle",
-    Heuristic(
-        name="consensus-bundle",
-        families=("task-allocation",),
-        features=ANY_OBJECTIVE,
-        run=consensus_bundle,
-        summary="consensus-based bundle algorithm (CBBA): an auction without an auctioneer, over a communication graph",
-    ),
-)

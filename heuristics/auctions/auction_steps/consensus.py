@@ -1,7 +1,7 @@
-"""Consensus-based bundles: robots that fill bundles greedily, tell their neighbours who bids most for what, and give up what they lost.
+"""Consensus-based bundles: robots fill bundles greedily, tell their neighbours who bids most for what, and give up what they lost.
 
-Source: Choi, Brunet, How (2009), Consensus-based decentralized auctions for robust task allocation, algorithm 3 and table 1, with bids
-that never rise along a bundle (Johnson, Choi, Ponda, How 2012), so that it converges whatever the gains are.
+Source: Choi, Brunet, How (2009), Consensus-based decentralized auctions for robust task allocation, algorithm 3 and table 1, with bids that
+never rise along a bundle (Johnson, Choi, Ponda, How 2012), so that it converges for any gains.
 docs/formulations/task-allocation.md#consensus-based-bundles.
 """
 
@@ -20,25 +20,17 @@ Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 Gains = Callable[[int, tuple[int, ...]], tuple[Floats, Integers]]
-"""From a robot and its path to what each task would add to its value, and at which place; tasks of the path are not asked about."""
+"""From a robot and its path to what each task would add to its value, and at which place; tasks of the path are ignored."""
 
 NOBODY = -1
 
 
 @dataclass(frozen=True)
 class Consensus:
-    """What the robots agreed on.
+    """The paths that robots agreed on, the rounds until nothing changed, messages (one to each neighbour and round), and whether they
+    agreed.
 
-    Parameters
-    ----------
-    paths : tuple of tuples of int
-        One a robot.
-    rounds : int
-        Until nothing changed any more.
-    messages : int
-        One to each neighbour in every round.
-    agreed : bool
-        Whether every task is in one path at most, and all robots know the same winners.
+    They agree if every task is in at most one path, and all know the same winners.
     """
 
     paths: tuple[tuple[int, ...], ...]
@@ -48,7 +40,7 @@ class Consensus:
 
 
 class _Robot:
-    """What one robot knows: its bundle in the order of its bids, its path, and the winner and bid of each task by its account."""
+    """One robot's knowledge: its bundle in the order of its bids, its path, and the winner and bid of each task as it knows them."""
 
     def __init__(self, number: int, robots: int, tasks: int) -> None:
         self.number = number
@@ -76,7 +68,7 @@ class _Robot:
             self.bid[task], self.winner[task] = cap, self.number
 
     def hear(self, bid: Floats, winner: Integers, heard: Integers, sender: int) -> None:
-        """Table 1: for each task take over the sender's account, forget one's own, or leave it."""
+        """Table 1 of the source: for each task adopt the sender's account, reset one's own, or keep it."""
         me, mine = self.number, self.winner
         newer = heard > self.heard  # of each robot, whether the sender knows more recent news
         theirs_newer = (winner >= 0) & newer[np.maximum(winner, 0)]
@@ -102,7 +94,7 @@ class _Robot:
         self.winner = np.where(take, winner, np.where(drop, NOBODY, mine))
 
     def release(self) -> None:
-        """Give up the first task of the bundle that somebody else won, and all that was bid for after it."""
+        """Give up the first task of the bundle that somebody else won, and all tasks after it."""
         lost = next((k for k, task in enumerate(self.bundle) if self.winner[task] != self.number), None)
         if lost is None:
             return
@@ -115,17 +107,9 @@ class _Robot:
 
 
 def consensus(gains: Gains, tasks: int, neighbours: Flags, stop: Stop, most: int | None = None) -> Consensus:
-    """Fill bundles and talk, round after round, until nothing changed for as many rounds as there are robots.
+    """Fill bundles and talk, round after round, until nothing has changed for as many rounds as there are robots.
 
-    Parameters
-    ----------
-    gains : callable
-    tasks : int
-    neighbours : array of shape (robots, robots)
-        Who hears whom: ``neighbours[i, k]`` that i hears k. The graph must be connected, or there is no agreement.
-    stop : Stop
-    most : int, optional
-        Tasks of one robot.
+    ``neighbours[i, k]`` says that i hears k; the graph must be connected, or there is no agreement. ``most`` limits the tasks of a robot.
     """
     robots = len(neighbours)
     team = [_Robot(number, robots, tasks) for number in range(robots)]

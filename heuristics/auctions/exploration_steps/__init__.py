@@ -1,3 +1,3 @@
-"""What exploring robots believe of rooms, what an action is worth to them, and how far they may go out of contact."""
+"""Parts of explorations: beliefs about rooms, the worth of actions, and how far robots may go out of contact."""
 
 from .... import _guard as _guard

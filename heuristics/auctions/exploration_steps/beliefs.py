@@ -1,4 +1,4 @@
-"""Beliefs about rooms: of which type each is, and whether a target is in it, as one joint distribution a room."""
+"""Beliefs about rooms: the joint distribution of a room's type and of whether it holds a target."""
 
 from __future__ import annotations
 
@@ -17,19 +17,10 @@ TARGET, EMPTY = 0, 1
 
 @dataclass(frozen=True)
 class Sensors:
-    """What is seen of a room, given what is true.
+    """Probabilities of readings given the truth.
 
-    Parameters
-    ----------
-    types : array of shape (types, types)
-        Probability of each reading; one row a true type.
-    detection, false_alarm : float
-        Probability that a target is reported where there is one, and where there is none.
-
-    Raises
-    ------
-    InputError
-        If a row does not sum to 1, or anything is no probability.
+    ``types`` has a row of readings for each true type, which sums to 1; ``detection`` and ``false_alarm`` are the probabilities that a
+    target is reported where there is one, and where there is none.
     """
 
     types: Floats
@@ -46,20 +37,12 @@ class Sensors:
 
     @property
     def targets(self) -> Floats:
-        """Probability of a report and of none, rows a target and none."""
+        """Probabilities of a report and of none; one row with a target, one without."""
         return np.array([[self.detection, 1 - self.detection], [self.false_alarm, 1 - self.false_alarm]])
 
 
 def prior(types: ArrayLike, target_given_type: ArrayLike) -> Floats:
-    """Joint belief of a room, shape (types, 2): its type, and whether it holds a target.
-
-    Parameters
-    ----------
-    types : array of shape (types,)
-        Probabilities.
-    target_given_type : array of shape (types,)
-        Probability of a target in a room of each type; they need not sum to anything.
-    """
+    """Joint belief of a room, shape (types, 2), from probabilities of types and the probability of a target given each type."""
     p, q = np.asarray(types, dtype=np.float64), np.asarray(target_given_type, dtype=np.float64)
     if p.ndim != 1 or p.shape != q.shape or not (p >= 0).all() or abs(p.sum() - 1) > 1e-9 or not ((q >= 0) & (q <= 1)).all():
         raise InputError("types must be probabilities that sum to 1, with a probability of a target each", found=f"{p} and {q}")
@@ -67,7 +50,7 @@ def prior(types: ArrayLike, target_given_type: ArrayLike) -> Floats:
 
 
 def after_type(belief: Floats, sensors: Sensors, reading: int) -> Floats:
-    """The belief after a reading of the type, by Bayes' rule on the joint distribution: what follows for the target is in it.
+    """The belief after a reading of the type, by Bayes' rule on the joint distribution, which updates the target too.
 
     Updating the two marginals in turn, as (5.1) and (5.2) of Zhang (2015) suggest, counts repeated readings twice.
     """
@@ -87,7 +70,7 @@ def _normalised(belief: Floats) -> Floats:
 
 
 def entropy(probabilities: ArrayLike) -> float:
-    """In nats."""
+    """Entropy of a distribution in nats."""
     p = np.asarray(probabilities, dtype=np.float64)
     return float(-(p[p > 0] * np.log(p[p > 0])).sum())
 
@@ -100,22 +83,11 @@ def mutual_information(states: ArrayLike, readings: ArrayLike) -> float:
 
 @dataclass(frozen=True)
 class Rewards:
-    """What actions are worth: weights of exploring, mapping and searching, and how visits lose their worth.
+    """Worth of actions: weights of exploring, mapping and searching, worth of a first visit, and its decay at each further one.
 
-    Parameters
-    ----------
-    weights : tuple of three floats
-        Not negative, of sum 1.
-    first : float
-        Worth of the first visit of a room.
-    decay : float
-        Between 0 and 1: of each visit after it.
-    gain : str
-        ``mutual-information``: what a reading is expected to tell. ``entropy``: what is not known yet, as the source has it, whatever
-        the sensor is worth.
+    Weights are at least 0 and sum to 1. ``gain`` is ``mutual-information``, the expected information of a reading, or ``entropy``, what is
+    not known yet, as the source has it, whatever the sensor is worth.
 
-    Notes
-    -----
     Source: Zhang (2015), (5.3) and (5.4); docs/formulations/task-allocation.md#exploration.
     """
 
@@ -131,15 +103,12 @@ class Rewards:
             raise InputError("first must be at least 0, decay between 0 and 1, gain mutual-information or entropy")
 
     def explore(self, visits: int) -> float:
-        """Of moving to a room that was visited so often."""
         return self.weights[0] * self.first * self.decay**visits
 
     def map(self, belief: Floats, sensors: Sensors) -> float:
-        """Of a reading of a room's type."""
         types = belief.sum(axis=1)
         return self.weights[1] * (entropy(types) if self.gain == "entropy" else mutual_information(types, sensors.types))
 
     def search(self, belief: Floats, sensors: Sensors) -> float:
-        """Of a look for a target in a room."""
         target = belief.sum(axis=0)
         return self.weights[2] * (entropy(target) if self.gain == "entropy" else mutual_information(target, sensors.targets))

@@ -1,23 +1,23 @@
-"""One step of a team that explores: who acts by itself, and who passes on what another reads further out."""
+"""One step of a team that explores: some robots act by themselves, others relay messages of those further out."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ....formulations.auctions.room_exploration import GO, MAP, SEARCH
-from .communication import allowed, steps_to_contact
+from ....instances.errors import InputError
 
 Deed = tuple[int, int]
-"""Room, and what is done there."""
+"""Room, and action there."""
 
 Teams = Mapping[int, tuple[int, ...]]
 """Relays of each explorer that has any."""
 
 Worth = Callable[[int, int, int], float]
-"""Of doing something in a room that so many others chose in this step: room, action, others."""
+"""Worth of an action in a room, given how many others chose it in this step: room, action, others."""
 
 
 def explorers_and_relays(
@@ -32,32 +32,14 @@ def explorers_and_relays(
     *,
     relays: bool = True,
 ) -> tuple[dict[int, Deed], dict[int, tuple[int, ...]]]:
-    """What each robot does next, explorers in the order of their numbers, each what is worth most to the team.
+    """Each robot's next action and each explorer's relays; explorers choose in the order of their numbers what is worth most to the team.
 
-    Parameters
-    ----------
-    adjacent, linked : arrays of shape (rooms, rooms)
-        Where one step leads; which rooms hear each other, themselves included.
-    base : int
-    here, silent : sequences, one entry a robot
-        Rooms, and steps in a row without contact so far.
-    longest : int
-        Steps in a row that a robot may be without contact.
-    worth : callable
-    teams : mapping, optional
-        What the step before returned.
-    relays : bool
-        Whether robots may give up what they would do to pass on contact; without, each keeps to what it can do alone.
+    ``adjacent`` and ``linked``, shape (rooms, rooms), say where one step leads and which rooms hear each other; ``here`` and ``silent`` are
+    each robot's room and steps in a row without contact, at most ``longest``. ``teams`` are the relays returned by the step before. Without
+    ``relays`` each robot keeps to what it can do alone.
 
-    Returns
-    -------
-    (dict of deeds, dict of relays)
-        Of every robot; of each explorer that has any.
-
-    Notes
-    -----
     A robot by itself may do what leaves it time to come to a room that hears the base. Where it may not, others offer to stand where they
-    join it to the base, for what they give up by that; an offer is taken if the explorer gains more by it. Relays stay with their explorer,
+    join it to the base, at the price of what they give up; the offer is taken if the explorer gains more. Relays stay with their explorer,
     as they could all stay in place, until each can do without. Source: Zhang (2015), algorithm 4, of which ten lines are printed, with
     decisions that fail left out and offers compared by the gain of all; docs/missions.md#room-exploration.
     """
@@ -102,7 +84,7 @@ def explorers_and_relays(
         return best
 
     def released(own: tuple[int, ...], taken: tuple[Deed, ...]) -> bool:
-        """Whether all relays that are not taken again can do without."""
+        """Whether all relays that are not taken again can do without the explorer."""
         return all(best_alone(u) is not None for u in own if u not in dict(taken))
 
     while len(deeds) < len(here):
@@ -132,3 +114,36 @@ def explorers_and_relays(
         if best[2]:
             kept[explorer] = tuple(u for u, _ in best[2])
     return deeds, kept
+
+
+Integers = NDArray[np.int64]
+
+
+def steps_to_contact(adjacent: ArrayLike, contact: ArrayLike) -> Integers:
+    """Fewest moves from each room to one with contact, shape (rooms,); -1 where there is no way.
+
+    ``adjacent[a, b]`` says that one move leads from a to b, ``contact`` where a robot is heard.
+    """
+    moves, near = np.asarray(adjacent, dtype=bool), np.asarray(contact, dtype=bool)
+    if moves.ndim != 2 or moves.shape != (len(near),) * 2:
+        raise InputError("there must be one row and column of moves a room, and one flag of contact", found=f"{moves.shape}, {near.shape}")
+    steps = np.where(near, 0, -1)
+    reached, count = near, 0
+    while True:
+        more = moves[:, reached].any(axis=1) & (steps < 0)
+        if not more.any():
+            return np.asarray(steps, dtype=np.int64)
+        count += 1
+        steps[more] = count
+        reached = more
+
+
+def allowed(silent: int, to_contact: int, longest: int) -> bool:
+    """Whether contact can be regained in time by a robot ``to_contact`` moves from contact; the last move ends in contact.
+
+    ``silent`` counts the steps without contact so far, that of the action in question included; at most ``longest`` in a row are allowed.
+    Source: Zhang (2015), section 5.3.6; docs/formulations/task-allocation.md#exploration.
+    """
+    if longest < 0:
+        raise InputError("the steps out of contact must be at least 0", found=str(longest))
+    return to_contact >= 0 and silent + to_contact - 1 <= longest if to_contact else True

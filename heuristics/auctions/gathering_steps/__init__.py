@@ -1,3 +1,3 @@
-"""What one robot does with its waypoints: in which order it visits them, and how much it takes at each."""
+"""Parts of tours of one robot: the order of its waypoints, and how much it takes at each."""
 
 from .... import _guard as _guard

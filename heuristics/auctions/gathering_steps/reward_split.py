@@ -11,32 +11,13 @@ Floats = NDArray[np.float64]
 
 
 def expected_contents(contents: ArrayLike, rates: ArrayLike, steps: float, capacity: float = np.inf) -> Floats:
-    """What stores will hold after ``steps``, at most ``capacity``: (4.6) of Zhang (2015), which knows no capacity."""
+    """Contents of stores after ``steps``, at most ``capacity``: (4.6) of Zhang (2015), which has no capacity."""
     return np.minimum(np.asarray(contents, dtype=np.float64) + steps * np.asarray(rates, dtype=np.float64), capacity)
 
 
 def reward_split(available: ArrayLike, room: float) -> Floats:
-    """Shares of a robot's room in proportion to what is available, and no more than that anywhere.
+    """A robot's room shared out in proportion to what is available at each waypoint, and no more than that anywhere.
 
-    Parameters
-    ----------
-    available : array of shape (waypoints,)
-        What each is expected to hold, in units; not negative.
-    room : float
-        Of the robot, in units; not negative.
-
-    Returns
-    -------
-    array of shape (waypoints,)
-        Together ``room``, or all that is available where that is less.
-
-    Raises
-    ------
-    InputError
-        For what is negative or no number.
-
-    Notes
-    -----
     Source: Zhang (2015), (4.7), whose shares always come to the whole room; docs/formulations/balanced-partition.md#reward-split.
     """
     held = np.asarray(available, dtype=np.float64)

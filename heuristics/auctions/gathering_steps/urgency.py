@@ -10,40 +10,19 @@ from ....instances.errors import InputError, UsageError
 Floats = NDArray[np.float64]
 
 URGENCIES = ("shifted", "literal", "rate")
+"""``literal``: (rate - time) / distance, as printed, which grows with the distance where it is negative. ``shifted``: the same with the
+largest time added to rate - time, so that it is positive. ``rate``: the rate over the time and the distance together."""
 
 MOST_ORDERS = 10_000_000
 """Orders of the next stops that are compared at once."""
 
 
 def urgencies(rates: ArrayLike, times: ArrayLike, distances: ArrayLike, urgency: str = "shifted") -> Floats:
-    """How urgent each waypoint is from each place.
+    """Urgency of each waypoint from each place, shape (places, waypoints); ``urgency`` is one of ``URGENCIES``.
 
-    Parameters
-    ----------
-    rates : array of shape (waypoints,)
-        Units gathered a step, positive.
-    times : array of shape (waypoints,)
-        Steps until the store of a waypoint is full.
-    distances : array of shape (places, waypoints)
-        Steps; less than one counts as one.
-    urgency : str
-        ``literal``: (rate - time) / distance, as printed, which is the larger the farther a waypoint is where it is negative.
-        ``shifted``: the same with the largest time added to rate - time: positive, and in the same order. ``rate``: the rate over the
-        time and the distance together.
+    ``rates`` are positive, ``times`` the steps until a store is full, ``distances`` of shape (places, waypoints) count as one step at
+    least.
 
-    Returns
-    -------
-    array of shape (places, waypoints)
-
-    Raises
-    ------
-    InputError
-        If arrays do not fit each other, or a rate is not positive.
-    UsageError
-        For another urgency.
-
-    Notes
-    -----
     Source: Zhang (2015), (4.2) and (4.5); docs/formulations/balanced-partition.md#urgency.
     """
     rate, time, away = (np.asarray(given, dtype=np.float64) for given in (rates, times, distances))
@@ -60,16 +39,9 @@ def urgencies(rates: ArrayLike, times: ArrayLike, distances: ArrayLike, urgency:
 
 
 def next_stop(first: Floats, then: Floats, horizon: int) -> int:
-    """The first waypoint of the most urgent order of the next ``horizon`` ones, the first in lexicographic order of equal ones.
+    """The first waypoint of the most urgent order of the next ``horizon`` ones; of equal orders the first in lexicographic order.
 
-    Parameters
-    ----------
-    first : array of shape (waypoints,)
-        Urgencies from where the robot is.
-    then : array of shape (waypoints, waypoints)
-        Urgencies from each waypoint.
-    horizon : int
-        At least 1; fewer waypoints are all looked at.
+    ``first`` are the urgencies from where the robot is, ``then[a, b]`` that of b from waypoint a.
     """
     n = len(first)
     depth = min(horizon, n)
@@ -85,10 +57,7 @@ def next_stop(first: Floats, then: Floats, horizon: int) -> int:
 
 
 def receding_order(first: Floats, then: Floats, horizon: int = 3) -> tuple[int, ...]:
-    """All waypoints, each the first of the most urgent order of the next ones from the stop before.
-
-    Parameters and source as of ``next_stop``; Zhang (2015), section 4.4.2, with horizons 1 and 3.
-    """
+    """All waypoints, each the first of the most urgent order of the next ones from the stop before (Zhang 2015, section 4.4.2)."""
     left, order, here = np.arange(len(first)), [], first
     while len(left):
         chosen = int(left[next_stop(here[left], then[np.ix_(left, left)], horizon)])

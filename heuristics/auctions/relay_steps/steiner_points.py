@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 SAME = 1e-9
-"""Part of the reach by which a link may be longer: multiples of it need no further relay."""
+"""Share of the reach by which a link may be longer, so that multiples of the reach need no further relay."""
 
 SOURCE = "Chen, Du, Hu, Lin, Wang, Xue (2000), Approximations for Steiner trees with minimum number of Steiner points"
 
@@ -90,7 +90,7 @@ def spanning_tree_relays(terminals: ArrayLike, reach: float, *, strict: bool = F
 
 
 def _shares(ratio: float, strict: bool) -> list[float]:
-    """Where relays stand on an edge ``ratio`` reaches long."""
+    """Places of relays on an edge ``ratio`` reaches long, as shares of it."""
     pieces = math.floor(ratio * (1.0 + SAME)) + 1 if strict else max(1, math.ceil(ratio * (1.0 - SAME)))
     return [k / pieces for k in range(1, pieces)]
 
@@ -145,7 +145,7 @@ def fewest_relays(linked: ArrayLike, terminals: ArrayLike, most: int | None = No
 
 
 def _component(links: Flags, among: Flags, node: int) -> Flags:
-    """Nodes that are connected to ``node`` through those ``among``."""
+    """Nodes connected to ``node`` through nodes ``among`` the graph's."""
     found = np.zeros(len(links), dtype=bool)
     found[node] = True
     while True:

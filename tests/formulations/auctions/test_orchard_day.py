@@ -145,5 +145,5 @@ def test_settings_are_checked():
     from waybound.formulations.problem import problem_from_instance
 
     assert problem_from_instance(jobs, objective="completion").objective == "completion"
-    with pytest.raises(UsageError, match="has no setting robots; it takes objective"):
+    with pytest.raises(UsageError, match="has no setting 'robots'; it takes objective"):
         problem_from_instance(jobs, robots=3)

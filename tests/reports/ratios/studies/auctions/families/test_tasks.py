@@ -7,7 +7,7 @@ import pytest
 from task_problems import best_paths_value
 
 from waybound.formulations.stop import NEVER
-from waybound.heuristics.auctions.auction_steps.metric import keeps_triangles
+from waybound.heuristics.auctions.auction_steps.task_paths import keeps_triangles
 from waybound.reports.ratios.judging import run_heuristic
 from waybound.reports.ratios.studies.auctions.families import tasks as families
 

@@ -9,7 +9,7 @@ from draws import draws
 
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.stop import NEVER, Stop
-from waybound.heuristics.auctions._common import completed, quadrangle
+from waybound.heuristics.auctions._bin_auctions import completed, quadrangle
 from waybound.heuristics.heuristic import HEURISTICS, Context
 from waybound.solvers.linear_programs import linear_programs
 

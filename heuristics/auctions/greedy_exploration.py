@@ -1,4 +1,5 @@
-"""Heuristic ``heard-greedy``: each robot in turn does what gains most and leaves it time to be heard again by itself."""
+"""Heuristic ``heard-greedy``: each robot in turn takes the action of the most gain after which it can still be heard again in time by
+itself."""
 
 from __future__ import annotations
 
@@ -7,18 +8,18 @@ from numpy.typing import NDArray
 
 from ...formulations.auctions.room_exploration import GO, MAP, SEARCH, RoomExploration
 from ...formulations.stop import Stop, Stopped
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from .exploration_steps.communication import allowed, steps_to_contact
+from ..heuristic import Context, Outcome, heuristic
+from .exploration_steps.explorers_and_relays import allowed, steps_to_contact
 
 
+@heuristic(
+    "heard-greedy", "room-exploration", {"contact"}, "each robot in turn the most gain from which it can be heard again in time by itself"
+)
 def heard_greedy(problem: RoomExploration, context: Context) -> Outcome:
-    """At each step the robots choose in turn: of all actions after which a room that hears the base can be reached in time, and before the
-    end, the one of the most gain; of equals the way to the most gain for each step. No robot counts on another to be heard.
+    """At each step the robots choose in turn, and none counts on another to be heard.
 
-    Parameters
-    ----------
-    problem : RoomExploration
-    context : Context
+    An action is allowed if a room that hears the base can be reached in time afterwards, and before the end. Of equal gains, the one on the
+    way to the most gain for each step is taken.
     """
     stop, given = context.begin(), problem.instance
     adjacent, contact = given.adjacent, given.linked[given.base]
@@ -70,12 +71,3 @@ def _distances(adjacent: NDArray[np.bool_], stop: Stop) -> NDArray[np.float64]:
         stop.check()
         made[room] = dijkstra(doors, unweighted=True, indices=room)
     return made
-
-
-HEURISTICS.add(
-    "heard-greedy",
-    Heuristic(
-        "heard-greedy", ("room-exploration",), frozenset({"contact"}), heard_greedy,
-        "each robot in turn the most gain from which it can be heard again in time by itself",
-    ),
-)  # fmt: skip

@@ -1,4 +1,4 @@
-"""What the auctions share: whether a ratio holds on an instance, and pairs that an auction left out."""
+"""What auctions of bins share: the condition of their ratios, and assignments of the most pairs for whatever they leave out."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from ...formulations.auctions.bin_assignment import Assignment
 
 MOST_TRIPLES = 2_000_000_000
-"""Robots x robots x bins that are looked at to find out whether costs are like those of travel: some seconds."""
+"""Robots x robots x bins up to which the quadrangle inequality is tested: some seconds."""
 
 QUADRANGLE = "c_ij <= c_il + c_kl + c_kj for all robots i, k and bins j, l, to 11 digits"
 
 
 def quadrangle(problem: BinAssignment, stop: Stop) -> bool:
-    """Whether the costs are all there and keep the quadrangle inequality, as times of travel in a metric do, waiting included.
+    """Whether all pairs are allowed and their costs keep the quadrangle inequality, as travel times in a metric do, waiting included.
 
-    It makes them 0 at least. The side of fewer is compared pair by pair.
+    It implies costs of at least 0. The side of fewer is compared pair by pair.
     """
     from .conflict_kernels import quadrangle_broken
 
@@ -56,11 +56,11 @@ def completed(problem: BinAssignment, taken: NDArray[np.int64], stop: Stop) -> t
 
 
 def cut_short(problem: BinAssignment, stop: Stop, statistics: Mapping[str, float] = MappingProxyType({})) -> Outcome:
-    """What is left of an auction that was stopped: its own pairs may be fewer than asked for."""
+    """The outcome of an auction that was stopped: any assignment of the most pairs."""
     message = "cut short: the answer is any of the most pairs"
     return Outcome(problem.answer_at_hand(), statistics=dict(statistics), message=message, limit=stop.reached() or "time")
 
 
-def told(changed: int) -> str:
-    """What a user should know of a completed assignment."""
+def changes_message(changed: int) -> str:
+    """A message that a completed assignment differs from the auction's."""
     return f"as many pairs as possible need other bins for {changed} robots than it found" if changed else ""
