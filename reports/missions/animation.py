@@ -16,22 +16,11 @@ from .film_picture import FRAMES_A_SECOND, Picture
 from .mission import Mission, Scene
 
 MOST_FRAMES = 400
-"""Of longer runs every second, third, ... step is shown, so that a film keeps a size that can be sent."""
+"""Frames of a film; of longer runs every second, third, ... step is shown."""
 
 
 class Film:
-    """Collects pictures while a mission is played: ``run(mission, watch=film)``.
-
-    Parameters
-    ----------
-    mission : Mission
-        One that can be drawn.
-
-    Raises
-    ------
-    UsageError
-        If it cannot.
-    """
+    """Collects pictures while a mission is played: ``run(mission, watch=film)``. Raises UsageError if the mission cannot be drawn."""
 
     def __init__(self, mission: Mission) -> None:
         if not mission.drawable:
@@ -52,27 +41,19 @@ class Film:
         return [value for _, value in self.shots]
 
     def held(self, count: int) -> Film:
-        """The same with its last picture again until there are ``count``."""
+        """The same film with its last picture repeated until there are ``count``."""
         made = Film(self.mission)
         made.shots = self.shots + self.shots[-1:] * (count - len(self.shots))
         return made
 
     def frames(self) -> list[int]:
-        """Steps that are shown, the last one always."""
+        """Steps that are shown, the last one always among them."""
         every = math.ceil(len(self.shots) / MOST_FRAMES)
         last = len(self.shots) - 1
         return [*range(0, last, every), last]
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write a ``.gif`` or ``.html`` file, whole or not at all; needs no display.
-
-        Raises
-        ------
-        UsageError
-            For another suffix, or if nothing was played.
-        InputError
-            If the file cannot be written.
-        """
+        """Write a ``.gif`` or ``.html`` file, whole or not at all; needs no display."""
         save_side_by_side({"": self}, path)
 
     def save_frame(self, step: int, path: str | PathLike[str]) -> None:
@@ -84,22 +65,9 @@ class Film:
 
 
 def save_side_by_side(films: Mapping[str, Film], path: str | PathLike[str]) -> None:
-    """Write films of the same mission beside each other, as ``Film.save`` does: one map each, and all curves in one chart. Of a world that
-    is over before the others the last picture stays.
+    """Write films of the same mission beside each other as .gif or .html: a map for each, and all curves in one chart.
 
-    Parameters
-    ----------
-    films : mapping from names to Film
-        Of worlds of equal size, and of equal numbers of steps, but for worlds that are over.
-    path : path-like
-        ``.gif`` or ``.html``.
-
-    Raises
-    ------
-    UsageError
-        For another suffix, if nothing was played, or films of different lengths.
-    InputError
-        If the file cannot be written.
+    The worlds are of equal size and the films of equal length; of a world that is over before the others the last picture stays.
     """
     suffix = Path(path).suffix.lower()
     if suffix not in (".gif", ".html"):

@@ -29,23 +29,17 @@ AGENT, MARKED, OPEN, LINK = "#332288", "#117733", "#CC3377", "#33AADD"
 """Distinct for all common kinds of colour vision, after Tol (2021); open points are crosses besides."""
 
 CURVES = ("#117733", "#EE7733", "#332288", "#33AADD")
-"""Of the runs."""
+"""Colours of the runs."""
 
 AGENTS = (AGENT, "#EE7733", "#33AADD", "#AA4499", "#999933", "#882255")
-"""Of agents that have colours of their own, in turn."""
+"""Colours of agents that have one each, in turn."""
 
 OWN = "#777777"
-"""Of what stands for these in a legend."""
+"""Colour that stands for these in a legend."""
 
 
 class Picture:
-    """The figure; ``show`` sets it to a step.
-
-    Parameters
-    ----------
-    films : mapping from names to Film
-        Of equal lengths; one alone has no name on its map.
-    """
+    """The figure; ``show`` sets it to a step. ``films`` are of equal lengths; one alone has no name on its map."""
 
     def __init__(self, films: Mapping[str, Film]) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -111,8 +105,7 @@ class Picture:
             chart.spines[side].set_visible(False)
 
     def gif(self, steps: list[int]) -> bytes:
-        """Pictures of these steps as a GIF file. Pillow, which matplotlib needs anyway, takes them as they are drawn: its writer
-        within matplotlib would draw each three times."""
+        """These steps as a GIF file. Pillow takes each picture as it is drawn; its writer within matplotlib would draw it three times."""
         from PIL import Image
 
         def pictures() -> Iterator[Image.Image]:
@@ -150,12 +143,12 @@ class Picture:
 
 
 def _short(value: float) -> str:
-    """Of five digits: a title is no table."""
+    """A number of five digits, for a title."""
     return number(float(f"{value:.5g}"))
 
 
 class _Stage:
-    """One map: discs that agents see, agents with headings and trails, points with trails, and who is assigned what."""
+    """One map: discs that agents see, agents with headings and trails, points with trails, and links between them."""
 
     def __init__(self, ax: Any, film: Film, name: str, colour: str) -> None:
         from matplotlib.collections import EllipseCollection, LineCollection
@@ -243,7 +236,7 @@ class _Stage:
 
 
 def _ways(places: list[NDArray[np.float64]]) -> dict[int, NDArray[np.float64]]:
-    """The way through the last steps of each thing that moved; of things that come and go none."""
+    """The way through the last steps of each thing that moved; none of things that come and go."""
     if len(places) < 2 or len({len(at) for at in places}) > 1:
         return {}
     ways = np.stack(places, axis=1)

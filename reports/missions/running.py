@@ -30,7 +30,7 @@ Row = dict[str, Any]
 Watch = Callable[[World, Row], None]
 
 COLUMNS = ("problems", "objective", "bound", "bound_kind", "gap", "guarantee", "seconds", "status", "limit")
-"""What a log says of each step's solving, beside ``step``, the world's metrics and the mission's measures."""
+"""What a log tells about solving in each step, beside ``step``, the world's metrics and the mission's measures."""
 
 
 def run(
@@ -157,13 +157,13 @@ def run(
 
 
 def _with_policies(fault: str, mission: str, rules: Collection[str], asked: str | None) -> str:
-    """What else decides a mission, for somebody who took a policy of it for a heuristic, too."""
+    """The error with the policies of the mission, for somebody who took one for a heuristic."""
     meant = f"; {asked} is a policy: --policy {asked}" if asked in rules else ""
     return fault + (meant or f"; policies of {mission}: {', '.join(rules)}" if rules else "")
 
 
 def _step(mission: Mission, world: World, rule: Callable[[Any], Any] | None, decide: Callable[[Problem], Solution]) -> Row:
-    """Let one step pass, and tell it as a row."""
+    """Play one step, and return its row of the log."""
     observation = world.observe()
     decisions: list[Decision] = []
     actions: dict[int, Any] = {}
@@ -182,7 +182,7 @@ def _step(mission: Mission, world: World, rule: Callable[[Any], Any] | None, dec
 
 
 def _told(mission: Mission, solutions: Sequence[Solution]) -> Row:
-    """What the solving of one step came to, all teams together."""
+    """Columns of the log about the solving of one step, all teams together."""
     objective = _together(mission, [_first(s.objective) for s in solutions])
     bound = _together(mission, [_first(s.bound) for s in solutions])
     stated = [s.certificate.guarantee for s in solutions]
@@ -215,7 +215,7 @@ def _first(value: Any) -> float | None:
 
 @contextlib.contextmanager
 def _interrupts() -> Iterator[Callable[[], bool]]:
-    """Tells whether Ctrl-C was pressed, also where ``solve`` took it for the end of its own search alone."""
+    """Tells whether Ctrl-C was pressed, even where ``solve`` took it for the end of its own search alone."""
     seen: list[int] = []
 
     def interrupted() -> bool:

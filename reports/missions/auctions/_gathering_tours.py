@@ -1,4 +1,4 @@
-"""Tours of robots that empty sensors: orders by urgency, shares of the load, and what an auction makes of them."""
+"""Tours of robots that empty sensors: orders by urgency, shares of the load, and the answers of an auction."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ Integers = NDArray[np.int64]
 
 @dataclass
 class Tour:
-    """Sensors that a robot is still going to visit, in order, and what it takes at each."""
+    """Sensors that a robot is still going to visit, in order, and the amount that it takes at each."""
 
     stops: list[int] = field(default_factory=list)
     shares: dict[int, float] = field(default_factory=dict)
 
 
 def steps(here: Integers, there: Integers) -> Integers:
-    """Moves from each of some cells to each of others."""
+    """Moves between each of some cells and each of others."""
     return np.asarray(np.abs(np.atleast_2d(here)[:, None, :] - np.atleast_2d(there)[None, :, :]).max(axis=2))
 
 
 def rates(o: GatheringObservation) -> Floats:
-    """Units a step; a sensor that gathers no more counts as one of the rate 1, so that it is emptied once more."""
+    """Units a step; a sensor that gathers no more counts with the rate 1, so that it is emptied once more."""
     return np.where(o.rates > 0, o.rates, 1.0)
 
 
@@ -63,7 +63,7 @@ def length(o: GatheringObservation, robot: int, stops: Sequence[int]) -> tuple[F
 
 
 def tour(o: GatheringObservation, robot: int, stops: Sequence[int]) -> Tour:
-    """Stops with shares of the room that the robot has, by what each store will hold when the tour is over: (4.6) and (4.7)."""
+    """Stops with shares of the robot's room, by what each store will hold when the tour is over: (4.6) and (4.7) of Zhang (2015)."""
     ids = list(stops)
     if not ids:
         return Tour()
@@ -73,7 +73,7 @@ def tour(o: GatheringObservation, robot: int, stops: Sequence[int]) -> Tour:
 
 
 def drive(o: GatheringObservation, robot: int, own: Tour) -> Move:
-    """The next move of a robot on its tour; at a stop, what it takes there, and the stop is done."""
+    """The next move of a robot on its tour; at a stop also the amount that it takes, and the stop is done."""
     room = o.rules.load - o.loads[robot]
     if room <= 1e-9 * o.rules.load:
         own.stops.clear()
@@ -87,8 +87,7 @@ def drive(o: GatheringObservation, robot: int, own: Tour) -> Move:
 
 
 def estimated_loss(o: GatheringObservation, robot: int, stops: Sequence[int], horizon: float) -> float:
-    """What all sensors lose within ``horizon`` steps if this robot alone visits its stops: each from when it is full until it is
-    reached."""
+    """Loss of all sensors within ``horizon`` steps if this robot alone visits its stops: each from when it is full until it is reached."""
     reached = np.full(len(o.sensors), horizon)
     ids = list(stops)
     if ids:
@@ -97,13 +96,13 @@ def estimated_loss(o: GatheringObservation, robot: int, stops: Sequence[int], ho
 
 
 def switched(o: GatheringObservation, robot: int, old: Sequence[int], new: Sequence[int]) -> bool:
-    """Whether a robot on its way leaves its old stops for new ones: where it expects a smaller loss of all sensors."""
+    """Whether a robot on its way leaves its old stops for new ones, by which it expects a smaller loss of all sensors."""
     horizon = max(length(o, robot, old)[1], length(o, robot, new)[1])
     return estimated_loss(o, robot, new, horizon) < estimated_loss(o, robot, old, horizon)
 
 
 def appended(o: GatheringObservation, robots: Sequence[int], sensors: Sequence[int]) -> dict[int, list[int]]:
-    """Sensors, in the order given, each to the end of the path of the robot whose path is the shortest with it."""
+    """Sensors, in the order given, each at the end of the path of the robot whose path is the shortest with it."""
     stops: dict[int, list[int]] = {robot: [] for robot in robots}
     costs, at = dict.fromkeys(robots, 0), {robot: o.robots[robot] for robot in robots}
     for sensor in sensors if robots else ():

@@ -23,7 +23,7 @@ from ..mission import MISSIONS, Actions, Mission, Scene
 from . import _gathering_tours as tours
 
 PLANS = {"partition": "distributed-sampling", "auction": "fixed-order-auction"}
-"""How sensors are shared out, and the heuristic with which the policy of that name does it."""
+"""Ways to share the sensors out, and the heuristic by which the policy of that name does it."""
 
 
 class InformationGathering(Mission):
@@ -61,11 +61,9 @@ class InformationGathering(Mission):
         return made
 
     def problem(self, observation: GatheringObservation) -> Problem | None:
-        """The partition at the start, or the allocation when a robot is back; None otherwise."""
         return self._problem(observation, self.values["plan"])
 
     def actions(self, observation: GatheringObservation, problem: Problem | None, answer: Any) -> Actions:
-        """The next move of every robot's tour."""
         return self._moves(observation, self.values["plan"], problem, answer)
 
     def policies(self) -> Mapping[str, Callable[[Any], Actions]]:
@@ -73,8 +71,11 @@ class InformationGathering(Mission):
         return {plan: partial(self._by_rule, plan) for plan in PLANS}
 
     def scene(self, world: World) -> Scene:
-        """The grid, its first row on top; how full each sensor is, what each robot carries and where it goes, and what it has brought home
-        beside the most that sensors could have gathered with room in their stores."""
+        """The grid, its first row on top; how full each sensor is, and what each robot carries, where it goes, and what it has brought
+        home.
+
+        The limit is what sensors could have gathered at most with room in their stores.
+        """
         assert isinstance(world, GatheringWorld)
         rules = world.rules
         top = rules.rows - 1
@@ -94,7 +95,7 @@ class InformationGathering(Mission):
     # ------------------------------------------------------------------------------------------------------------------
 
     def _back(self, o: GatheringObservation) -> list[int]:
-        """Robots at their bases without a stop before them."""
+        """Robots at their bases without a stop ahead."""
         at_base = (o.robots == o.rules.bases).all(axis=1)
         return [robot for robot in range(o.rules.robots) if at_base[robot] and not self._tours[robot].stops]
 
@@ -135,8 +136,8 @@ class InformationGathering(Mission):
         return {robot: tours.drive(o, robot, own) for robot, own in enumerate(self._tours)}
 
     def _allot(self, o: GatheringObservation, paths: list[list[int]]) -> None:
-        """Give robots that are back their new paths, those on their way theirs where they lose less, and what nobody visits to robots
-        left without."""
+        """New paths for robots that are back, and for those on their way that lose less by them; what nobody visits goes to robots left
+        without."""
         back = self._back(o)
         stops = {robot: paths[robot] for robot in back}
         for robot, own in enumerate(self._tours):

@@ -30,16 +30,15 @@ METHODS: dict[str, dict[str, Any]] = {
     "partition, look-ahead 3": {"policy": "partition", "look_ahead": 3},
     "partition, literal urgency": {"policy": "partition", "look_ahead": 3, "urgency": "literal", "edges": "clique"},
 }
-"""``literal urgency`` is the larger the farther a sensor is where it is negative, as printed; all pairs of a part are among its costs
-then."""
+"""The literal urgency grows with the distance where it is negative, as printed; all pairs of a part are among its costs then."""
 
 METRICS = {"gain": 1, "idle": -1, "loss": -1}
-"""1: the more the better."""
+"""1 for what should be large, -1 for what should be small."""
 
 
 @dataclass(frozen=True)
 class Size:
-    """How much is played; steps, sensors and robots are the source's."""
+    """Teams, runs and steps; steps, sensors and robots are the source's."""
 
     robots: tuple[int, ...] = (2, 3, 4, 5)
     runs: int = 40
@@ -82,7 +81,7 @@ def means_table(runs: pd.DataFrame) -> pd.DataFrame:
 
 
 def trends(table: pd.DataFrame) -> list[tuple[str, str]]:
-    """The source's trends, and what was found of each."""
+    """The source's trends, and whether they were found."""
     rows = {(row["robots"], row["method"]): row for row in records(table)}
     teams = sorted({robots for robots, _ in rows})
     found = []

@@ -1,5 +1,4 @@
-"""Days in the orchard after Zhang (2015), chapter 3, taken apart: which part of the gain is the auction's, and which that of bringing
-bins ahead.
+"""Days in the orchard after Zhang (2015), chapter 3: how much of the gain is the auction's, and how much that of bringing bins ahead.
 
 Run as ``python -m waybound.reports.missions.orchard_study --out FOLDER [--short]``.
 
@@ -40,7 +39,7 @@ HORIZON = 150
 
 @dataclass(frozen=True)
 class Size:
-    """How much is played."""
+    """Teams and days."""
 
     robots: tuple[int, ...] = tuple(range(2, 21))
     groups: tuple[int, ...] = (4, 8)
@@ -94,7 +93,7 @@ def steps_table(days: pd.DataFrame) -> pd.DataFrame:
 
 
 def effects_table(days: pd.DataFrame) -> pd.DataFrame:
-    """By how many percent of the baseline's steps each change shortens the same day: the auction with either delivery, the delivery with
+    """Steps that each change saves on the same day, in percent of the baseline's: the auction with either delivery, the delivery with
     either choice, both."""
     import pandas as pd
 
@@ -122,7 +121,7 @@ def auctions_table(days: pd.DataFrame) -> pd.DataFrame:
 
 
 def small_table(size: Size) -> pd.DataFrame:
-    """Whole days of two lanes of four trees: the rules' last steps over the optimum's, routes of groups being fixed."""
+    """Whole days of two lanes of four trees: the rules' last steps over the optimum's, with fixed routes of groups."""
     import numpy as np
     import pandas as pd
 
@@ -155,7 +154,7 @@ def small_summary(days: pd.DataFrame) -> pd.DataFrame:
 
 
 def trends(days: pd.DataFrame) -> list[tuple[str, str]]:
-    """The source's trends, and what was found of each."""
+    """The source's trends, and whether they were found."""
     found = []
     effects = records(effects_table(days))
     for groups in dict.fromkeys(row["groups"] for row in effects):
@@ -173,7 +172,7 @@ def trends(days: pd.DataFrame) -> list[tuple[str, str]]:
 
 
 def _ranges(numbers: list[int]) -> str:
-    """2-5, 7."""
+    """Numbers as text, runs of consecutive ones as ``2-5``."""
     if not numbers:
         return "no"
     runs = [[numbers[0], numbers[0]]]

@@ -1,4 +1,4 @@
-"""Room exploration: a team goes through a building in rounds, and learns of which types its rooms are and where targets are."""
+"""Room exploration: a team goes through a building in rounds, and learns the types of its rooms and where targets are."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ..mission import MISSIONS, Actions, Decision, Mission, Scene
 WEIGHTS = ("explore", "map", "search")
 
 BESIDE = 0.22
-"""How far from the middle of a room a picture shows each robot, of a room's width."""
+"""Distance in pictures of each robot from the middle of its room, as a share of a room's width."""
 
 
 class RoomsExplored(Mission):
@@ -64,7 +64,6 @@ class RoomsExplored(Mission):
         return made
 
     def problem(self, observation: ExplorationObservation) -> Problem | None:
-        """The plan of a round at its start; None within it."""
         o, steps = observation, self.values["round"]
         if o.time % steps:
             return None
@@ -80,7 +79,6 @@ class RoomsExplored(Mission):
         )  # fmt: skip
 
     def actions(self, observation: ExplorationObservation, problem: Problem | None, answer: Any) -> Actions:
-        """The next step of each robot's plan."""
         if problem is not None:
             self._plan = answer
         if self._plan is None:
@@ -88,7 +86,7 @@ class RoomsExplored(Mission):
         return {robot: deeds[observation.time % self.values["round"]] for robot, deeds in enumerate(self._plan)}
 
     def policies(self) -> Mapping[str, Callable[[Any], Actions]]:
-        """``alone`` and ``relays`` decide anew in each step, by what all read so far: see ``explorers_and_relays``."""
+        """``alone`` and ``relays`` decide anew in each step, by all readings so far: see ``explorers_and_relays``."""
         return {"alone": partial(self._by_rule, False), "relays": partial(self._by_rule, True)}
 
     def _by_rule(self, relays: bool, o: ExplorationObservation) -> Actions:
@@ -120,7 +118,7 @@ class RoomsExplored(Mission):
         }
 
     def scene(self, world: World) -> Scene:
-        """Rooms and doors; each robot on its own side of its room; whom they hear is not drawn."""
+        """Rooms and doors; each robot on its own side of its room; links of communication are not drawn."""
         assert isinstance(world, ExplorationWorld) and world.building.positions is not None
         places = np.asarray(world.building.positions, dtype=np.float64) * [1.0, -1.0]
         side = 2.0 * np.pi * (np.arange(len(world.robots)) / len(world.robots) + 0.125)
@@ -133,14 +131,14 @@ class RoomsExplored(Mission):
     # ------------------------------------------------------------------------------------------------------------------
 
     def _learn(self, readings: Sequence[Any]) -> None:
-        """Update the beliefs with what they do not hold yet."""
+        """Update the beliefs with the readings that they do not hold yet."""
         for _, room, action, value in readings[self._heard :]:
             old = self._beliefs[room]
             self._beliefs[room] = after_type(old, self._sensors, value) if action == MAP else after_target(old, self._sensors, value == 0)
         self._heard = len(readings)
 
     def _gains(self, belief: Any, visits: int) -> tuple[Any, Any, Any]:
-        """What the next visits and readings of a room gain."""
+        """Gains of the next visits and readings of a room."""
         explore, map_, search = (self.values[key] for key in WEIGHTS)
         return (
             explore * self.values["decay"] ** (visits + np.arange(TIMES)), map_ * expected_gains(belief.sum(axis=1), self._sensors.types),

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 NAMED = 40
-"""Up to this many robots and bins are named."""
+"""Robots and bins together up to which each is named."""
 
 
 def places(problem: BinAssignment) -> tuple[Floats, Floats]:
-    """Where robots and bins are drawn: their positions, or two columns."""
+    """Positions of robots and bins: their own, or two columns."""
     data = problem.instance
     if data.robot_positions is not None and data.bin_positions is not None:
         return data.robot_positions, data.bin_positions
@@ -33,23 +33,9 @@ def places(problem: BinAssignment) -> tuple[Floats, Floats]:
 def plot_bin_assignment(
     problem: BinAssignment, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
-    """A map, or two columns where there are no positions: robots, bins, and a line from each robot to its bin, the thicker the dearer;
-    in red those of the largest cost, where that is what counts.
+    """A map, or two columns where there are no positions: robots, bins, and a line for each pair, the thicker the dearer.
 
-    Parameters
-    ----------
-    problem : BinAssignment
-    answer : tuple of int
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
+    Where the largest cost is the objective, the pairs of that cost are red.
     """
     from matplotlib.collections import LineCollection
 

@@ -1,4 +1,4 @@
-"""Pictures of generalised assignments: what the jobs of each agent take of its capacity."""
+"""Pictures of generalised assignments: how much of each agent's capacity its jobs take."""
 
 from __future__ import annotations
 
@@ -14,32 +14,16 @@ if TYPE_CHECKING:
     from ....formulations.solution import Solution
 
 NAMED = 25
-"""Up to this many agents are named, and so are their jobs where there is room."""
+"""Agents up to which each is named, and so are their jobs where there is room."""
 
 LEAST = 0.04
-"""Of the largest capacity or load: parts that are lower have no room for a name."""
+"""Share of the largest capacity or load below which a part has no room for a name."""
 
 
 def plot_generalised_assignment(
     problem: GeneralisedAssignment, answer: AgentOfJob, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
-    """A column for each agent, a part of it for each of its jobs, below a line at its capacity.
-
-    Parameters
-    ----------
-    problem : GeneralisedAssignment
-    answer : tuple of int
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """A column for each agent, with a part for each of its jobs, below a line at its capacity."""
     ax = new_axes() if ax is None else ax
     data, agents = problem.instance, np.arange(problem.num_agents)
     loads = np.array(problem.loads(answer))

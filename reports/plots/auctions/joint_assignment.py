@@ -12,13 +12,13 @@ if TYPE_CHECKING:
     from ....formulations.solution import Solution
 
 NAMED = 40
-"""Up to so many robots are named."""
+"""Robots up to which each is named."""
 
 KINDS = (("to the request", COLOURS[4], ""), ("to the bin", COLOURS[2], ""), ("waiting until the bin is full", QUIET, "////"))
 
 
 def legs(problem: JointAssignment, robot: int, errand: tuple[int, int]) -> tuple[float, float, float]:
-    """When a robot reaches its request, its bin, and when that is full; each is the one before where there is none."""
+    """When a robot reaches its request, its bin, and when that is full; without one, the time of the event before."""
     place, request = errand
     brought = problem.cost_of(robot, -1, request)
     if place < 0:
@@ -30,24 +30,7 @@ def legs(problem: JointAssignment, robot: int, errand: tuple[int, int]) -> tuple
 def plot_joint_assignment(
     problem: JointAssignment, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
-    """A bar a robot: its way to a request, on to a bin, and how long it waits there until the bin is full.
-
-    Parameters
-    ----------
-    problem : JointAssignment
-    answer : tuple of (int, int)
-        Bin and request of each robot.
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """A bar a robot: its way to a request, on to a bin, and how long it waits there until the bin is full."""
     from matplotlib.patches import Patch
 
     ax = new_axes() if ax is None else ax

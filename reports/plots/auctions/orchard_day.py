@@ -15,29 +15,13 @@ PARTS = {"home with a bin": (0, 1.0), "out with a new bin": (1, 0.35), "out with
 """Colour and opacity of what robots do; waiting for a bin is part of the way out."""
 
 NAMED = 60
-"""Up to so many bins are named."""
+"""Bins up to which each is named."""
 
 
 def plot_orchard_day(
     problem: OrchardDay, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
-    """One row a robot, from left to right the way home of each bin that it fetches, dark, and before it the trip to there, pale.
-
-    Parameters
-    ----------
-    problem : OrchardDay
-    answer : tuple of trips, one a robot
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """A row for each robot: from left to right its trips, the way out pale and the way home with a bin dark."""
     ax = new_axes() if ax is None else ax
     jobs, home = problem.jobs, problem.timetable(answer)
 

@@ -1,4 +1,4 @@
-"""Pictures of explorations of rooms: a map of doors and links, and the way of each robot."""
+"""Pictures of explorations: a map of rooms, doors and links, and the way of each robot."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 NAMED = 60
-"""Up to so many rooms are named."""
+"""Rooms up to which each is named."""
 
 MAP, SEARCH = 1, 2
 """Actions of a step beside going; see ``RoomExploration``."""
@@ -29,20 +29,20 @@ RADIUS = 11.0
 """Points from the middle of a room, and the lanes beside it, to its name."""
 
 LINE = 11.0
-"""Points of a line of a label."""
+"""Height of a line of a label in points."""
 
 NEAR = 1.25
-"""Mean lengths of a door within which a room is beside another."""
+"""Mean lengths of a door within which one room counts as beside another."""
 
 RUNS = 6
-"""Stays of a robot in a room that are told."""
+"""Stays of a robot in a room that are written out."""
 
 APART = 0.09
-"""By how much ways of different robots run beside each other, in parts of the mean length of a door."""
+"""Distance between ways of different robots beside each other, as a share of the mean length of a door."""
 
 
 def places(problem: RoomExploration) -> Floats:
-    """Where rooms are drawn: their positions, or such that rooms are as far apart as steps lead from one to the other."""
+    """Positions of rooms: their own, or such that distances come close to the numbers of steps between rooms."""
     given = problem.instance
     if given.positions is not None:
         return given.positions
@@ -55,25 +55,10 @@ def places(problem: RoomExploration) -> Floats:
 def plot_room_exploration(
     problem: RoomExploration, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
-    """Rooms and doors, dotted where rooms hear each other; a line a robot along its way from room to room, with squares where it maps and
-    crosses where it searches. Beside each room stand its name and, in the colour of each robot that enters it, after which steps it is
-    there.
+    """Rooms and doors, dotted lines where rooms hear each other, and a line for each robot's way.
 
-    Parameters
-    ----------
-    problem : RoomExploration
-    answer : tuple of tuples of (int, int)
-        Room and action of each step of each robot.
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
+    Squares mark where a robot maps, crosses where it searches. Beside each room stand its name and, in the colour of each robot that enters
+    it, the steps after which the robot is there.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
@@ -126,8 +111,7 @@ def plot_room_exploration(
 
 
 def _name_rooms(ax: Any, problem: RoomExploration, answer: Any, at: Floats, length: float) -> int:
-    """The name of each room and the steps after which robots are there, on the side that is farthest from its doors and their lanes; tells
-    how many lines the longest has."""
+    """Write the name of each room, and when robots are there, on the side far from its doors; returns the lines of the longest label."""
     from matplotlib.offsetbox import AnnotationBbox, TextArea, VPacker
 
     given, apart = problem.instance, APART * length * (problem.instance.num_robots > 1)
@@ -160,7 +144,7 @@ def _name_rooms(ax: Any, problem: RoomExploration, answer: Any, at: Floats, leng
 
 
 def _margin(ax: Any, lines: int) -> float:
-    """Of the map, in parts of it: labels of so many lines beside its outermost rooms are not part of the data."""
+    """Margin of the map, as a share of it, that leaves room for labels of so many lines."""
     height = 0.65 * ax.get_window_extent().height * 72.0 / ax.figure.dpi  # titles and legends take the rest
     part = min((3.0 * RADIUS + LINE * lines) / height, 0.3)
     return max(0.1, float(part / (1.0 - 2.0 * part)))
@@ -180,7 +164,7 @@ def _free_side(others: Floats) -> tuple[float, float]:
 
 
 def _runs(steps: list[int]) -> str:
-    """Numbers as text, those in a row as ``2-4``."""
+    """Numbers as text, runs of consecutive ones as ``2-4``."""
     runs: list[list[int]] = []
     for step in steps:
         if runs and step == runs[-1][1] + 1:

@@ -1,4 +1,4 @@
-"""Pictures of tasks among robots: paths and parts on a map, or, where places are not known, lengths and costs as bars."""
+"""Pictures of tasks of robots: paths and parts on a map, or as bars where places are not known."""
 
 from __future__ import annotations
 
@@ -16,29 +16,13 @@ if TYPE_CHECKING:
     from ....formulations.solution import Solution
 
 NAMED = 40
-"""Up to so many tasks are named."""
+"""Tasks up to which each is named."""
 
 
 def plot_task_allocation(
     problem: TaskAllocation, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
-    """The path of each robot from its start; where there are no places, the length of each path.
-
-    Parameters
-    ----------
-    problem : TaskAllocation
-    answer : tuple of tuples of int
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+    """The path of each robot from its start; where there are no places, the length of each path."""
     ax = new_axes() if ax is None else ax
     instance = problem.instance
     if instance.positions is None:
@@ -55,10 +39,7 @@ def plot_task_allocation(
 def plot_balanced_partition(
     problem: BalancedPartition, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
-    """The tasks in the colours of their parts, with the edges that count; where there are no places, the cost of each part.
-
-    Parameters as of ``plot_task_allocation``.
-    """
+    """The tasks in the colours of their parts, with the edges that count; where there are no places, the cost of each part."""
     ax = new_axes() if ax is None else ax
     instance = problem.instance
     if instance.positions is None:

@@ -20,18 +20,10 @@ MOST_STEPS = 1_000_000
 
 @dataclass(frozen=True, eq=False)
 class Day:
-    """What became of a day.
+    """What became of a day: steps at which each bin stood, was full and came home (-1 for never), and counts.
 
-    Parameters
-    ----------
-    stood, full, returned : arrays of shape (bins,)
-        Steps at which each bin was put up in the orchard, was full and came home; -1 for never.
-    steps : int
-        Played.
-    idle_steps : int
-        Steps for which groups waited for bins, all together.
-    auctions, beaten : int
-        Auctions of several robots, and those of them that an assignment of the same robots beats.
+    ``idle_steps`` are those that groups waited for bins, all together; ``beaten`` are the ``auctions`` of several robots that an assignment
+    of the same robots beats.
     """
 
     stood: Integers
@@ -67,25 +59,8 @@ def play_day(
 ) -> Day:
     """Play a day until all bins are home, by the rules that ``run`` has as policies: the same day, to the step.
 
-    Parameters
-    ----------
-    rules : OrchardRules
-    seed : int
-        Of the groups' start, as in ``make_world``.
-    choice, delivery, cost : str
-        Of ``CHOICES``, ``DELIVERIES`` and ``COSTS``.
-    start : OrchardStart, optional
-        Instead of the one drawn from ``seed``.
-    limit : int
-        Steps after which it ends in any case.
-    stop : Stop
-
-    Raises
-    ------
-    UsageError
-        For a rule that does not exist.
-    Stopped
-        If ``stop`` ends it.
+    ``seed`` is that of the groups' start, as in ``make_world``, unless ``start`` tells it; ``choice``, ``delivery`` and ``cost`` are those
+    of ``policies``. Raises Stopped.
     """
     from .day_kernels import day
 
@@ -108,7 +83,7 @@ def play_day(
 def least_makespan(rules: OrchardRules) -> int:
     """Steps that every way to play the day takes: all retrievals shared evenly by the robots, and all picking by the groups.
 
-    Source: [the two bounds](docs/formulations/orchard-day.md#bounds).
+    Source: docs/formulations/orchard-day.md#bounds.
     """
     grid = rules.grid
     out, back = grid.empty_times[grid.home, grid.harvested], grid.full_times[grid.harvested, grid.home]
@@ -118,7 +93,7 @@ def least_makespan(rules: OrchardRules) -> int:
 
 
 def most_returned(rules: OrchardRules, step: int) -> int:
-    """No way to play the day has more bins at the repository at ``step``: the shortest retrievals that the robots' steps suffice for."""
+    """A bound on the bins at the repository at ``step``: the shortest retrievals for which the robots' steps suffice."""
     grid = rules.grid
     each = np.sort(np.repeat(grid.empty_times[grid.home, grid.harvested] + grid.full_times[grid.harvested, grid.home], rules.bins_per_cell))
     return int(np.searchsorted(np.cumsum(each), step * rules.robots, side="right"))
