@@ -15,7 +15,7 @@ from waybound.heuristics.auctions.conflict_auction import greedy_ratio
 from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
 from waybound.reports.ratios.judging import run_heuristic
-from waybound.reports.ratios.studies.auctions.families.assignment import greedy_line, serial_line
+from waybound.reports.ratios.studies.auctions.bin_auctions import greedy_line, serial_line
 
 CASES = {
     "A": (9, (0, 1, 2), 1, 3), "F": (9, (0, 2), 2, 3), "E": (7, (-1, 0, 1), 2, 5), "G": (3, (0, 1), 2, 3), "O": (6, (0, 1), 2, 3),

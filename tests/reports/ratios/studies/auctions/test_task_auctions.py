@@ -9,7 +9,7 @@ from task_problems import best_paths_value
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.auctions.auction_steps.task_paths import keeps_triangles
 from waybound.reports.ratios.judging import run_heuristic
-from waybound.reports.ratios.studies.auctions.families import tasks as families
+from waybound.reports.ratios.studies.auctions import task_auctions as families
 
 
 @pytest.mark.parametrize("family", [*families.random_families(), *families.random_families(1)], ids=lambda family: family.name)
@@ -22,14 +22,14 @@ def test_random_cases_are_metric_and_their_optima_hold(family):
 
 def test_optima_of_other_objectives_hold_too():
     for objective in ("mini-max", "mini-ave"):
-        case = families.made([0, 10], [4, 6, 1], "both", objective)
+        case = families.placed([0, 10], [4, 6, 1], "both", objective)
         assert case.optimum.value == pytest.approx(best_paths_value(case.problem.instance, objective))
 
 
 def test_traps_do_what_they_are_made_for():
     ratios = {}
-    for k in range(families.traps().size):
-        case = families.traps().case(k, 1)
+    for k in range(families.TRAPS.size):
+        case = families.TRAPS.case(k, 1)
         found = run_heuristic(case.problem, "parallel-auction", {}, 1)
         ratios[case.problem.name] = case.problem.value(found.answer) / case.optimum.value
     assert ratios["around-4"] > 3.8

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from waybound.reports.ratios.studies.auctions.families import assignment as families
+from waybound.reports.ratios.studies.auctions import bin_auctions as families
 
-FAMILIES = [families.travel(), families.travel(fewer_robots=True), families.arbitrary(), families.serial_lines(), families.greedy_lines()]
+FAMILIES = [families.TRAVEL, families.FEWER_ROBOTS, families.ARBITRARY, families.SERIAL_LINES, families.GREEDY_LINES]
 
 
 @pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.name)
@@ -23,7 +23,7 @@ def test_optima_are_attained_and_no_better_answer_is_known(family: families.Fami
 
 def test_costs_of_travel_keep_the_quadrangle_inequality() -> None:
     for k in range(30):
-        costs = families.travel().case(k, 5).problem.matrix()
+        costs = families.TRAVEL.case(k, 5).problem.matrix()
         n, m = costs.shape
         i, k_, j, l = np.ix_(range(n), range(n), range(m), range(m))  # noqa: E741
         assert (costs[i, j] <= costs[i, l] + costs[k_, l] + costs[k_, j] + 1e-9).all()
