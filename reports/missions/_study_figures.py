@@ -25,6 +25,12 @@ def _plain(ax: Any, title: str) -> None:
         ax.spines[side].set_visible(False)
 
 
+def _band(ax: Any, x: Any, mean: Any, half: Any, alpha: float = 0.25, **line: Any) -> None:
+    """A line of means, and their intervals as a band."""
+    ax.plot(x, mean, linewidth=1.6, **line)
+    ax.fill_between(x, mean - half, mean + half, color=line["color"], alpha=alpha, linewidth=0)
+
+
 def _save(figure: Any, path: Path) -> None:
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=140)

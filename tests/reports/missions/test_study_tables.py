@@ -1,4 +1,4 @@
-"""Means and their intervals."""
+"""Means of studies and their intervals; records and markdown are those of the tracking study."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from waybound.reports.missions.auctions._mean_intervals import mean_interval
+from waybound.reports.missions._study_tables import mean_interval
 
 
 def test_intervals_are_students():
