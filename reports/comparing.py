@@ -19,7 +19,7 @@ from .comparison import Compared, Comparison
 Methods = Sequence[str] | Mapping[str, Mapping[str, Any]]
 
 CLAIMED = 1e-5
-"""Relative difference up to which a bound that a search counts counts as that of an answer: solvers see no closer."""
+"""Relative difference up to which a search's bound agrees with an answer: solvers count no closer."""
 
 
 def compare(
@@ -114,7 +114,7 @@ def _interrupted(run: Compared) -> bool:
 
 
 def _contradictions(problem: Problem, runs: Sequence[Compared]) -> list[str]:
-    """What one run claims, or was verified for it, against the checked answers of the others."""
+    """Where the claims or verified bounds of one run contradict checked answers of the others."""
     found = []
     for one in runs:
         for other in runs:

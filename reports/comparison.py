@@ -1,4 +1,4 @@
-"""What a comparison brings back: one row a method, every answer checked, against the best bound that was verified in any run."""
+"""The result of a comparison: one row a method, every answer checked, against the best verified bound of all runs."""
 
 from __future__ import annotations
 
@@ -20,16 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Compared:
-    """What one method came to.
-
-    Parameters
-    ----------
-    name : str
-    solution : Solution or None
-        None where it ended with an error.
-    error : str
-        Why there is no solution; empty if there is one.
-    """
+    """One method's solution, or the error with which it ended."""
 
     name: str
     solution: Solution | None
@@ -43,7 +34,7 @@ class Compared:
 
     @property
     def verified(self) -> float | None:
-        """Verified bound of the first level that this run led to."""
+        """Verified bound of the first level from this run."""
         return None if self.solution is None else self.solution.certificate.bound
 
     @property
@@ -53,7 +44,7 @@ class Compared:
 
     @property
     def status(self) -> str:
-        """How it ended, and on whose word."""
+        """How the run ended, and on whose word."""
         s = self.solution
         if s is None:
             return "error"
@@ -86,12 +77,12 @@ class Comparison:
 
     @property
     def bound(self) -> float | None:
-        """The best verified bound of the first level that any run led to: it holds for all of them."""
+        """The best verified bound of the first level from any run: it holds for all of them."""
         return None if self._bounded_by is None else self._bounded_by.verified
 
     @property
     def bound_source(self) -> str | None:
-        """What proves it, and whose run it comes from."""
+        """The proof of that bound, and the run it comes from."""
         by = self._bounded_by
         return None if by is None or by.solution is None else f"{by.solution.certificate.bound_source}, from the run of {by.name}"
 
@@ -120,8 +111,10 @@ class Comparison:
         return found
 
     def bounds(self, values: Sequence[float]) -> list[float]:
-        """The best verified bound of each level for answers of these values: of the first, and of further ones as far as those before are
-        closed, by runs whose answers were worth as much there."""
+        """The best verified bound of each level for answers of these values.
+
+        Bounds of further levels hold where the levels before are closed, by runs whose answers were worth as much there.
+        """
         found: list[float] = []
         for level, sense in enumerate(self.problem.senses):
             known = [self.bound] if level == 0 else [self._level_bound(run, level, values) for run in self.runs]
@@ -141,7 +134,7 @@ class Comparison:
         return levels[level - 1].bound
 
     def gap(self, run: Compared) -> float | None:
-        """Of a run's answer to the best verified bound of all, at the first level that is open; None without either."""
+        """Gap of a run's answer to the best verified bound of all, at the first level that is open; None without either."""
         evaluation = None if run.solution is None else run.solution.evaluation
         bounds = [] if evaluation is None else self.bounds(evaluation.values)
         if (
@@ -172,7 +165,7 @@ class Comparison:
         return plot_history(self, ax=ax, title=title)
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data: a row each, and the solutions as ``Solution.to_json`` has them."""
+        """Plain data: a row each, and the solutions as in ``Solution.to_json``."""
         return {
             "schema": 1, "instance": self.problem.name, "problem": self.problem.problem, "sense": self.problem.sense, "bound": self.bound,
             "bound_source": self.bound_source, "faults": list(self.faults),
@@ -220,7 +213,7 @@ def _ahead(problem: Problem, a: Solution, b: Solution) -> bool:
 
 
 def remark_of(run: Compared) -> str:
-    """An error, a fault, or a bound that the method claims beyond the verified one."""
+    """The error or faults of a run, or its claimed bound."""
     s = run.solution
     if s is None:
         return one_line(run.error)

@@ -1,4 +1,4 @@
-"""What plots share: axes, colours, captions and bars."""
+"""Shared parts of plots: axes, colours, captions and bars."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SHOWN_TEXT = 120
 """Characters of a line that are shown."""
 
 LABELLED_BARS = 60
-"""Up to this many bars are named."""
+"""Bars up to which each is named."""
 
 Floats = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ def new_axes() -> Any:
 
 
 def roomy(ax: Any, width: float = 0.0, height: float = 0.0) -> None:
-    """Make a figure that holds these axes alone at least as large as said, in inches, up to three times what figures have."""
+    """Make a figure that holds these axes alone at least as large as said, in inches, up to three times its usual size."""
     figure = ax.figure
     if len(figure.axes) == 1:
         wide, high = figure.get_size_inches()
@@ -48,7 +48,7 @@ def roomy(ax: Any, width: float = 0.0, height: float = 0.0) -> None:
 
 
 def axes_without_display() -> Any:
-    """Axes of a figure that pyplot knows nothing of."""
+    """Axes of a figure that pyplot does not know."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -58,7 +58,7 @@ def axes_without_display() -> Any:
 
 
 def rounded(value: Any) -> str:
-    """Three decimals: a caption is for reading."""
+    """A number, or several, with three decimals for a caption."""
     if isinstance(value, list | tuple):
         return number([None if v is None else round(v, 3) for v in value])
     return number(round(value, 3))
@@ -86,7 +86,7 @@ def entitle(ax: Any, head: str, detail: str) -> None:
 
 
 def literal(ax: Any) -> None:
-    """Show every text as it is: names out of files are no formulas, though they may hold dollar signs, and leave room for the drawing."""
+    """Show every text as it is, at most ``SHOWN_TEXT`` characters a line: names out of files may hold dollar signs, but are no formulas."""
     from matplotlib.text import Text
 
     for text in ax.findobj(Text):
@@ -105,7 +105,7 @@ def bare(ax: Any) -> None:
 
 
 def entitled(ax: Any, problem: Problem, answer: Any, solution: Solution | None, title: str | None, what: str) -> Any:
-    """The axes, under the problem's name and solver (or ``title``), its figures, and ``what`` is shown."""
+    """Put the problem's name and solver (or ``title``), its figures and a line about what is shown above the axes, and return them."""
     by = "" if solution is None else f" by {solution.solver}"
     head = f"{problem.name}: {problem.problem}{by}" if title is None else title
     entitle(ax, head, f"{problem.sense} {figures_of(problem, answer, solution)}\n{what}" if title is None else "")
@@ -116,9 +116,9 @@ def bars(
     ax: Any, values: Floats, names: list[str], what: str, *, worst: float | None = None, colours: Any = COLOURS[0], ascending: bool = False,
     bound: tuple[float, str] | None = None,
 ) -> None:  # fmt: skip
-    """One bar each in the order of the instance while they can be named, else or where it is asked for from the least to the largest.
+    """One bar each, in the order of the instance while they can be named, else or if asked for from the least to the largest.
 
-    ``worst`` is a line across all bars, ``bound`` another above or below, with the kind of bound that it is.
+    ``worst`` is a line across all bars, ``bound`` another one, with the kind of the bound.
     """
     named = len(values) <= LABELLED_BARS
     order = np.arange(len(values)) if named and not ascending else np.argsort(values, kind="stable")

@@ -22,11 +22,11 @@ Floats = NDArray[np.float64]
 History = Solution | Comparison | Sequence[Solution] | Mapping[str, Solution]
 
 SPREAD, FAR = 3.0, 0.3
-"""A final value is shown where it is no farther from the best one than so many times the way to the bound, or such a part of the value;
-of others the picture says where they are."""
+"""A final value is shown if it is no farther from the best than so many times the way to the bound, or such a share of the value; others
+are named."""
 
 LEAST_SECONDS = 1e-2
-"""Where a logarithmic axis of time begins."""
+"""Start of a logarithmic axis of time."""
 
 
 def plot_history(history: History, *, ax: Any = None, title: str | None = None, level: int = 1) -> Any:
@@ -110,7 +110,7 @@ def _steps(events: Sequence[Event], side: str, level: int) -> tuple[Floats, Floa
 
 
 def _draw(ax: Any, name: str, solution: Solution, level: int, colour: str, ends: float, *, alone: bool) -> None:
-    """One run."""
+    """Draw one run."""
     seconds, values = _steps(solution.events, "objective", level)
     when, bounds = _steps(solution.events, "bound", level)
     label = "answer" if alone else name
@@ -134,7 +134,7 @@ def _draw(ax: Any, name: str, solution: Solution, level: int, colour: str, ends:
 
 
 def _frame(ax: Any, named: Mapping[str, Solution], level: int, ends: float) -> None:
-    """Limits of the axes: late values decide the height, so that a bad first answer does not hide all that follows."""
+    """Set the limits of the axes by late values, so that a bad first answer does not hide all that follows."""
     sense = next(iter(named.values())).problem.senses[level]
     ends_at = {name: _steps(s.events, "objective", level)[1][-1:].tolist() for name, s in named.items()}
     limits = [v for s in named.values() for v in _steps(s.events, "bound", level)[1][-1:].tolist()]

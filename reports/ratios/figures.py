@@ -13,7 +13,7 @@ from ..plots.drawing import COLOURS
 from .study import Figure
 
 SHOWN_POINTS = 600
-"""Points of one row of a strip plot; more would be one blot."""
+"""Points of a row of a strip plot; more would be one blot."""
 
 PANELS_ACROSS = 5
 
@@ -30,8 +30,8 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 def ratio_figure(name: str, summary: str, rows: Sequence[dict[str, Any]], observations: Sequence[dict[str, Any]]) -> Figure:
     """One panel a configuration, one line a family: every observed ratio, their mean, and the stated ratio.
 
-    Where the stated ratio differs from instance to instance, the share of the stated loss is shown in place of the ratio:
-    (ratio - 1) / (stated - 1), at most 1 unless the guarantee is broken.
+    Where the stated ratio differs between instances, the share of the stated loss, (ratio - 1) / (stated - 1), stands in its place; it is
+    at most 1 unless the guarantee is broken.
     """
     labels = list(dict.fromkeys(row["heuristic"] for row in rows))
     families = list(dict.fromkeys(row["family"] for row in rows))
@@ -98,12 +98,8 @@ def sweep_figure(
 ) -> Figure:
     """One panel a parameter that is varied: the mean of each method with its range from least to most.
 
-    Parameters
-    ----------
-    panels : sequence of (axis label, title, methods, rows)
-        Rows have ``x``, ``method``, ``min``, ``mean`` and ``max``.
-    quantity : str
-        Label of the vertical axis.
+    ``panels`` are (axis label, title, methods, rows); rows have ``x``, ``method``, ``min``, ``mean`` and ``max``. ``quantity`` labels the
+    vertical axis.
     """
 
     def draw(figure: Any) -> None:

@@ -30,10 +30,10 @@ MOST_ELEMENTS = 16
 """Ground sets up to this size are enumerated: 65536 sets."""
 
 MOST_SELECTIONS = 200_000
-"""Ways to give every robot an action, up to which they are enumerated."""
+"""Combinations of robots' actions up to which they are enumerated."""
 
 AGREE = 1e-6
-"""Relative difference between the two sides of an LP's optimum that is let pass."""
+"""Relative difference allowed between the primal and dual value of a linear program."""
 
 
 MOST_CUSTOMERS = 10
@@ -42,7 +42,7 @@ MOST_CUSTOMERS = 10
 
 @dataclass(frozen=True)
 class Optimum:
-    """The optimum, recomputed from an answer by ``problem.evaluate``, and how it is known."""
+    """The optimum, recomputed from an answer by ``problem.evaluate``, and its source."""
 
     value: float
     answer: Any
@@ -50,13 +50,7 @@ class Optimum:
 
 
 def attained(problem: Problem, answer: Any, source: str) -> Optimum:
-    """The value of ``answer``, which is said to be optimal.
-
-    Raises
-    ------
-    CheckFailedError
-        If it fails its check.
-    """
+    """The value of ``answer``, which is said to be optimal. Raises CheckFailedError if it fails its check."""
     judged = problem.evaluate(answer)
     if not judged.feasible:
         raise CheckFailedError(f"the answer of {source} to {problem.name} fails its check: {judged.violations[0].message}")
@@ -66,12 +60,7 @@ def attained(problem: Problem, answer: Any, source: str) -> Optimum:
 def optimum(problem: Problem) -> Optimum:
     """The optimum of a small problem: by enumeration, or by a linear program whose duals are multiplied out.
 
-    Raises
-    ------
-    UsageError
-        If it is too large, or of another family.
-    CheckFailedError
-        If the two sides of a linear program disagree.
+    Raises UsageError if the problem is too large or of another family, CheckFailedError if the two sides of a linear program disagree.
     """
     if isinstance(problem, SubmodularSelection):
         return best_selection(problem)
@@ -103,12 +92,12 @@ def set_values(problem: SubmodularSelection) -> Floats:
 
 
 def allowed_sets(problem: SubmodularSelection) -> NDArray[np.bool_]:
-    """Which subsets the constraint allows, in the order of ``set_values``."""
+    """Whether the constraint allows each subset, in the order of ``set_values``."""
     return allowed(problem.constraint, _members(problem.num_elements))
 
 
 def best_selection(problem: SubmodularSelection) -> Optimum:
-    """The best of all subsets that the constraint allows."""
+    """The best subset that the constraint allows."""
     if problem.num_elements > MOST_ELEMENTS:
         raise UsageError(f"{problem.num_elements} elements are too many to enumerate; at most {MOST_ELEMENTS} are")
     values = np.where(allowed_sets(problem), set_values(problem), -math.inf)
@@ -194,7 +183,7 @@ def _two_sided(problem: Problem, answer: Any, evidence: Evidence) -> Optimum:
 
 
 def _agree(problem: Problem, value: float, bound: float) -> None:
-    """A value that some answer attains, and a bound, must meet; where nothing is covered there are no weights to bound by."""
+    """Raise CheckFailedError unless a value that some answer attains meets a bound; where nothing is covered, no weights bound it."""
     if not (value == 0.0 and math.isinf(bound)) and abs(bound - value) > AGREE * max(abs(value), abs(bound), 1e-9):
         raise CheckFailedError(f"the linear program of {problem.name} has an answer of {value!r} and a bound of {bound!r}")
 
@@ -203,15 +192,11 @@ def _agree(problem: Problem, value: float, bound: float) -> None:
 
 
 def best_routes(problem: RoutingProblem) -> Optimum:
-    """The best routes of vehicles of one type that have no limit but capacity and distance: the shortest tour of every set of customers
-    (Held and Karp 1962), and the best way to share all customers, or where rewards are collected some of them, among such sets.
+    """The best routes of vehicles of one type whose only limits are capacity and distance.
 
-    Raises
-    ------
-    UsageError
-        If there are other limits, another objective, or too many customers.
-    CheckFailedError
-        If there is no answer.
+    The shortest tour of every set of customers (Held and Karp 1962), and the best way to share all customers among such sets, or some of
+    them where rewards are collected. Raises UsageError for other limits or objectives and too many customers, CheckFailedError if there is
+    no answer.
     """
     longest = problem.objective.is_only(LongestRoute) or problem.objective.is_only(Makespan)
     rewarded = problem.objective.is_only(Reward)

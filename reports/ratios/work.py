@@ -1,4 +1,4 @@
-"""Work spread over processes, whose results so far outlive a Ctrl-C."""
+"""Tasks spread over processes; results so far survive a Ctrl-C."""
 
 from __future__ import annotations
 
@@ -23,30 +23,10 @@ class Done:
 
 
 def spread(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], jobs: int, told: Told, what: Callable[[Any], str]) -> Done:
-    """``function(*task)`` for every task.
+    """``function(*task)`` for every task, in ``jobs`` processes (1: this one); after Ctrl-C the results so far.
 
-    Parameters
-    ----------
-    function : callable
-        A function of a module, so that other processes find it.
-    tasks : sequence of tuple
-        Of plain values.
-    jobs : int
-        Processes; 1 works in this one.
-    told : callable
-        Hears after each task how many are done.
-    what : callable
-        From a task to what it is called.
-
-    Returns
-    -------
-    Done
-        After Ctrl-C, with what was done until then.
-
-    Raises
-    ------
-    WayboundError
-        If a process ended abruptly.
+    ``function`` is one of a module, so that other processes find it; ``told`` receives the progress, and ``what`` names a task. Raises
+    WayboundError if a process ended abruptly.
     """
     results: list[Any] = [None] * len(tasks)
     jobs = min(jobs, len(tasks))
@@ -98,7 +78,7 @@ def _in_processes(
 
 
 def _prepare() -> None:
-    """A Ctrl-C reaches every process of the terminal's group; the parent alone decides what it means, and is not outlived."""
+    """Ignore Ctrl-C, which reaches every process of the terminal's group: the parent decides what it means. End with the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

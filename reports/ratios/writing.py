@@ -1,4 +1,4 @@
-"""A report as files: tables as CSV and Markdown, figures as PNG, each whole or not at all."""
+"""Reports as files: tables as CSV and Markdown, figures as PNG, each whole or not at all."""
 
 from __future__ import annotations
 
@@ -33,14 +33,7 @@ def check_folder(folder: Path) -> None:
 def write_report(report: Report, folder: Path) -> tuple[Path, ...]:
     """Write ``STUDY.csv`` (the table), ``STUDY-observations.csv``, ``STUDY.md`` and the figures into ``folder``, which is made if needed.
 
-    Returns
-    -------
-    tuple of Path
-
-    Raises
-    ------
-    InputError
-        If a file cannot be written; those before it stand.
+    Raises InputError if a file cannot be written; those before it remain.
     """
     folder.mkdir(parents=True, exist_ok=True)
     written = []
@@ -57,7 +50,7 @@ def write_report(report: Report, folder: Path) -> tuple[Path, ...]:
 
 
 def csv_text(rows: Sequence[dict[str, Any]]) -> str:
-    """Rows with a heading, numbers in full, nothing where there is no value."""
+    """Rows with a heading, numbers in full, empty where there is no value."""
     columns = list(dict.fromkeys(key for row in rows for key in row))
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
@@ -68,7 +61,7 @@ def csv_text(rows: Sequence[dict[str, Any]]) -> str:
 
 
 def markdown(report: Report) -> str:
-    """The table, what is to be said of it, and the figures."""
+    """The table, notes and faults of a report, and its figures."""
     lines = [f"# {report.study}", "", report.title, "", *markdown_table(report.table), ""]
     lines += [f"- {note}" for note in report.notes]
     if report.interrupted:

@@ -16,7 +16,7 @@ SHOWN_ROWS = 20
 
 
 def answer_tables(problem: Problem, answer: Any) -> list[Table]:
-    """What is shown of an answer, or where it is None of a problem that has none."""
+    """Tables of an answer, or where it is None of a problem without one."""
     told = TABLES[problem.family].answer if problem.family in TABLES else None
     if told is not None:
         return told(problem, answer)
@@ -24,7 +24,7 @@ def answer_tables(problem: Problem, answer: Any) -> list[Table]:
 
 
 def frame_table(frame: pd.DataFrame) -> Table:
-    """The first rows of an answer's frame; nothing where it has nothing."""
+    """The first rows of an answer's frame; missing values are empty."""
     numeric = [frame[title].dtype.kind in "iuf" for title in frame.columns]
     columns = tuple(Column(str(title), right=right) for title, right in zip(frame.columns, numeric, strict=True))
     first = frame.head(SHOWN_ROWS)

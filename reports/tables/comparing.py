@@ -1,4 +1,4 @@
-"""The table of a comparison: what each method found, what is verified, and who says what."""
+"""The table of a comparison: each method's answer, its verified bound, and on whose word it ended."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ def comparison_table(comparison: Comparison) -> Table:
 
 
 def _verified(run: Compared) -> float | list[float] | None:
-    """Verified bounds that a run led to, level by level."""
+    """Verified bounds from a run, level by level."""
     if run.solution is None or run.verified is None or not run.solution.certificate.levels:
         return run.verified
     return [run.verified, *(level.bound for level in run.solution.certificate.levels)]
 
 
 def comparison_lines(comparison: Comparison) -> list[Line]:
-    """The best answer, the best verified bound, and what contradicts what."""
+    """The best answer, the best verified bound, and contradictions."""
     best, lines = comparison.best, [Line("fault", fault, "bad") for fault in comparison.faults]
     if best is not None:
         lines.append(

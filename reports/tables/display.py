@@ -1,4 +1,4 @@
-"""Tables as cells of a notebook, as a terminal and as ``print`` show them: HTML in which all text is escaped, rich, and plain text."""
+"""Tables in notebooks, in a terminal and in ``print``: HTML in which all text is escaped, rich, and plain text."""
 
 from __future__ import annotations
 
@@ -73,14 +73,7 @@ def table_html(table: Table) -> str:
 
 
 class Listing(list[T], Generic[T]):
-    """A list that shows itself as a table: in a notebook, in a terminal, and as text.
-
-    Parameters
-    ----------
-    entries : iterable
-    table : callable
-        From the entries to their table.
-    """
+    """A list that shows itself as a table in a notebook, in a terminal and as text; ``table`` makes one of the list."""
 
     def __init__(self, entries: Iterable[T], table: Callable[[Listing[T]], Table]) -> None:
         super().__init__(entries)
@@ -88,7 +81,6 @@ class Listing(list[T], Generic[T]):
 
     @property
     def table(self) -> Table:
-        """What is shown."""
         return self._table(self)
 
     def __reduce__(self) -> Any:

@@ -1,4 +1,4 @@
-"""What a problem holds, as data and as a table."""
+"""Facts of a problem, as data and as a table."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from . import TABLES
 from .table import Column, Table
 
 SHOWN_NAMES = 10
-"""Names that a row of the table holds; the facts hold them all."""
+"""Names in a row of the table; the facts hold them all."""
 
 
 def facts(problem: Problem) -> dict[str, Any]:
-    """What a problem holds, as plain JSON values."""
+    """The facts of a problem as plain JSON values."""
     return {
         "name": problem.name,
         "problem": problem.problem,
@@ -30,7 +30,7 @@ def facts(problem: Problem) -> dict[str, Any]:
 
 
 COMMON = ("name", "problem", "family", "senses", "convention", "instance_hash", "features", "forms", "notes", "objective")
-"""Facts that ``facts_table`` tells of every problem; the others are the problem's own."""
+"""Facts that ``facts_table`` shows of every problem; the others are the problem's own."""
 
 
 def facts_table(data: dict[str, Any]) -> Table:

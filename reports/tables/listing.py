@@ -55,7 +55,7 @@ def solvers_table(infos: Sequence[SolverInfo], *, asked: bool) -> Table:
 
 
 def heuristics_table(infos: Sequence[HeuristicInfo], *, asked: bool) -> Table:
-    """Heuristics with what they guarantee; with ``asked``, whether each takes the problem asked about."""
+    """Heuristics and their guarantees; with ``asked``, whether each takes the problem asked about."""
     columns = [Column("heuristic"), Column("guarantee"), Column("options"), Column("summary", wide=True)]
     rows = [[i.name, i.guarantee, ", ".join(i.parameters) or "-", i.summary] for i in infos]
     if asked:

@@ -8,15 +8,15 @@ from ...formulations.rendering import number
 from ...instances.printable import printable
 
 Row = tuple[str, str]
-"""What is told, and what holds."""
+"""A name and its value."""
 
 SHOWN_CELL = 200
-"""Characters of an entry that are shown, where its column is not wide."""
+"""Characters of a cell that are shown, unless its column is wide."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """Heading of a column; numbers stand to the right, and ``wide`` columns take the room that is left."""
+    """Heading of a column: numbers stand to the right, and ``wide`` columns take the remaining room and show texts of any length."""
 
     name: str
     right: bool = False
@@ -25,11 +25,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """A titled table of texts, made printable; every row has one entry a column. ``total`` is a last row set apart, ``most`` the number
-    of rows that are shown where not all are asked for.
-
-    Only ``wide`` columns show texts of any length.
-    """
+    """A titled table of printable texts; ``total`` is a last row set apart, ``most`` the rows shown unless all are asked for."""
 
     title: str
     columns: tuple[Column, ...]
