@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import waybound as wb
 from waybound.reports.comparison import Compared, Comparison
-from waybound.reports.tables.comparing import comparison_lines
+from waybound.reports.tables.comparison import comparison_lines
 
 
 def failed(*names: str) -> Comparison:
