@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Mapping
 from os import PathLike
@@ -12,6 +11,7 @@ from typing import Any
 from ...instances.atomic import atomic_write
 from ...instances.errors import UsageError
 from ...instances.worlds import World
+from ..plots.drawing import png_of
 from .film_picture import FRAMES_A_SECOND, Picture
 from .mission import Mission, Scene
 
@@ -58,10 +58,9 @@ class Film:
 
     def save_frame(self, step: int, path: str | PathLike[str]) -> None:
         """Write the picture of one step (0 is the start) as a PNG file."""
-        picture, buffer = Picture({"": self}), io.BytesIO()
+        picture = Picture({"": self})
         picture.show(step)
-        picture.figure.savefig(buffer, format="png", dpi=100)
-        atomic_write(path, buffer.getvalue())
+        atomic_write(path, png_of(picture.figure, 100))
 
 
 def save_side_by_side(films: Mapping[str, Film], path: str | PathLike[str]) -> None:

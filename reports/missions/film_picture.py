@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.rendering import number
+from ..plots.drawing import figure_without_display, open_frame
 from .mission import Scene
 
 if TYPE_CHECKING:
@@ -42,9 +43,6 @@ class Picture:
     """The figure; ``show`` sets it to a step. ``films`` are of equal lengths; one alone has no name on its map."""
 
     def __init__(self, films: Mapping[str, Film]) -> None:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-
         self.films = dict(films)
         shots = ((shot[0], value) for film in self.films.values() for shot, value in zip(film.shots, film.values, strict=True))
         self.counts = all(value == int(scene.marked.sum()) for scene, value in shots)
@@ -52,8 +50,8 @@ class Picture:
         several = len(self.films) > 1
         self.limits = [[math.nan if scene.limit is None else scene.limit for scene, _ in film.shots] for film in self.films.values()]
         count = len(self.films)
-        self.figure = Figure(figsize=(4.6 * count, 6.6) if several else (9.0, 4.8))  # its margins are fixed: a layout found anew jumps
-        self.canvas = FigureCanvasAgg(self.figure)
+        size = (4.6 * count, 6.6) if several else (9.0, 4.8)
+        self.figure = figure_without_display(*size, layout=None)  # margins are fixed: a layout found anew jumps
         self.figure.set_dpi(80)
         if several:
             rows = self.figure.add_gridspec(2, count, height_ratios=(2.6, 1.0), left=0.07, right=0.98, top=0.9, bottom=0.14, hspace=0.22)
@@ -101,8 +99,7 @@ class Picture:
         for axis in (chart.xaxis, chart.yaxis):
             axis.set_major_locator(MaxNLocator(integer=True))
         chart.tick_params(labelsize=8, colors="#555555")
-        for side in ("top", "right"):
-            chart.spines[side].set_visible(False)
+        open_frame(chart)
 
     def gif(self, steps: list[int]) -> bytes:
         """These steps as a GIF file. Pillow takes each picture as it is drawn; its writer within matplotlib would draw it three times."""
@@ -111,8 +108,8 @@ class Picture:
         def pictures() -> Iterator[Image.Image]:
             for step in steps:
                 self.show(step)
-                self.canvas.draw()
-                yield Image.fromarray(np.asarray(self.canvas.buffer_rgba())).convert("RGB")
+                self.figure.canvas.draw()
+                yield Image.fromarray(np.asarray(self.figure.canvas.buffer_rgba())).convert("RGB")
 
         drawn, buffer = pictures(), io.BytesIO()
         next(drawn).save(buffer, "GIF", save_all=True, append_images=drawn, duration=1000 // FRAMES_A_SECOND, loop=0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from typing import TYPE_CHECKING, Any
 
@@ -47,14 +48,26 @@ def roomy(ax: Any, width: float = 0.0, height: float = 0.0) -> None:
         figure.set_size_inches(max(wide, min(width, 24.0)), max(high, min(height, 19.2)))
 
 
-def axes_without_display() -> Any:
-    """Axes of a figure that pyplot does not know."""
+def figure_without_display(width: float, height: float, layout: str | None = "constrained") -> Any:
+    """A figure that pyplot does not know; sizes are in inches."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8.0, 6.4), layout="constrained")
+    figure = Figure(figsize=(width, height), layout=layout)  # type: ignore[arg-type]
     FigureCanvasAgg(figure)
-    return figure.add_subplot()
+    return figure
+
+
+def axes_without_display() -> Any:
+    """Axes of a figure that pyplot does not know."""
+    return figure_without_display(8.0, 6.4).add_subplot()
+
+
+def png_of(figure: Any, dpi: int) -> bytes:
+    """A figure as a PNG file."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=dpi)
+    return buffer.getvalue()
 
 
 def rounded(value: Any) -> str:
@@ -158,10 +171,15 @@ def legend_below(ax: Any, handles: Any, labels: Any, columns: int, lines: float 
     )  # fmt: skip
 
 
-def chart_axes(ax: Any) -> None:
-    """A chart: no frame above and to the right, quiet ticks."""
+def open_frame(ax: Any) -> None:
+    """No frame above and to the right."""
     for side in ("top", "right"):
         ax.spines[side].set_visible(False)
+
+
+def chart_axes(ax: Any) -> None:
+    """A chart: no frame above and to the right, quiet ticks."""
+    open_frame(ax)
     ax.tick_params(labelsize=8, colors="#555555")
     ax.grid(axis="y", color="#EEEEEE", zorder=0)
     ax.set_axisbelow(True)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..plots.drawing import COLOURS
+from ..plots.drawing import COLOURS, open_frame
 from .study import Figure
 
 SHOWN_POINTS = 600
@@ -145,5 +145,4 @@ def _plain(panel: Any) -> None:
     panel.grid(axis="both", color="#dddddd", linewidth=0.5, zorder=0)
     panel.set_axisbelow(True)
     panel.tick_params(labelsize=8.5)
-    for side in ("top", "right"):
-        panel.spines[side].set_visible(False)
+    open_frame(panel)

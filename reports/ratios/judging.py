@@ -64,7 +64,7 @@ class Configuration:
 
 @dataclass(frozen=True)
 class Run:
-    """One run, judged: ``ratio`` is >= 1, worse over better, ``stated`` that of the heuristic, ``bound`` the best that the checker proved."""
+    """One run, judged: ``ratio`` is worse over better, ``stated`` that of the heuristic, ``bound`` the best that the checker proved."""
 
     value: float
     optimum: float

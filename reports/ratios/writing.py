@@ -10,6 +10,7 @@ from typing import Any
 
 from ...instances.atomic import atomic_write
 from ...instances.errors import UsageError
+from ..plots.drawing import figure_without_display, png_of
 from ..tables.table import Table
 from .study import Figure, Report
 
@@ -83,12 +84,6 @@ def markdown_table(table: Table) -> list[str]:
 
 def png(figure: Figure) -> bytes:
     """A figure, drawn without a display; the same report gives the same bytes."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure as Canvas
-
-    canvas = Canvas(figsize=figure.size, layout="constrained")
-    FigureCanvasAgg(canvas)
+    canvas = figure_without_display(*figure.size)
     figure.draw(canvas)
-    buffer = io.BytesIO()
-    canvas.savefig(buffer, format="png", dpi=150)
-    return buffer.getvalue()
+    return png_of(canvas, 150)
