@@ -39,8 +39,8 @@ KERNELS = {
     "solvers/engines/sata/local_max_min/level_kernels": "solvers/engines/sata/local_max_min/search",
     "solvers/engines/sata/saddle_steps/descent_kernels": "solvers/engines/sata/saddle_steps/game",
     "solvers/engines/sata/saddle_steps/regret_kernels": "solvers/engines/sata/saddle_steps/regret",
-    "solvers/engines/auctions/task_subset_steps/part_kernels": "solvers/engines/auctions/part_subsets",
-    "solvers/engines/auctions/task_subset_steps/subset_kernels": "solvers/engines/auctions/task_subset_steps/shares",
+    "solvers/engines/auctions/task_subset_steps/part_kernels": "solvers/engines/auctions/task_subsets",
+    "solvers/engines/auctions/task_subset_steps/subset_kernels": "solvers/engines/auctions/task_subsets",
 }
 """Compiled loops that take their caller's arrays apart, and mean nothing without it: the tests of the caller are theirs."""
 

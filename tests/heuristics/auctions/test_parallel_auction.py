@@ -12,7 +12,7 @@ from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.auctions.parallel_auction import parallel_auction
 from waybound.heuristics.heuristic import Context
 from waybound.reports.ratios.judging import run_heuristic
-from waybound.solvers.engines.auctions.task_subset_steps.shares import best_paths
+from waybound.solvers.engines.auctions.task_subsets import best_paths
 from waybound.solvers.linear_programs import LinearPrograms
 
 
