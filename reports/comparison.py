@@ -193,13 +193,13 @@ class Comparison:
 
     def __str__(self) -> str:
         from .tables.comparison import comparison_lines, comparison_table
-        from .tables.display import table_plain
+        from .tables.table import table_plain
 
         return table_plain(comparison_table(self)) + "\n" + as_text("", comparison_lines(self)).lstrip("\n")
 
     def _repr_html_(self) -> str:
         from .tables.comparison import comparison_lines, comparison_table
-        from .tables.display import table_html
+        from .tables.table import table_html
 
         return table_html(comparison_table(self)) + as_html("", comparison_lines(self))
 

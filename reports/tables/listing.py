@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 from ...formulations.problem import Problem
 from ...solving.listing import HeuristicInfo, SolverInfo, heuristic_table, solver_table
-from .display import Listing
-from .table import Column, Table
+from .table import Column, Listing, Table
 
 
 def list_solvers(problem: Problem | None = None) -> Listing[SolverInfo]:
