@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -92,12 +93,12 @@ class Comparison:
     @property
     def best(self) -> Solution | None:
         """The best checked answer; of equal ones the first."""
-        found: Solution | None = None
+        best: Solution | None = None
         for run in self.runs:
             s = run.solution
-            if s is not None and s.evaluation is not None and (found is None or _ahead(self.problem, s, found)):
-                found = s
-        return found
+            if s is not None and s.evaluation is not None and (best is None or _ahead(self.problem, s, best)):
+                best = s
+        return best
 
     @property
     def infeasible(self) -> bool:
@@ -106,28 +107,28 @@ class Comparison:
 
     @property
     def _bounded_by(self) -> Compared | None:
-        found: Compared | None = None
+        best: Compared | None = None
         for run in self.runs:
-            known = None if found is None else found.verified
+            known = None if best is None else best.verified
             if run.verified is not None and (known is None or better_bound(self.problem.sense, run.verified, known)):
-                found = run
-        return found
+                best = run
+        return best
 
     def bounds(self, values: Sequence[float]) -> list[float]:
         """The best verified bound of each level for answers of these values.
 
         Bounds of further levels hold where the levels before are closed, by runs whose answers were worth as much there.
         """
-        found: list[float] = []
+        bounds: list[float] = []
         for level, sense in enumerate(self.problem.senses):
             known = [self.bound] if level == 0 else [self._level_bound(run, level, values) for run in self.runs]
             at_level = [bound for bound in known if bound is not None]
             if not at_level:
                 break
-            found.append(max(at_level) if sense == "min" else min(at_level))
-            if not same(values[level], found[-1]):
+            bounds.append(max(at_level) if sense == "min" else min(at_level))
+            if not same(values[level], bounds[-1]):
                 break
-        return found
+        return bounds
 
     @staticmethod
     def _level_bound(run: Compared, level: int, values: Sequence[float]) -> float | None:
@@ -290,23 +291,23 @@ def _asked(methods: Methods) -> dict[str, dict[str, Any]]:
     if isinstance(methods, str):
         raise UsageError(f"compare takes a list of names, not {methods!r}: [{methods!r}, ...]")
     if isinstance(methods, Mapping):
-        made = {str(name): dict(own) for name, own in methods.items()}
+        keywords = {str(name): dict(own) for name, own in methods.items()}
     else:
-        made = {}
+        keywords = {}
         for name in methods:
-            if name in made:
+            if name in keywords:
                 raise UsageError(f"{name} is to be compared with itself; a mapping gives runs of one method names of their own")
             if name not in HEURISTICS and name.partition(":")[0] not in BACKENDS:
                 raise UsageError(f"no solver and no heuristic is named {name!r}; there are {', '.join([*BACKENDS, *HEURISTICS])}")
-            made[name] = {"heuristic" if name in HEURISTICS else "solver": name}
-    for own in made.values():
+            keywords[name] = {"heuristic" if name in HEURISTICS else "solver": name}
+    for own in keywords.values():
         if own.get("solver") is not None:
             _ = BACKENDS[str(own["solver"]).partition(":")[0]]
         if own.get("heuristic") is not None:
             _ = HEURISTICS[own["heuristic"]]
-    if not made:
+    if not keywords:
         raise UsageError("there is nothing to compare: name some solvers and heuristics")
-    return made
+    return keywords
 
 
 def _run(problem: Problem, name: str, keywords: dict[str, Any], log: SearchLog | None, progress: Any) -> Compared:
@@ -322,22 +323,20 @@ def _run(problem: Problem, name: str, keywords: dict[str, Any], log: SearchLog |
 
 def _contradictions(problem: Problem, runs: Sequence[Compared]) -> list[str]:
     """Where the claims or verified bounds of one run contradict checked answers of the others."""
-    found = []
-    for one in runs:
-        for other in runs:
-            s, t = one.solution, other.solution
-            if s is None or t is None or t.evaluation is None or one is other:
-                continue
-            value, size = t.evaluation.values[0], t.evaluation.size
-            told = f"{other.name} has an answer of value {value!r}, which passed every check"
-            if s.certificate.infeasible:
-                found.append(
-                    f"{told}; {s.certificate.bound_source} proves that there is none: one of the two checks is wrong, please report this"
-                )
-            elif s.status in ("infeasible", "infeasible_or_unbounded") and s.evaluation is None:
-                found.append(f"{one.name} says {s.status.replace('_', ' ')}, but {told}")
-            bound = s.bound[0] if isinstance(s.bound, list) else s.bound
-            for kind, limit in (("verified", s.certificate.bound), ("claimed", bound if s.bound_kind == "claimed" else None)):
-                if limit is not None and beats_bound(problem.sense, value, limit, size) and not t.evaluation.same_at(0, limit, CLAIMED):
-                    found.append(f"the {kind} bound {limit!r} of {one.name} is refuted: {told}")
-    return found
+    faults = []
+    for one, other in itertools.permutations(runs, 2):
+        s, t = one.solution, other.solution
+        if s is None or t is None or t.evaluation is None:
+            continue
+        value, size = t.evaluation.values[0], t.evaluation.size
+        answered = f"{other.name} has an answer of value {value!r}, which passed every check"
+        if s.certificate.infeasible:
+            proof = f"{s.certificate.bound_source} proves that there is none"
+            faults.append(f"{answered}; {proof}: one of the two checks is wrong, please report this")
+        elif s.status in ("infeasible", "infeasible_or_unbounded") and s.evaluation is None:
+            faults.append(f"{one.name} says {s.status.replace('_', ' ')}, but {answered}")
+        bound = s.bound[0] if isinstance(s.bound, list) else s.bound
+        for kind, limit in (("verified", s.certificate.bound), ("claimed", bound if s.bound_kind == "claimed" else None)):
+            if limit is not None and beats_bound(problem.sense, value, limit, size) and not t.evaluation.same_at(0, limit, CLAIMED):
+                faults.append(f"the {kind} bound {limit!r} of {one.name} is refuted: {answered}")
+    return faults

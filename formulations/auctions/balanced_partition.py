@@ -94,11 +94,11 @@ class BalancedPartition(RobotShares):
             return [*terms, *own[np.triu_indices(len(tasks), 1)].tolist()]
         if self.edges == "none" or len(tasks) < 2:
             return terms
-        near, left = own[0].copy(), np.arange(len(tasks)) > 0
+        near, waiting = own[0].copy(), np.arange(len(tasks)) > 0
         for _ in range(len(tasks) - 1):  # Prim (1957)
-            node = int(np.where(left, near, math.inf).argmin())
+            node = int(np.where(waiting, near, math.inf).argmin())
             terms.append(float(near[node]))
-            left[node] = False
+            waiting[node] = False
             near = np.minimum(near, own[node])
         return terms
 
@@ -120,9 +120,9 @@ class BalancedPartition(RobotShares):
         """One row a task: robot, task, its weight, and the cost of the part that it is in."""
         import pandas as pd
 
-        told, costs = self.instance, self.costs(answer)
+        data, costs = self.instance, self.costs(answer)
         rows = [
-            (told.robot_name(robot), told.task_name(task), float(self.weights[task]), costs[robot])
+            (data.robot_name(robot), data.task_name(task), float(self.weights[task]), costs[robot])
             for robot, part in enumerate(answer)
             for task in part
         ]

@@ -26,9 +26,9 @@ def largest_matching(indptr: Indices, columns: Indices, num_columns: int) -> NDA
     if len(columns) >= MANY_PAIRS:
         from .matching_kernels import matched
 
-        found, largest = matched(indptr, columns, num_columns, LOOKS * len(columns))
+        columns_of_rows, largest = matched(indptr, columns, num_columns, LOOKS * len(columns))
         if largest:
-            return np.asarray(found)
+            return np.asarray(columns_of_rows)
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import maximum_bipartite_matching
 

@@ -50,8 +50,8 @@ def completed(problem: BinAssignment, taken: NDArray[np.int64], stop: Stop) -> t
         return tuple(taken.tolist()), 0
     kept = taken[problem.robots] == problem.bins
     changes = AssignmentInstance(problem.num_robots, problem.num_bins, problem.indptr, problem.bins, np.where(kept, 0.0, 1.0))
-    found = auction(BinAssignment(changes), stop)
-    answer = found.answer if found.complete else problem.answer_at_hand()
+    repaired = auction(BinAssignment(changes), stop)
+    answer = repaired.answer if repaired.complete else problem.answer_at_hand()
     return answer, int((np.array(answer) != taken).sum())
 
 

@@ -41,36 +41,36 @@ def bertsekas(
     if not isinstance(scaling, bool):
         raise UsageError(f"scaling must be true or false, not {scaling!r}")
     stop = context.begin()
-    found = auction(problem, stop, epsilon=epsilon or 0.0, factor=float(factor), scaling=scaling)
-    statistics = {"bids": found.bids, "phases": found.phases, "epsilon": found.epsilon}
-    if not found.complete:
+    ended = auction(problem, stop, epsilon=epsilon or 0.0, factor=float(factor), scaling=scaling)
+    statistics = {"bids": ended.bids, "phases": ended.phases, "epsilon": ended.epsilon}
+    if not ended.complete:
         why = "prices grew beyond all bounds" if not stop.reached() else "cut short"
         message = f"{why}: the answer is any of the most pairs"
         return Outcome(problem.answer_at_hand(), statistics=statistics, message=message, limit=stop.reached() or "none")
-    message = _other(epsilon, found)
+    message = _other(epsilon, ended)
     if problem.pairs > int((problem.largest >= 0).sum()):
-        return Outcome(found.answer, statistics=statistics, message=message)
-    value, evidence = problem.evaluate(found.answer).quantities["sum"], found.evidence(problem, "auction prices")
-    return Outcome(found.answer, _guarantee(problem, value, evidence.value, found), (evidence,), statistics, message)
+        return Outcome(ended.answer, statistics=statistics, message=message)
+    value, evidence = problem.evaluate(ended.answer).quantities["sum"], ended.evidence(problem, "auction prices")
+    return Outcome(ended.answer, _guarantee(problem, value, evidence.value, ended), (evidence,), statistics, message)
 
 
-def _other(asked: float | None, found: Auction) -> str:
+def _other(asked: float | None, ended: Auction) -> str:
     """A message that another epsilon was used than was asked for, and why."""
-    if asked is None or math.isclose(asked, found.epsilon, rel_tol=1e-6):
+    if asked is None or math.isclose(asked, ended.epsilon, rel_tol=1e-6):
         return ""
-    why = "the range of the costs" if found.capped else "a whole number of the finest steps in which costs are counted"
-    return f"epsilon {asked:g} is run as {found.epsilon:.6g}, {why}"
+    why = "the range of the costs" if ended.capped else "a whole number of the finest steps in which costs are counted"
+    return f"epsilon {asked:g} is run as {ended.epsilon:.6g}, {why}"
 
 
-def _guarantee(problem: BinAssignment, value: float, proved: float, found: Auction) -> Guarantee | None:
+def _guarantee(problem: BinAssignment, value: float, proved: float, ended: Auction) -> Guarantee | None:
     """1 or what n epsilon is as a share of this answer where costs are counted exactly; else what the prices prove."""
-    if found.optimal:
+    if ended.optimal:
         return Guarantee(1.0, "cost = OPT", ("costs are whole multiples of a step, and epsilon is below one n-th of it",), SOURCE)
-    if not found.exact:
+    if not ended.exact:
         return _ratio(
             value, proved, "cost <= ratio * what the prices of this answer prove", "costs are rounded to steps for the bids alone"
         )
-    n, epsilon = max(problem.num_robots, problem.num_bins), found.epsilon
+    n, epsilon = max(problem.num_robots, problem.num_bins), ended.epsilon
     more = math.nextafter(n * math.nextafter(epsilon, math.inf), math.inf)
     statement = f"cost <= OPT + n epsilon = OPT + {more:.3g}"
     return _ratio(value, math.nextafter(value, -math.inf) - more, statement, f"n = {n}, epsilon = {epsilon:.3g}")

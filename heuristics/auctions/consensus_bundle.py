@@ -38,15 +38,17 @@ def consensus_bundle(problem: TaskAllocation, context: Context, *, communication
     if most is not None and (isinstance(most, bool) or not isinstance(most, int) or most < 1):
         raise UsageError(f"most must be a whole number of at least 1, not {most!r}")
     stop = context.begin()
-    found = _agree(problem, communication, most, stop)
-    paths = found.paths
-    statistics = {"rounds": found.rounds, "messages": found.messages}
+    agreement = _agree(problem, communication, most, stop)
+    paths = agreement.paths
+    statistics = {"rounds": agreement.rounds, "messages": agreement.messages}
     if stop.reached():
         return Outcome(completed(problem, _once(paths)), statistics=statistics, message=CUT_SHORT, limit=stop.reached())
-    left = problem.num_tasks - len({task for path in paths for task in path})
-    message = "" if found.agreed else "the robots did not agree; who comes first keeps a task"
-    if left:
-        message = "; ".join(part for part in (message, f"{left} tasks that nobody had room for were inserted where they add least") if part)
+    spare = problem.num_tasks - len({task for path in paths for task in path})
+    message = "" if agreement.agreed else "the robots did not agree; who comes first keeps a task"
+    if spare:
+        message = "; ".join(
+            part for part in (message, f"{spare} tasks that nobody had room for were inserted where they add least") if part
+        )
     return Outcome(_inserted(problem, _once(paths), stop), statistics=statistics, message=message)
 
 
@@ -91,12 +93,12 @@ def _inserted(problem: TaskAllocation, paths: Paths, stop: Stop) -> Paths:
     from .auction_steps.bidding_kernels import insertions
 
     starts, between = arrays_of(problem)
-    made = [list(path) for path in paths]
+    longer = [list(path) for path in paths]
     for task in sorted(set(range(problem.num_tasks)) - {task for path in paths for task in path}):
-        ways = [insertions(stop.flag, starts[r], between, np.array(path, np.int64), False) for r, path in enumerate(made)]
-        robot = min(range(len(made)), key=lambda r: float(ways[r][0][task]))
-        made[robot].insert(int(ways[robot][1][task]), task)
-    return tuple(tuple(path) for path in made)
+        ways = [insertions(stop.flag, starts[r], between, np.array(path, np.int64), False) for r, path in enumerate(longer)]
+        robot = min(range(len(longer)), key=lambda r: float(ways[r][0][task]))
+        longer[robot].insert(int(ways[robot][1][task]), task)
+    return tuple(tuple(path) for path in longer)
 
 
 Floats = NDArray[np.float64]
@@ -208,12 +210,12 @@ def consensus(gains: Gains, tasks: int, neighbours: Flags, stop: Stop, most: int
         for robot in team:
             robot.fill(gains, tasks if most is None else most)
             robot.heard[robot.number] = rounds
-        told = [(robot.bid.copy(), robot.winner.copy(), robot.heard.copy()) for robot in team]
+        messages = [(robot.bid.copy(), robot.winner.copy(), robot.heard.copy()) for robot in team]
         for robot in team:
             senders = [k for k in np.nonzero(neighbours[robot.number])[0].tolist() if k != robot.number]
             for sender in senders:
-                robot.hear(*told[sender], sender)
-                robot.heard = np.maximum(robot.heard, told[sender][2])
+                robot.hear(*messages[sender], sender)
+                robot.heard = np.maximum(robot.heard, messages[sender][2])
                 robot.heard[robot.number] = rounds
             robot.release()
         now = tuple(part.tobytes() for robot in team for part in (robot.bid, robot.winner))

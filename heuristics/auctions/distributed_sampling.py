@@ -39,9 +39,9 @@ def distributed_sampling(
     start = _initial(problem, initial) if context.start is None else context.start
     most = 10 * problem.num_tasks * problem.num_robots if most_moves is None else most_moves
     guarded = problem.num_robots > 2 or problem.objective == "min-max"  # of two parts the difference falls with every move
-    found = single_moves(problem, start, most, stop, guarded=guarded)
-    limit = found.ended if found.ended in ("time", "interrupt") else "none"
-    return Outcome(found.parts, statistics={"moves": len(found.moves), "ended": found.ended}, limit=limit)
+    descent = single_moves(problem, start, most, stop, guarded=guarded)
+    limit = descent.ended if descent.ended in ("time", "interrupt") else "none"
+    return Outcome(descent.parts, statistics={"moves": len(descent.moves), "ended": descent.ended}, limit=limit)
 
 
 def _initial(problem: BalancedPartition, initial: str) -> Parts:

@@ -48,17 +48,17 @@ def fixed_order_auction(problem: TaskAllocation, context: Context, *, order: Seq
     return Outcome(paths_of(path, count), guarantee, statistics={"rounds": tasks, "bids": tasks * problem.num_robots})
 
 
-def _order(problem: TaskAllocation, given: Any) -> NDArray[np.int64]:
+def _order(problem: TaskAllocation, asked: Any) -> NDArray[np.int64]:
     """The numbers of all tasks in the order that is asked for."""
     tasks = problem.num_tasks
-    if given is None:
+    if asked is None:
         return np.arange(tasks)
     names = {problem.instance.task_name(task): task for task in range(tasks)}
-    items = [part.strip() for part in given.split(",")] if isinstance(given, str) else [str(given)] if isinstance(given, int) else given
+    items = [part.strip() for part in asked.split(",")] if isinstance(asked, str) else [str(asked)] if isinstance(asked, int) else asked
     try:
-        found = indices_of(items, names, "task")
+        numbers = indices_of(items, names, "task")
     except TypeError:
-        found = []
-    if sorted(found) != list(range(tasks)):
-        raise UsageError(f"order must be a permutation of all {tasks} tasks, by number from 0 or by name, not {str(given)[:80]!r}")
-    return np.array(found, dtype=np.int64)
+        numbers = []
+    if sorted(numbers) != list(range(tasks)):
+        raise UsageError(f"order must be a permutation of all {tasks} tasks, by number from 0 or by name, not {str(asked)[:80]!r}")
+    return np.array(numbers, dtype=np.int64)

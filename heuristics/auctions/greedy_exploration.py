@@ -21,24 +21,24 @@ def heard_greedy(problem: RoomExploration, context: Context) -> Outcome:
     An action is allowed if a room that hears the base can be reached in time afterwards, and before the end. Of equal gains, the one on the
     way to the most gain for each step is taken.
     """
-    stop, given = context.begin(), problem.instance
-    adjacent, contact = given.adjacent, given.linked[given.base]
+    stop, instance = context.begin(), problem.instance
+    adjacent, contact = instance.adjacent, instance.linked[instance.base]
     back = steps_to_contact(adjacent, contact)
     try:
         away = _distances(adjacent, stop)
     except Stopped:
         return Outcome(None, limit=stop.reached())
-    tables = {GO: given.exploring, MAP: given.mapping, SEARCH: given.searching}
-    done = {kind: np.zeros(given.num_rooms, dtype=np.int64) for kind in tables}
+    tables = {GO: instance.exploring, MAP: instance.mapping, SEARCH: instance.searching}
+    done = {kind: np.zeros(instance.num_rooms, dtype=np.int64) for kind in tables}
 
     def gain(kind: int, room: int) -> float:
         return float(tables[kind][room, done[kind][room]]) if done[kind][room] < tables[kind].shape[1] else 0.0
 
-    here, silent = given.starts.tolist(), [0] * given.num_robots
+    here, silent = instance.starts.tolist(), [0] * instance.num_robots
     plans: list[list[tuple[int, int]]] = [[] for _ in here]
-    for step in range(1, given.steps + 1):
-        worth = np.array([max(gain(kind, room) for kind in tables) for room in range(given.num_rooms)])
-        for robot in range(given.num_robots):
+    for step in range(1, instance.steps + 1):
+        worth = np.array([max(gain(kind, room) for kind in tables) for room in range(instance.num_rooms)])
+        for robot in range(instance.num_robots):
             if stop.reached():
                 return Outcome(None, limit=stop.reached())
             at = here[robot]
@@ -46,7 +46,7 @@ def heard_greedy(problem: RoomExploration, context: Context) -> Outcome:
             best: tuple[float, float, int] | None = None
             for number, (room, kind) in enumerate(options):
                 age = 0 if contact[room] else silent[robot] + 1
-                if not allowed(age, int(back[room]), given.silence) or int(back[room]) > given.steps - step:
+                if not allowed(age, int(back[room]), instance.silence) or int(back[room]) > instance.steps - step:
                     continue
                 now = 0.0 if (room, kind) == (at, GO) else gain(kind, room)
                 ahead = float((worth / (1.0 + away[room])).max())
@@ -66,8 +66,8 @@ def _distances(adjacent: NDArray[np.bool_], stop: Stop) -> NDArray[np.float64]:
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import dijkstra
 
-    doors, made = csr_array(adjacent), np.empty(adjacent.shape)
+    doors, distances = csr_array(adjacent), np.empty(adjacent.shape)
     for room in range(len(adjacent)):
         stop.check()
-        made[room] = dijkstra(doors, unweighted=True, indices=room)
-    return made
+        distances[room] = dijkstra(doors, unweighted=True, indices=room)
+    return distances

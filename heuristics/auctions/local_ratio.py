@@ -50,9 +50,9 @@ def local_ratio(problem: GeneralisedAssignment, context: Context, *, order: tupl
     for j in free[np.argsort(-values[:, free].max(axis=0), kind="stable")].tolist():
         if stop.reached():
             break
-        left = np.where((values[:, j] > 0.0) & (load + instance.consumption[:, j] <= instance.capacity), values[:, j], 0.0)
-        i = int(np.argmax(left))
-        if left[i] > 0.0:
+        gains = np.where((values[:, j] > 0.0) & (load + instance.consumption[:, j] <= instance.capacity), values[:, j], 0.0)
+        i = int(np.argmax(gains))
+        if gains[i] > 0.0:
             agent[j] = i
             load[i] += instance.consumption[i, j]
     guarantee = None

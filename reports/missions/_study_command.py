@@ -21,10 +21,10 @@ def study_command(
     parser = argparse.ArgumentParser(prog=f"python -m waybound.reports.missions.{name}", description=(about or "").splitlines()[0])
     parser.add_argument("--out", type=Path, required=True, help=f"folder for {made}; made where it is missing")
     parser.add_argument("--short", action="store_true", help=f"a few {of} of everything, to see that it works")
-    given = parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
     try:
-        given.out.mkdir(parents=True, exist_ok=True)
-        print(study(given.out, given.short), end="")
+        options.out.mkdir(parents=True, exist_ok=True)
+        print(study(options.out, options.short), end="")
     except (WayboundError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return getattr(error, "exit_code", 2)

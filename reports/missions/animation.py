@@ -42,9 +42,9 @@ class Film:
 
     def held(self, count: int) -> Film:
         """The same film with its last picture repeated until there are ``count``."""
-        made = Film(self.mission)
-        made.shots = self.shots + self.shots[-1:] * (count - len(self.shots))
-        return made
+        longer = Film(self.mission)
+        longer.shots = self.shots + self.shots[-1:] * (count - len(self.shots))
+        return longer
 
     def frames(self) -> list[int]:
         """Steps that are shown, the last one always among them."""
@@ -85,6 +85,6 @@ def save_side_by_side(films: Mapping[str, Film], path: str | PathLike[str]) -> N
     from matplotlib import rc_context
     from matplotlib.animation import FuncAnimation
 
-    made = FuncAnimation(picture.figure, picture.show, frames=steps, interval=1000 / FRAMES_A_SECOND, blit=False)
+    animation = FuncAnimation(picture.figure, picture.show, frames=steps, interval=1000 / FRAMES_A_SECOND, blit=False)
     with rc_context({"animation.embed_limit": 1000.0}):  # MB; frames beyond it would be left out
-        atomic_write(path, made.to_jshtml(fps=FRAMES_A_SECOND, default_mode="once"))
+        atomic_write(path, animation.to_jshtml(fps=FRAMES_A_SECOND, default_mode="once"))

@@ -117,15 +117,15 @@ def run(
 
     def decide(problem: Problem) -> Solution:
         try:
-            found = solve(
+            solution = solve(
                 problem, solver, heuristic=heuristic, time_limit=time_limit, bound_time=bound_time, seed=int(seeds.random() * 2**31),
                 options=options,
             )  # fmt: skip
         except UnsupportedError as fault:
             fault.args = (_with_policies(str(fault), played.name, rules, heuristic or solver),)
             raise
-        faults.extend(f"step {len(rows) + 1}: {fault}" for fault in found.faults)
-        return found
+        faults.extend(f"step {len(rows) + 1}: {fault}" for fault in solution.faults)
+        return solution
 
     world = played.world(int(seed), **settings)
     rows: list[Row] = []

@@ -156,8 +156,8 @@ def bars(
         ax.set_xticks(np.arange(len(values)), [names[k] for k in order.tolist()], fontsize=7.5, rotation=90 if len(values) > 20 else 0)
     else:
         ax.set_xticks([])
-    told = f", {len(values)} of them in ascending order" if not named else ", in ascending order" if ascending else ""
-    ax.set_xlabel(f"{what}s{told}", fontsize=9, color="#555555")
+    remark = f", {len(values)} of them in ascending order" if not named else ", in ascending order" if ascending else ""
+    ax.set_xlabel(f"{what}s{remark}", fontsize=9, color="#555555")
     margin = max(0.6, (8 - len(values)) / 2)  # few bars stay slender
     ax.set_xlim(-margin, len(values) - 1 + margin)
     chart_axes(ax)

@@ -93,13 +93,13 @@ def _named(history: History) -> dict[str, Solution]:
         return {run.name: run.solution for run in history.runs if run.solution is not None}
     if isinstance(history, Mapping):
         return dict(history)
-    made: dict[str, Solution] = {}
+    named: dict[str, Solution] = {}
     for solution in history:
         name, k = solution.solver, 2
-        while name in made:
+        while name in named:
             name, k = f"{solution.solver} ({k})", k + 1
-        made[name] = solution
-    return made
+        named[name] = solution
+    return named
 
 
 def _steps(events: Sequence[Event], side: str, level: int) -> tuple[Floats, Floats]:
@@ -120,8 +120,8 @@ def _draw(ax: Any, name: str, solution: Solution, level: int, colour: str, ends:
         if solution.evaluation is not None:
             ax.plot(end, solution.evaluation.values[level], "o", color=colour, markersize=6, zorder=5, label="_checked")
             if alone:
-                told = f"checked: {number(solution.evaluation.values[level])}"
-                ax.annotate(told, (end, values[-1]), xytext=(-4, 7), fontsize=8.5, textcoords="offset points", ha="right", color=colour)
+                text = f"checked: {number(solution.evaluation.values[level])}"
+                ax.annotate(text, (end, values[-1]), xytext=(-4, 7), fontsize=8.5, textcoords="offset points", ha="right", color=colour)
     else:
         ax.plot([], [], color=colour, linewidth=1.8, label=f"{label}: none")
     if len(bounds):
@@ -152,9 +152,9 @@ def _frame(ax: Any, named: Mapping[str, Solution], level: int, ends: float) -> N
         beyond = [(k, name, values[0]) for k, (name, values) in enumerate(ends_at.items()) if values and not low <= values[0] <= high]
         for line, (k, name, value) in enumerate(beyond):
             above = value > high
-            told = f"{name} ends {'above' if above else 'below'} the picture, at {rounded(value)}"
+            text = f"{name} ends {'above' if above else 'below'} the picture, at {rounded(value)}"
             at, colour = (0.99, 0.985 - 0.04 * line if above else 0.02 + 0.04 * line), COLOURS[k % len(COLOURS)]
-            ax.annotate(told, at, xycoords="axes fraction", ha="right", va="top" if above else "bottom", fontsize=8.5, color=colour)
+            ax.annotate(text, at, xycoords="axes fraction", ha="right", va="top" if above else "bottom", fontsize=8.5, color=colour)
     times = [e.seconds for s in named.values() for e in s.events]
     if times and ends > 20.0 * max(min(times), LEAST_SECONDS):
         ax.set_xscale("log")

@@ -36,11 +36,11 @@ def ratio_figure(name: str, summary: str, rows: Sequence[dict[str, Any]], observ
     labels = list(dict.fromkeys(row["heuristic"] for row in rows))
     families = list(dict.fromkeys(row["family"] for row in rows))
     varies = any(row["stated_min"] is not None and row["stated_max"] > row["stated_min"] * (1 + 1e-9) for row in rows)
-    found: dict[tuple[str, str], list[float]] = {}
+    values: dict[tuple[str, str], list[float]] = {}
     for one in observations:
         value = one["ratio"] if not varies else _used(one["ratio"], one["stated"])
         if value is not None:
-            found.setdefault((one["heuristic"], one["family"]), []).append(value)
+            values.setdefault((one["heuristic"], one["family"]), []).append(value)
     across = min(len(labels), PANELS_ACROSS)
     down = math.ceil(len(labels) / across)
     size = (7.5 if across == 1 else 2.4 + 2.5 * across, 1.2 + (0.7 + 0.3 * len(families)) * down)
@@ -52,9 +52,9 @@ def ratio_figure(name: str, summary: str, rows: Sequence[dict[str, Any]], observ
         for panel, label in zip(grid, labels, strict=False):
             own = {row["family"]: row for row in rows if row["heuristic"] == label}
             for place, family in enumerate(families):
-                if (label, family) in found:
+                if (label, family) in values:
                     stated = 1.0 if varies else own[family]["stated_min"]
-                    _strip(panel, place, np.array(found[label, family]), stated)
+                    _strip(panel, place, np.array(values[label, family]), stated)
             panel.set_title(label, fontsize=9.5, color=INK)
             panel.set_yticks(range(len(families)), families, fontsize=8.5)
             panel.set_ylim(len(families) - 0.4, -0.6)

@@ -159,7 +159,7 @@ def audit(
         if solution.answer is None:
             return (("certificate", f"solve brought no answer: {solution.message}"),)
         again = problem.evaluate(solution.answer)
-        made = check_certificate(problem, json.loads(json_text(solution.certificate.to_json(with_evidence=True))), again)
+        verified = check_certificate(problem, json.loads(json_text(solution.certificate.to_json(with_evidence=True))), again)
     except (CheckFailedError, InputError) as error:
         return (("certificate", str(error)),)
     faults.extend(("certificate", fault) for fault in solution.faults)
@@ -171,6 +171,6 @@ def audit(
     if stated != own:
         faults.append(("certificate", f"the certificate states the ratio {stated}, the run by itself {own}"))
     slack = TOLERANCE * max(1e-9, abs(best.value))
-    if made.bound is not None and (best.value - made.bound if problem.sense == "max" else made.bound - best.value) > slack:
-        faults.append(("bound", f"the certificate proves {made.bound!r} by {made.bound_source}, and the optimum is {best.value!r}"))
+    if verified.bound is not None and (best.value - verified.bound if problem.sense == "max" else verified.bound - best.value) > slack:
+        faults.append(("bound", f"the certificate proves {verified.bound!r} by {verified.bound_source}, and the optimum is {best.value!r}"))
     return tuple(faults)

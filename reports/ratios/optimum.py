@@ -107,9 +107,9 @@ def best_selection(problem: SubmodularSelection) -> Optimum:
 
 @functools.lru_cache(maxsize=MOST_ELEMENTS + 1)
 def _members(n: int) -> NDArray[np.bool_]:
-    found: NDArray[np.bool_] = (np.arange(1 << n)[:, None] >> np.arange(n)) & 1 == 1
-    found.setflags(write=False)
-    return found
+    members: NDArray[np.bool_] = (np.arange(1 << n)[:, None] >> np.arange(n)) & 1 == 1
+    members.setflags(write=False)
+    return members
 
 
 # -- robots and targets -----------------------------------------------------------------------------------------------
@@ -170,10 +170,10 @@ def _max_min(packing: Floats, covering: Floats) -> tuple[Floats, Floats]:
     cost = np.zeros(n + 1)
     cost[n] = -1.0
     options: Any = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
-    found: Any = linprog(cost, A_ub=rows, b_ub=right, method="highs-ds", options=options)
-    if found.status != 0:
-        raise CheckFailedError(f"the linear program of the optimum was not solved: {found.message}")
-    return np.maximum(found.x[:n], 0.0), np.maximum(-found.ineqlin.marginals[len(packing) :], 0.0)
+    solved: Any = linprog(cost, A_ub=rows, b_ub=right, method="highs-ds", options=options)
+    if solved.status != 0:
+        raise CheckFailedError(f"the linear program of the optimum was not solved: {solved.message}")
+    return np.maximum(solved.x[:n], 0.0), np.maximum(-solved.ineqlin.marginals[len(packing) :], 0.0)
 
 
 def _two_sided(problem: Problem, answer: Any, evidence: Evidence) -> Optimum:
@@ -248,13 +248,13 @@ def best_routes(problem: RoutingProblem) -> Optimum:
         served = int(np.where(np.isfinite(best[most]), members @ sites.reward[customers], -math.inf).argmax())
     if not math.isfinite(best[most, served]):
         raise CheckFailedError(f"no {most} routes serve all customers of {problem.name}")
-    routes, left, k = [], served, most
-    while left:
-        route = int(first[k, left])
+    routes, unserved, k = [], served, most
+    while unserved:
+        route = int(first[k, unserved])
         chosen, at, visits = route, int((ends[route] + moves[1:, 0]).argmin()), []
         while at >= 0:
             visits.append(int(customers[at]))
             chosen, at = chosen ^ 1 << at, int(before[chosen, at])
         routes.append(visits[::-1])
-        left, k = left ^ route, k - 1
+        unserved, k = unserved ^ route, k - 1
     return attained(problem, Routes.of(routes), "enumeration")

@@ -22,10 +22,10 @@ class Done:
     interrupted: bool
 
 
-def spread(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], jobs: int, told: Told, what: Callable[[Any], str]) -> Done:
+def spread(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], jobs: int, progress: Told, what: Callable[[Any], str]) -> Done:
     """``function(*task)`` for every task, in ``jobs`` processes (1: this one); after Ctrl-C the results so far.
 
-    ``function`` is one of a module, so that other processes find it; ``told`` receives the progress, and ``what`` names a task. Raises
+    ``function`` is one of a module, so that other processes find it; ``progress`` receives how far it is, and ``what`` names a task. Raises
     WayboundError if a process ended abruptly.
     """
     results: list[Any] = [None] * len(tasks)
@@ -33,18 +33,23 @@ def spread(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], jobs:
     try:
         if jobs <= 1:
             for k, task in enumerate(tasks):
-                told(k, len(tasks), what(task))
+                progress(k, len(tasks), what(task))
                 results[k] = function(*task)
-            told(len(tasks), len(tasks), "")
+            progress(len(tasks), len(tasks), "")
         else:
-            _in_processes(function, tasks, jobs, results, told, what)
+            _in_processes(function, tasks, jobs, results, progress, what)
     except KeyboardInterrupt:
         return Done(results, True)
     return Done(results, False)
 
 
 def _in_processes(
-    function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], jobs: int, results: list[Any], told: Told, what: Callable[[Any], str]
+    function: Callable[..., Any],
+    tasks: Sequence[tuple[Any, ...]],
+    jobs: int,
+    results: list[Any],
+    progress: Told,
+    what: Callable[[Any], str],
 ) -> None:
     from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
     from concurrent.futures.process import BrokenProcessPool
@@ -61,7 +66,7 @@ def _in_processes(
                 k = waiting.pop(future)
                 results[k] = future.result()
                 done += 1
-                told(done, len(tasks), what(tasks[k]))
+                progress(done, len(tasks), what(tasks[k]))
         finished = True
     except KeyboardInterrupt:
         for future, k in waiting.items():

@@ -17,9 +17,9 @@ SHOWN_ROWS = 20
 
 def answer_tables(problem: Problem, answer: Any) -> list[Table]:
     """Tables of an answer, or where it is None of a problem without one."""
-    told = TABLES[problem.family].answer if problem.family in TABLES else None
-    if told is not None:
-        return told(problem, answer)
+    tables = TABLES[problem.family].answer if problem.family in TABLES else None
+    if tables is not None:
+        return tables(problem, answer)
     return [] if answer is None else [frame_table(problem.answer_to_frame(answer))]
 
 
@@ -32,7 +32,7 @@ def frame_table(frame: pd.DataFrame) -> Table:
         tuple("" if lacks else short(float(v)) if right else str(v) for v, lacks, right in zip(row, lacking, numeric, strict=True))
         for row, lacking in zip(first.itertuples(index=False), first.isna().itertuples(index=False), strict=True)
     ]
-    left = len(frame) - len(rows)
-    if left > 0:
-        rows.append((f"and {left} more", *[""] * (len(columns) - 1)))
+    more = len(frame) - len(rows)
+    if more > 0:
+        rows.append((f"and {more} more", *[""] * (len(columns) - 1)))
     return Table("Answer", columns, tuple(rows))

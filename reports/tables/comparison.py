@@ -56,6 +56,6 @@ def comparison_lines(comparison: Comparison) -> list[Line]:
         lines.append(Line("best bound", "none was verified, so that no gap is known", "quiet"))
     else:
         bounds = [comparison.bound] if best is None or best.evaluation is None else comparison.bounds(best.evaluation.values)
-        told = f"{number(bounds)}, verified: {comparison.bound_source}; gaps are to this one"
-        lines.append(Line("best bound", told, "good"))
+        text = f"{number(bounds)}, verified: {comparison.bound_source}; gaps are to this one"
+        lines.append(Line("best bound", text, "good"))
     return lines

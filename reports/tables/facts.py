@@ -35,12 +35,12 @@ COMMON = ("name", "problem", "family", "senses", "convention", "instance_hash", 
 
 def facts_table(data: dict[str, Any]) -> Table:
     """The facts of a problem, one a row."""
-    told = TABLES[data["family"]].facts if data["family"] in TABLES else {}
+    rows_of = TABLES[data["family"]].facts if data["family"] in TABLES else {}
     aim = f" {data['objective']}" if "objective" in data else ""
     rows = [("problem", f"{data['problem']}, {' then '.join(data['senses'])}{aim}"), ("convention", data["convention"])]
     for name, value in data.items():
         if name not in COMMON:
-            rows += told[name](value) if name in told else [(name.replace("_", " "), plain_text(value))]
+            rows += rows_of[name](value) if name in rows_of else [(name.replace("_", " "), plain_text(value))]
     rows += [("features", ", ".join(data["features"])), ("forms", ", ".join(data["forms"]) or "none"), ("hash", data["instance_hash"])]
     rows += [("note", note) for note in data["notes"]]
     return Table(data["name"], (Column(""), Column("", wide=True)), tuple(rows))

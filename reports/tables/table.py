@@ -109,9 +109,9 @@ def table_html(table: Table) -> str:
     body = "".join(line(row, "td") for row in table.rows[:SHOWN_ROWS])
     foot = f"<tfoot>{line(table.total, 'th')}</tfoot>" if table.total else ""
     more = len(table.rows) - SHOWN_ROWS
-    told = f"<p>and {more:,} more rows</p>" if more > 0 else ""
+    rest = f"<p>and {more:,} more rows</p>" if more > 0 else ""
     title = f'<caption style="text-align:left;font-weight:bold">{html.escape(table.title)}</caption>' if table.title else ""
-    return f'<table style="border-collapse:collapse">{title}{head}<tbody>{body}</tbody>{foot}</table>{told}'
+    return f'<table style="border-collapse:collapse">{title}{head}<tbody>{body}</tbody>{foot}</table>{rest}'
 
 
 class Listing(list[T], Generic[T]):

@@ -54,8 +54,8 @@ def _difference(weights: Floats, parts: int) -> float:
         bound = unit.size
     if (weights >= 0.0).all():
         heaviest = float(weights.max())
-        left = math.fsum([*weights.tolist(), -heaviest]) * (1.0 + 4.0 * _EPS) / (parts - 1)
-        bound = max(bound, math.nextafter(heaviest - left * (1.0 + 4.0 * _EPS), -math.inf))
+        others = math.fsum([*weights.tolist(), -heaviest]) * (1.0 + 4.0 * _EPS) / (parts - 1)
+        bound = max(bound, math.nextafter(heaviest - others * (1.0 + 4.0 * _EPS), -math.inf))
     return max(0.0, bound if exact else bound - 16.0 * _EPS * size)
 
 

@@ -34,10 +34,10 @@ def check_errand_prices(problem: Any, data: Mapping[str, Any]) -> float:
     """
     if problem.family != "joint-assignment":
         raise InputError("prices of errands are evidence for joint-assignment problems", found=problem.problem)
-    given = problem.instance
+    instance = problem.instance
     bins, requests = (
         np.maximum(finite_numbers(data, key, count, f"prices of {key}"), 0.0)
-        for key, count in (("bins", given.num_bins), ("requests", given.num_requests))
+        for key, count in (("bins", instance.num_bins), ("requests", instance.num_requests))
     )
     worths = [data.get("pickup"), data.get("delivery")]
     if not all(map(is_finite, worths)):
@@ -46,15 +46,15 @@ def check_errand_prices(problem: Any, data: Mapping[str, Any]) -> float:
     least: list[float] = []
     with np.errstate(over="ignore", invalid="ignore"):
         size = abs(s) + abs(t) + float(bins.max(initial=0.0)) + float(requests.max(initial=0.0))
-        for to_bin, to_request in zip(given.to_bin, given.to_request, strict=True):
-            usable = np.where(np.isfinite(to_bin) & np.isfinite(given.filled), 0.0, math.inf)
-            alone = np.maximum(to_bin, given.filled) + usable + (bins - s)
+        for to_bin, to_request in zip(instance.to_bin, instance.to_request, strict=True):
+            usable = np.where(np.isfinite(to_bin) & np.isfinite(instance.filled), 0.0, math.inf)
+            alone = np.maximum(to_bin, instance.filled) + usable + (bins - s)
             some = [0.0, alone.min(), (to_request + (requests - t)).min(initial=math.inf)]
-            if given.num_requests:
-                both = np.maximum(to_request[:, None] + given.between, given.filled) + usable + (requests - t)[:, None] + (bins - s)
+            if instance.num_requests:
+                both = np.maximum(to_request[:, None] + instance.between, instance.filled) + usable + (requests - t)[:, None] + (bins - s)
                 some.append(both.min())
             least.append(float(min(some)))
-        parts = [given.to_bin, given.to_request, given.between, given.filled]
+        parts = [instance.to_bin, instance.to_request, instance.between, instance.filled]
         finite = [part[np.isfinite(part)] for part in parts]
         size += sum(float(part.max(initial=0.0)) for part in finite)
         terms = [problem.pickups * s, problem.deliveries * t, *(-bins).tolist(), *(-requests).tolist(), *least]

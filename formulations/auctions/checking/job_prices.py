@@ -40,13 +40,13 @@ def check_job_prices(problem: Any, data: Mapping[str, Any]) -> float:
 
     Source: Lagrangean duality, Fisher, Jaikumar and Van Wassenhove (1986); docs/formulations/generalised-assignment.md#evidence.
     """
-    given, prices = _instance(problem, "prices of jobs"), finite_numbers(data, "prices", problem.num_jobs)
+    instance, prices = _instance(problem, "prices of jobs"), finite_numbers(data, "prices", problem.num_jobs)
     costs = problem.objective == "cost"
     if not costs:
         prices = np.maximum(prices, 0.0)
-    rooms = [room(row, b) for row, b in zip(given.consumption, given.capacity.tolist(), strict=True)]
+    rooms = [room(row, b) for row, b in zip(instance.consumption, instance.capacity.tolist(), strict=True)]
     gains, steps = [], MOST_STEPS
-    for values, used, most in zip(given.values, given.consumption, rooms, strict=True):
+    for values, used, most in zip(instance.values, instance.consumption, rooms, strict=True):
         fits = np.nonzero(np.isfinite(values) & (used <= most))[0]
         gain = prices[fits] - values[fits] if costs else values[fits] - prices[fits]
         kept = gain > 0.0
@@ -55,8 +55,8 @@ def check_job_prices(problem: Any, data: Mapping[str, Any]) -> float:
         steps -= len(part) * size
         gains.append(_in_part(gain, part, most) if whole is None or steps < 0.0 else _knapsack(gain, whole, int(size)))
     with np.errstate(over="ignore"):
-        gains = [gain * (1.0 + (2 * given.num_jobs + 16) * _EPS) for gain in gains]
-    values = given.values[np.isfinite(given.values)]
+        gains = [gain * (1.0 + (2 * instance.num_jobs + 16) * _EPS) for gain in gains]
+    values = instance.values[np.isfinite(instance.values)]
     sign = 1.0 if costs else -1.0
     try:
         total = math.fsum([*(sign * prices).tolist(), *(-gain for gain in gains)])
@@ -109,13 +109,13 @@ def _in_part(gain: Floats, used: Floats, most: float) -> float:
 def check_capacity_need(problem: Any, data: Mapping[str, Any]) -> float:
     """Infinity where weights of agents prove that not all jobs can be done, else minus infinity; ``data`` holds ``weights``, one number an
     agent."""
-    given, weights = _instance(problem, "weights of agents"), np.maximum(finite_numbers(data, "weights", problem.num_agents), 0.0)
+    instance, weights = _instance(problem, "weights of agents"), np.maximum(finite_numbers(data, "weights", problem.num_agents), 0.0)
     if problem.objective != "cost":
         return math.inf  # nothing has to be done
-    rooms = np.array([room(row, b) for row, b in zip(given.consumption, given.capacity.tolist(), strict=True)])
+    rooms = np.array([room(row, b) for row, b in zip(instance.consumption, instance.capacity.tolist(), strict=True)])
     with np.errstate(over="ignore", invalid="ignore"):
-        fits = np.isfinite(given.values) & (given.consumption <= rooms[:, None])
-        need = np.where(fits, weights[:, None] * given.consumption, math.inf).min(axis=0) * (1.0 - 2.0 * _EPS)
+        fits = np.isfinite(instance.values) & (instance.consumption <= rooms[:, None])
+        need = np.where(fits, weights[:, None] * instance.consumption, math.inf).min(axis=0) * (1.0 - 2.0 * _EPS)
         need = np.where(need < _TINY, 0.0, need)
         there = weights * rooms * (1.0 + 2.0 * _EPS) + _TINY
     if np.isinf(need).any():

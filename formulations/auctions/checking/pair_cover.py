@@ -38,6 +38,6 @@ def _marked(data: Mapping[str, Any], key: str, count: int) -> NDArray[np.bool_]:
     listed = data.get(key)
     if not isinstance(listed, list) or not all(type(k) is int and 0 <= k < count for k in listed):
         raise InputError(f"evidence needs a list of {key} as numbers from 0", expected=f"0 to {count - 1}")
-    made = np.zeros(count, dtype=bool)
-    made[listed] = True
-    return made
+    marks = np.zeros(count, dtype=bool)
+    marks[listed] = True
+    return marks

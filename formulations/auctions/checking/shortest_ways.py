@@ -46,9 +46,9 @@ def check_shortest_ways(problem: Any, data: Mapping[str, Any]) -> float:
 
 def _shortest_ways(first: Floats, between: Floats) -> Floats:
     """Lengths of shortest walks to all tasks, ``first`` being the lengths of their first legs (Dijkstra 1959)."""
-    found, left = first.copy(), np.ones(len(first), dtype=bool)
+    lengths, open_tasks = first.copy(), np.ones(len(first), dtype=bool)
     for _ in range(len(first)):
-        node = int(np.where(left, found, math.inf).argmin())
-        left[node] = False
-        found = np.minimum(found, found[node] + between[node])
-    return found
+        node = int(np.where(open_tasks, lengths, math.inf).argmin())
+        open_tasks[node] = False
+        lengths = np.minimum(lengths, lengths[node] + between[node])
+    return lengths

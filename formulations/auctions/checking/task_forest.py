@@ -56,10 +56,10 @@ def check_task_forest(problem: Any, data: Mapping[str, Any]) -> float:
 
 def smallest_forest(root: Floats, edges: Floats) -> list[float]:
     """Lengths of the edges by which Prim's algorithm (1957) joins all nodes to a root."""
-    near, left, taken = root.copy(), np.ones(len(root), dtype=bool), []
+    near, waiting, taken = root.copy(), np.ones(len(root), dtype=bool), []
     for _ in range(len(root)):
-        node = int(np.where(left, near, math.inf).argmin())
+        node = int(np.where(waiting, near, math.inf).argmin())
         taken.append(float(near[node]))
-        left[node] = False
+        waiting[node] = False
         near = np.minimum(near, edges[node])
     return taken

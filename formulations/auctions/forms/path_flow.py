@@ -79,16 +79,16 @@ def build(problem: TaskAllocation) -> Compiled:
             Variables("g", (tail, head), labels, 0.0 * ones, reach * ones, 0.0 * ones),
             Variables("z", (), (), np.zeros(1), np.full(1, reach), np.full(1, unit)),
         ]
-        left, z = 2 * size + arcs, np.full(robots, 3 * size)
+        rest, z = 2 * size + arcs, np.full(robots, 3 * size)
         here = ~inner
         blocks += [
             rows(
-                "remaining", tasks, [(head, left, 1.0), (tail[inner] - robots, left[inner], -1.0), (head, arcs, -scaled)], 0.0, 0.0,
+                "remaining", tasks, [(head, rest, 1.0), (tail[inner] - robots, rest[inner], -1.0), (head, arcs, -scaled)], 0.0, 0.0,
                 (every,), (names[robots:],),
             ),
-            rows("reach", size, [(arcs, left, 1.0), (arcs, arcs, -reach)], upper=0.0, keys=(tail, head), labels=labels),
+            rows("reach", size, [(arcs, rest, 1.0), (arcs, arcs, -reach)], upper=0.0, keys=(tail, head), labels=labels),
             rows(
-                "longest", robots, [(tail[here], left[here], 1.0), (np.arange(robots), z, -1.0)], upper=0.0, keys=(np.arange(robots),),
+                "longest", robots, [(tail[here], rest[here], 1.0), (np.arange(robots), z, -1.0)], upper=0.0, keys=(np.arange(robots),),
                 labels=(names[:robots],),
             ),
         ]  # fmt: skip

@@ -40,9 +40,9 @@ class _Columns:
 
 def _moves(problem: RoomExploration) -> tuple[Integers, Integers, Integers]:
     """Tail, head and action of every move: through doors, staying, mapping, searching."""
-    given = problem.instance
-    a, b = np.nonzero(given.adjacent)
-    every = np.arange(given.num_rooms)
+    instance = problem.instance
+    a, b = np.nonzero(instance.adjacent)
+    every = np.arange(instance.num_rooms)
     ends = [(a, b, GO), (every, every, GO), (every, every, MAP), (every, every, SEARCH)]
     tail, head = (np.concatenate([part[k] for part in ends]) for k in (0, 1))
     return tail, head, np.concatenate([np.full(len(part[0]), part[2]) for part in ends])
@@ -66,17 +66,17 @@ def build(problem: RoomExploration) -> Compiled:
     Gains never rise with k, so that the first ones are taken. Source: Zhang (2015), section 5.3, as a program;
     docs/formulations/room-exploration.md#form.
     """
-    given = problem.instance
-    n, rooms, last = given.num_robots, given.num_rooms, given.steps
+    instance = problem.instance
+    n, rooms, last = instance.num_robots, instance.num_rooms, instance.steps
     tail, head, action = _moves(problem)
-    count, linked = len(tail), given.linked
+    count, linked = len(tail), instance.linked
     columns = _Columns()
-    names = [str(k + 1) for k in range(n)], [given.room_name(v) for v in range(rooms)], ("go", "map", "search")
+    names = [str(k + 1) for k in range(n)], [instance.room_name(v) for v in range(rooms)], ("go", "map", "search")
     r, a, t = (i.ravel() for i in np.indices((n, count, last)))
     m = columns.add("m", (r, tail[a], head[a], action[a], t + 1), (names[0], names[1], names[1], names[2], None), 1.0).reshape(
         n, count, last
     )
-    gains = [given.exploring, given.mapping, given.searching]
+    gains = [instance.exploring, instance.mapping, instance.searching]
     z = [
         columns.add(f"z-{names[2][g]}", (*(i.ravel() for i in np.indices(gain.shape)),), (names[1], None), 1.0, gain.ravel(), False)
         for g, gain in enumerate(gains)
@@ -96,12 +96,12 @@ def build(problem: RoomExploration) -> Compiled:
 
     def block(name: str, parts: list[list[tuple[Integers, float]]], lower: float, upper: float) -> None:
         """One row of columns and coefficients each."""
-        made = [(np.full(len(c), k), c, v) for k, row in enumerate(parts) for c, v in row if len(c)]
-        blocks.append(rows(name, len(parts), made, lower, upper, (np.arange(len(parts)),)))
+        entries = [(np.full(len(c), k), c, v) for k, row in enumerate(parts) for c, v in row if len(c)]
+        blocks.append(rows(name, len(parts), entries, lower, upper, (np.arange(len(parts)),)))
 
     inf = np.inf
-    block("start", [[(m[k, outof[int(s)], 0], 1.0)] for k, s in enumerate(given.starts)], 1.0, 1.0)
-    block("elsewhere", [[(m[k, np.nonzero(tail != s)[0], 0], 1.0)] for k, s in enumerate(given.starts)], 0.0, 0.0)
+    block("start", [[(m[k, outof[int(s)], 0], 1.0)] for k, s in enumerate(instance.starts)], 1.0, 1.0)
+    block("elsewhere", [[(m[k, np.nonzero(tail != s)[0], 0], 1.0)] for k, s in enumerate(instance.starts)], 0.0, 0.0)
     block("keep", [
         [(m[k, into[v], s], 1.0), (m[k, outof[v], s + 1], -1.0)] for k in range(n) for v in range(rooms) for s in range(last - 1)
     ], 0.0, 0.0)  # fmt: skip
@@ -111,7 +111,7 @@ def build(problem: RoomExploration) -> Compiled:
         for g in range(3) for v in range(rooms)
     ], -inf, 0.0)  # fmt: skip
     block("base", [
-        [(direct[k, s : s + 1], 1.0), (m[k, hearing[given.base], s], -float(n))] for k in range(n) for s in range(last)
+        [(direct[k, s : s + 1], 1.0), (m[k, hearing[instance.base], s], -float(n))] for k in range(n) for s in range(last)
     ], -inf, 0.0)  # fmt: skip
     block("link", [[(flow[k, s : s + 1], 1.0), (link[k, s : s + 1], -float(n))] for k in range(len(pair)) for s in range(last)], -inf, 0.0)
     block("hears", [
@@ -123,7 +123,7 @@ def build(problem: RoomExploration) -> Compiled:
         for k in range(n) for s in range(last)
     ], 0.0, 0.0)  # fmt: skip
     block("contact", [
-        [(heard[k, s : s + given.silence + 1], 1.0)] for k in range(n) for s in range(last - given.silence)
+        [(heard[k, s : s + instance.silence + 1], 1.0)] for k in range(n) for s in range(last - instance.silence)
     ], 1.0, inf)  # fmt: skip
     block("end", [[(heard[k, last - 1 :], 1.0)] for k in range(n)], 1.0, 1.0)
 
@@ -138,7 +138,7 @@ def build(problem: RoomExploration) -> Compiled:
         vector = np.zeros(columns.size)
         number = {move: k for k, move in enumerate(zip(tail.tolist(), head.tolist(), action.tolist(), strict=True))}
         for robot, deeds in enumerate(answer):
-            here = int(given.starts[robot])
+            here = int(instance.starts[robot])
             for step, (room, act) in enumerate(deeds):
                 vector[m[robot, number[here, room, act], step]] = 1.0
                 here = room
@@ -183,20 +183,21 @@ def _send(
 
 
 def _refuses(problem: Any) -> frozenset[str]:
-    given = problem.instance
-    moves = given.num_robots * given.steps * (2 * len(given.doors) + 3 * given.num_rooms)
+    instance = problem.instance
+    moves = instance.num_robots * instance.steps * (2 * len(instance.doors) + 3 * instance.num_rooms)
     return frozenset({f"more than {MOST_VARIABLES:,} moves"}) if moves > MOST_VARIABLES else frozenset()
 
 
 def _size(problem: RoomExploration) -> ProgramSize:
-    given = problem.instance
-    n, rooms, last = float(given.num_robots), float(given.num_rooms), float(given.steps)
-    doors, heard = 2.0 * len(given.doors), float(given.linked.mean())
-    moves, pairs, gains = doors + 3.0 * rooms, n * (n - 1.0), float(given.exploring.size + given.mapping.size + given.searching.size)
+    instance = problem.instance
+    n, rooms, last = float(instance.num_robots), float(instance.num_rooms), float(instance.steps)
+    doors, heard = 2.0 * len(instance.doors), float(instance.linked.mean())
+    moves, pairs = doors + 3.0 * rooms, n * (n - 1.0)
+    gains = float(instance.exploring.size + instance.mapping.size + instance.searching.size)
     hears = pairs * last * moves * (1.0 + rooms * heard)
     return ProgramSize(
         n * last * (moves + 2.0) + 2.0 * pairs * last + gains, n * rooms * last + pairs * rooms * last + 4.0 * n * last + 3.0 * rooms,
-        n * last * (3.0 * moves + given.silence + 8.0) + gains + hears + (rooms + 4.0) * pairs * last,
+        n * last * (3.0 * moves + instance.silence + 8.0) + gains + hears + (rooms + 4.0) * pairs * last,
     )  # fmt: skip
 
 

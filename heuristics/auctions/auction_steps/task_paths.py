@@ -31,19 +31,19 @@ def paths_of(path: NDArray[np.int64], count: NDArray[np.int64]) -> Paths:
 
 def completed(problem: TaskAllocation, paths: Paths) -> Paths:
     """The paths, with missing tasks at the end of the first one."""
-    given = {task for path in paths for task in path}
-    missing = tuple(task for task in range(problem.num_tasks) if task not in given)
+    awarded = {task for path in paths for task in path}
+    missing = tuple(task for task in range(problem.num_tasks) if task not in awarded)
     return ((*paths[0], *missing), *paths[1:])
 
 
-def rule_of(problem: TaskAllocation, given: Any) -> str:
+def rule_of(problem: TaskAllocation, asked: Any) -> str:
     """The bidding rule that is asked for, by default that of the objective."""
     from ....instances.errors import UsageError
 
     names = tuple(objective.removeprefix("mini-") for objective in OBJECTIVES)
-    chosen = problem.objective.removeprefix("mini-") if given is None else given
+    chosen = problem.objective.removeprefix("mini-") if asked is None else asked
     if chosen not in names:
-        raise UsageError(f"bids must be {', '.join(names)}, not {given!r}")
+        raise UsageError(f"bids must be {', '.join(names)}, not {asked!r}")
     return str(chosen)
 
 

@@ -72,15 +72,15 @@ def explorers_and_relays(
     def chain(room: int, given_up: Mapping[int, float], used: tuple[int, ...] = ()) -> tuple[float, int, tuple[Deed, ...]] | None:
         """The cheapest relays that join a room to the base: what they give up, how many, and (robot, site) of each."""
         best: tuple[float, int, tuple[Deed, ...]] | None = None
-        left = [u for u in given_up if u not in used]
-        for u in left:
+        free = [u for u in given_up if u not in used]
+        for u in free:
             for site in sites[u]:
-                if not linked[room, site] or not 0 <= hops[site] < len(left):
+                if not linked[room, site] or not 0 <= hops[site] < len(free):
                     continue
                 rest = (0.0, 0, ()) if near[site] else chain(site, given_up, (*used, u))
                 if rest is not None:
-                    made = given_up[u] + rest[0], 1 + rest[1], ((u, site), *rest[2])
-                    best = made if best is None else min(best, made)
+                    offer = given_up[u] + rest[0], 1 + rest[1], ((u, site), *rest[2])
+                    best = offer if best is None else min(best, offer)
         return best
 
     def released(own: tuple[int, ...], taken: tuple[Deed, ...]) -> bool:
@@ -97,12 +97,12 @@ def explorers_and_relays(
         best: tuple[tuple[float, bool, int], Deed, tuple[Deed, ...]] | None = None
         for number, deed in enumerate(options(explorer)):
             by_itself = alone(explorer, deed[0]) and released(own, ())
-            found = (0.0, 0, ()) if by_itself else chain(deed[0], given_up)
-            if found is None or not released(own, found[2]):
+            offer = (0.0, 0, ()) if by_itself else chain(deed[0], given_up)
+            if offer is None or not released(own, offer[2]):
                 continue
-            rank = gain(explorer, deed) - found[0], not found[2], -number
+            rank = gain(explorer, deed) - offer[0], not offer[2], -number
             if best is None or rank > best[0]:
-                best = rank, deed, found[2]
+                best = rank, deed, offer[2]
         if best is None:  # as they are, they stay in contact
             best = (0.0, False, 0), (here[explorer], GO), tuple((u, here[u]) for u in own)
         for u in own:

@@ -28,13 +28,13 @@ def reward_split(available: ArrayLike, room: float) -> Floats:
 
 def water_filled(weights: Floats, caps: Floats, total: float) -> Floats:
     """Shares of ``total`` in proportion to ``weights``, each at most its cap: what a cap cuts off is shared out among the others."""
-    made, left, open_ = np.zeros(len(weights)), float(total), (weights > 0) & (caps > 0)
-    while left > 0 and open_.any():
-        part = np.where(open_, weights / weights[open_].sum() * left, 0.0)
+    shares, rest, open_ = np.zeros(len(weights)), float(total), (weights > 0) & (caps > 0)
+    while rest > 0 and open_.any():
+        part = np.where(open_, weights / weights[open_].sum() * rest, 0.0)
         full = open_ & (part >= caps)
         if not full.any():
-            return np.where(open_, part, made)
-        made[full] = caps[full]
-        left -= float(caps[full].sum())
+            return np.where(open_, part, shares)
+        shares[full] = caps[full]
+        rest -= float(caps[full].sum())
         open_ &= ~full
-    return made
+    return shares

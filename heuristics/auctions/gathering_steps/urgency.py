@@ -25,7 +25,7 @@ def urgencies(rates: ArrayLike, times: ArrayLike, distances: ArrayLike, urgency:
 
     Source: Zhang (2015), (4.2) and (4.5); docs/formulations/balanced-partition.md#urgency.
     """
-    rate, time, away = (np.asarray(given, dtype=np.float64) for given in (rates, times, distances))
+    rate, time, away = (np.asarray(array, dtype=np.float64) for array in (rates, times, distances))
     if rate.ndim != 1 or time.shape != rate.shape or away.shape[-1:] != rate.shape:
         raise InputError("there must be one rate, time and distance a waypoint", found=f"{rate.shape}, {time.shape}, {away.shape}")
     if not (rate > 0).all() or not np.isfinite([rate, time]).all():
@@ -58,9 +58,9 @@ def next_stop(first: Floats, then: Floats, horizon: int) -> int:
 
 def receding_order(first: Floats, then: Floats, horizon: int = 3) -> tuple[int, ...]:
     """All waypoints, each the first of the most urgent order of the next ones from the stop before (Zhang 2015, section 4.4.2)."""
-    left, order, here = np.arange(len(first)), [], first
-    while len(left):
-        chosen = int(left[next_stop(here[left], then[np.ix_(left, left)], horizon)])
+    ahead, order, here = np.arange(len(first)), [], first
+    while len(ahead):
+        chosen = int(ahead[next_stop(here[ahead], then[np.ix_(ahead, ahead)], horizon)])
         order.append(chosen)
-        left, here = left[left != chosen], then[chosen]
+        ahead, here = ahead[ahead != chosen], then[chosen]
     return tuple(order)

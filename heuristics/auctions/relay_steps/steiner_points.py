@@ -74,15 +74,15 @@ def spanning_tree_relays(terminals: ArrayLike, reach: float, *, strict: bool = F
     relays: list[Floats] = []
     links: list[tuple[int, int]] = []
     near = np.hypot(*(points - points[0]).T)
-    joined, left = np.zeros(len(points), dtype=np.int64), np.arange(len(points)) > 0
+    joined, waiting = np.zeros(len(points), dtype=np.int64), np.arange(len(points)) > 0
     for _ in range(len(points) - 1):
-        node = int(np.where(left, near, math.inf).argmin())
+        node = int(np.where(waiting, near, math.inf).argmin())
         chain = [int(joined[node])]
         for share in _shares(float(near[node]) / reach, strict):
             relays.append(points[joined[node]] + share * (points[node] - points[joined[node]]))
             chain.append(len(points) + len(relays) - 1)
         links += itertools.pairwise([*chain, node])
-        left[node] = False
+        waiting[node] = False
         away = np.hypot(*(points - points[node]).T)
         joined, near = np.where(away < near, node, joined), np.minimum(near, away)
     guarantee = Guarantee(4.0, "relays <= 4 OPT", ("links of the Euclidean plane",), SOURCE)
@@ -146,13 +146,13 @@ def fewest_relays(linked: ArrayLike, terminals: ArrayLike, most: int | None = No
 
 def _component(links: Flags, among: Flags, node: int) -> Flags:
     """Nodes connected to ``node`` through nodes ``among`` the graph's."""
-    found = np.zeros(len(links), dtype=bool)
-    found[node] = True
+    reached = np.zeros(len(links), dtype=bool)
+    reached[node] = True
     while True:
-        more = found | (links[found].any(axis=0) & among)
-        if (more == found).all():
-            return found
-        found = more
+        more = reached | (links[reached].any(axis=0) & among)
+        if (more == reached).all():
+            return reached
+        reached = more
 
 
 def fermat_weber(points: ArrayLike, weights: ArrayLike | None = None, steps: int = 10_000) -> Floats:

@@ -56,11 +56,11 @@ class InformationGathering(Mission):
 
     def world(self, seed: int, **settings: Any) -> GatheringWorld:
         self.values = setting_values(self.name, self.settings, settings)
-        made = make_world("information-gathering", seed, **{key: self.values[key] for key in WORLDS["information-gathering"].settings})
-        assert isinstance(made, GatheringWorld)
+        world = make_world("information-gathering", seed, **{key: self.values[key] for key in WORLDS["information-gathering"].settings})
+        assert isinstance(world, GatheringWorld)
         self._parts: tuple[tuple[int, ...], ...] | None = None
-        self._tours = [Tour() for _ in range(made.rules.robots)]
-        return made
+        self._tours = [Tour() for _ in range(world.rules.robots)]
+        return world
 
     def problem(self, observation: GatheringObservation) -> Problem | None:
         return self._problem(observation, self.values["plan"])

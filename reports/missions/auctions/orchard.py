@@ -58,9 +58,9 @@ class Orchard(Mission):
 
     def world(self, seed: int, **settings: Any) -> OrchardWorld:
         self.values = setting_values(self.name, self.settings, settings)
-        made = make_world("orchard", seed, **{key: self.values[key] for key in WORLDS["orchard"].settings})
-        assert isinstance(made, OrchardWorld)
-        return made
+        world = make_world("orchard", seed, **{key: self.values[key] for key in WORLDS["orchard"].settings})
+        assert isinstance(world, OrchardWorld)
+        return world
 
     def problem(self, observation: OrchardObservation) -> Problem | None:
         o = observation
@@ -92,7 +92,7 @@ class Orchard(Mission):
 
     def _errands(self, o: OrchardObservation, answer: Any) -> Actions:
         """The robots' trips; one at the repository without a request brings a new bin to the cell of its bin, if one is wanted there."""
-        told: dict[int, Trip] = {}
+        chosen: dict[int, Trip] = {}
         brought = {int(o.requests[request]) for _, request in answer if request >= 0}
         for robot, cell, (row, request) in zip(o.robots.tolist(), o.cells.tolist(), answer, strict=True):
             deliver = int(o.requests[request]) if request >= 0 else -1
@@ -102,8 +102,8 @@ class Orchard(Mission):
                 deliver = near
                 brought.add(near)
             if row >= 0 or deliver >= 0 or self.values["idle"] == "return":
-                told[robot] = Trip(deliver, int(o.bins[row]) if row >= 0 else -1)
-        return told
+                chosen[robot] = Trip(deliver, int(o.bins[row]) if row >= 0 else -1)
+        return chosen
 
     def policies(self) -> Mapping[str, Callable[[Any], Actions]]:
         """``greedy``, ``auction``, ``auction-immediate`` and ``assignment``; see ``orchard_days.policies.CHOICES``."""

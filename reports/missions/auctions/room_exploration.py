@@ -53,15 +53,15 @@ class RoomsExplored(Mission):
         weights = [self.values[key] for key in WEIGHTS]
         if abs(sum(weights) - 1.0) > 1e-9:
             raise UsageError(f"explore, map and search must sum to 1, not to {sum(weights):g}")
-        made = make_world(self.name, seed, **{key: self.values[key] for key in WORLDS[self.name].settings})
-        assert isinstance(made, ExplorationWorld)
-        self._sensors = Sensors(made.sensors[0], self.values["detection"], self.values["false-alarm"])
+        world = make_world(self.name, seed, **{key: self.values[key] for key in WORLDS[self.name].settings})
+        assert isinstance(world, ExplorationWorld)
+        self._sensors = Sensors(world.sensors[0], self.values["detection"], self.values["false-alarm"])
         types = len(TARGETS)
-        self._beliefs = [prior(np.full(types, 1.0 / types), TARGETS) for _ in range(made.building.num_rooms)]
+        self._beliefs = [prior(np.full(types, 1.0 / types), TARGETS) for _ in range(world.building.num_rooms)]
         self._heard = 0
         self._plan: Sequence[Sequence[tuple[int, int]]] | None = None
         self._teams: dict[int, tuple[int, ...]] = {}
-        return made
+        return world
 
     def problem(self, observation: ExplorationObservation) -> Problem | None:
         o, steps = observation, self.values["round"]
@@ -70,11 +70,11 @@ class RoomsExplored(Mission):
         self._learn(o.readings)
         gains = zip(*(self._gains(belief, int(visits)) for belief, visits in zip(self._beliefs, o.visits, strict=True)), strict=True)
         exploring, mapping, searching = (np.array(rows) for rows in gains)
-        given = o.building
+        building = o.building
         return RoomExploration(
             ExplorationMap(
-                given.doors, exploring, mapping, searching, o.robots, given.base, given.heard, given.silence, steps,
-                positions=given.positions, name=f"rooms at step {o.time}",
+                building.doors, exploring, mapping, searching, o.robots, building.base, building.heard, building.silence, steps,
+                positions=building.positions, name=f"rooms at step {o.time}",
             )
         )  # fmt: skip
 
@@ -99,9 +99,9 @@ class RoomsExplored(Mission):
             read = rewards.map if action == MAP else rewards.search
             return 0.0 if others else read(self._beliefs[room], self._sensors)
 
-        given = o.building
+        building = o.building
         deeds, self._teams = explorers_and_relays(
-            given.adjacent, given.linked, given.base, o.robots.tolist(), o.silent.tolist(), given.silence, worth, self._teams,
+            building.adjacent, building.linked, building.base, o.robots.tolist(), o.silent.tolist(), building.silence, worth, self._teams,
             relays=relays,
         )  # fmt: skip
         return deeds

@@ -46,12 +46,12 @@ def plot_bin_assignment(
     costs = problem.costs_of(answer)[used]
     share = (costs - costs.min(initial=np.inf)) / max(float(np.ptp(costs)), 1e-300) if len(costs) else costs
     lines = list(np.stack([robots[used], bins[taken[used]]], axis=1))
-    told = ""
+    remark = ""
     colours = np.full(len(used), COLOURS[0], dtype=object)
     if problem.objective == "bottleneck" and len(used):
         dearest = costs >= costs.max() - 1e-9 * np.abs(costs).max()
         colours[dearest] = ALARM
-        told = ", the dearest in red"
+        remark = ", the dearest in red"
     ax.add_collection(LineCollection(lines, colors=colours.tolist(), linewidths=0.8 + 2.0 * share, alpha=0.8, zorder=2))
     free = np.setdiff1d(np.arange(problem.num_bins), taken[used])
     idle = np.nonzero(taken < 0)[0]
@@ -68,7 +68,7 @@ def plot_bin_assignment(
                 ax.annotate(name(k), at[k], textcoords="offset points", fontsize=8, color=INK, zorder=4, **text)
     ax.autoscale_view()
     bare(ax)
-    detail = f"{len(used)} pairs of {problem.num_robots} robots (circles) and {problem.num_bins} bins (squares){told}"
+    detail = f"{len(used)} pairs of {problem.num_robots} robots (circles) and {problem.num_bins} bins (squares){remark}"
     return entitled(ax, problem, answer, solution, title, detail)
 
 

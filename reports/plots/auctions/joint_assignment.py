@@ -34,18 +34,20 @@ def plot_joint_assignment(
     from matplotlib.patches import Patch
 
     ax = new_axes() if ax is None else ax
-    told, few = problem.instance, problem.num_robots <= NAMED
+    instance, few = problem.instance, problem.num_robots <= NAMED
     roomy(ax, height=1.8 + 0.3 * min(problem.num_robots, NAMED))
     for robot, (place, request) in enumerate(answer):
         begin, ends = 0.0, legs(problem, robot, (place, request))
         for end, (_, colour, hatch) in zip(ends, KINDS, strict=True):
             ax.barh(robot, end - begin, left=begin, height=0.62, color=colour, hatch=hatch, edgecolor="white", linewidth=0.6, zorder=2)
             begin = end
-        names = [f"{what} {told.name_of(what, k)}" for what, k in (("request", request), ("bin", place)) if k >= 0]
+        names = [f"{what} {instance.name_of(what, k)}" for what, k in (("request", request), ("bin", place)) if k >= 0]
         if few:
             text = ", ".join(names) or "no errand"
             ax.annotate(text, (ends[-1], robot), xytext=(5, 0), textcoords="offset points", va="center", fontsize=8, color=INK)
-    ax.set_yticks(range(problem.num_robots) if few else [], [told.name_of("robot", k) for k in range(problem.num_robots)] if few else [])
+    ax.set_yticks(
+        range(problem.num_robots) if few else [], [instance.name_of("robot", k) for k in range(problem.num_robots)] if few else []
+    )
     ax.set_ylabel("robot", fontsize=9, color="#555555")
     ax.set_xlabel("time from now", fontsize=9, color="#555555")
     ax.margins(x=0.16 if few else 0.02)

@@ -46,8 +46,8 @@ def plot_orchard_day(
     ax.set_xlabel("step", fontsize=9, color=INK)
     ax.set_ylabel("robot", fontsize=9, color=INK)
     if drawn:
-        told = [part for part in PARTS if part in drawn]
-        legend_below(ax, [drawn[part] for part in told], told, len(told))
+        labels = [part for part in PARTS if part in drawn]
+        legend_below(ax, [drawn[part] for part in labels], labels, len(labels))
     return entitled(ax, problem, answer, solution, title, "bins on their way home, and the trips to them")
 
 

@@ -43,13 +43,13 @@ APART = 0.09
 
 def places(problem: RoomExploration) -> Floats:
     """Positions of rooms: their own, or such that distances come close to the numbers of steps between rooms."""
-    given = problem.instance
-    if given.positions is not None:
-        return given.positions
+    instance = problem.instance
+    if instance.positions is not None:
+        return instance.positions
     from scipy.sparse.csgraph import shortest_path
 
-    steps = np.asarray(shortest_path(given.adjacent.astype(float), unweighted=True))
-    return scaled_positions(np.where(np.isfinite(steps), steps, given.num_rooms))
+    steps = np.asarray(shortest_path(instance.adjacent.astype(float), unweighted=True))
+    return scaled_positions(np.where(np.isfinite(steps), steps, instance.num_rooms))
 
 
 def plot_room_exploration(
@@ -64,19 +64,19 @@ def plot_room_exploration(
     from matplotlib.lines import Line2D
 
     ax = new_axes() if ax is None else ax
-    given, at = problem.instance, places(problem)
-    length = float(np.hypot(*(at[given.doors[:, 0]] - at[given.doors[:, 1]]).T).mean()) if len(given.doors) else 1.0
-    ax.add_collection(LineCollection(at[given.doors], colors=QUIET, linewidths=5.0, alpha=0.6, zorder=1))  # type: ignore[arg-type]
-    ax.add_collection(LineCollection(at[given.heard], colors=HEARD, linewidths=1.2, linestyles=":", zorder=1))  # type: ignore[arg-type]
-    entered = np.zeros(given.num_rooms, dtype=bool)
-    entered[given.starts] = True
+    instance, at = problem.instance, places(problem)
+    length = float(np.hypot(*(at[instance.doors[:, 0]] - at[instance.doors[:, 1]]).T).mean()) if len(instance.doors) else 1.0
+    ax.add_collection(LineCollection(at[instance.doors], colors=QUIET, linewidths=5.0, alpha=0.6, zorder=1))  # type: ignore[arg-type]
+    ax.add_collection(LineCollection(at[instance.heard], colors=HEARD, linewidths=1.2, linestyles=":", zorder=1))  # type: ignore[arg-type]
+    entered = np.zeros(instance.num_rooms, dtype=bool)
+    entered[instance.starts] = True
     handles: list[Any] = []
     lines = 0
     for robot, deeds in enumerate(answer):
         colour = COLOURS[robot % len(COLOURS)]
-        turn = 2.0 * np.pi * (robot / given.num_robots + 0.125)
-        shift = APART * length * np.array([np.cos(turn), np.sin(turn)]) * (given.num_robots > 1)
-        rooms = [int(given.starts[robot]), *(room for room, _ in deeds)]
+        turn = 2.0 * np.pi * (robot / instance.num_robots + 0.125)
+        shift = APART * length * np.array([np.cos(turn), np.sin(turn)]) * (instance.num_robots > 1)
+        rooms = [int(instance.starts[robot]), *(room for room, _ in deeds)]
         entered[rooms] = True
         ax.plot(*(at[rooms] + shift).T, color=colour, linewidth=1.6, zorder=3, solid_joinstyle="round")
         ax.scatter(*(at[rooms[:1]] + shift).T, s=42, marker="o", color=colour, edgecolors="white", linewidths=0.8, zorder=5)
@@ -89,14 +89,14 @@ def plot_room_exploration(
         handles.append(Line2D([], [], color=colour, linewidth=1.6, label=f"robot {robot + 1}"))
     for some, face in ((entered, "#DCE6F2"), (~entered, "white")):
         ax.scatter(*at[some].T, s=420, marker="o", color=face, edgecolors="#999999", linewidths=0.8, zorder=2)
-    ax.scatter(*at[given.base], s=620, marker="o", facecolors="none", edgecolors=INK, linewidths=1.6, zorder=2)
-    if given.num_rooms <= NAMED:
+    ax.scatter(*at[instance.base], s=620, marker="o", facecolors="none", edgecolors=INK, linewidths=1.6, zorder=2)
+    if instance.num_rooms <= NAMED:
         lines = _name_rooms(ax, problem, answer, at, length)
     bare(ax)
     ax.margins(_margin(ax, lines))
     marks = [("starts here", "o"), ("maps", "s"), ("searches", "X")]
     handles += [Line2D([], [], color="#555555", linestyle="", marker=marker, label=name) for name, marker in marks]
-    if given.num_rooms <= NAMED:
+    if instance.num_rooms <= NAMED:
         handles.append(Line2D([], [], color="#555555", linestyle="", marker="$1,3$", markersize=14, label="there after these steps"))
     handles += [
         Line2D([], [], color="#555555", linestyle="", marker="o", markerfacecolor="white", markeredgewidth=1.6, label="ends here"),
@@ -106,7 +106,7 @@ def plot_room_exploration(
     ]
     legend_below(ax, handles, [handle.get_label() for handle in handles], min(5, len(handles)), lines=1.0)
     seen = int(entered.sum())
-    detail = f"{seen} of {given.num_rooms} rooms entered by {given.num_robots} robots in {given.steps} steps"
+    detail = f"{seen} of {instance.num_rooms} rooms entered by {instance.num_robots} robots in {instance.steps} steps"
     return entitled(ax, problem, answer, solution, title, detail)
 
 
@@ -114,26 +114,26 @@ def _name_rooms(ax: Any, problem: RoomExploration, answer: Any, at: Floats, leng
     """Write the name of each room, and when robots are there, on the side far from its doors; returns the lines of the longest label."""
     from matplotlib.offsetbox import AnnotationBbox, TextArea, VPacker
 
-    given, apart = problem.instance, APART * length * (problem.instance.num_robots > 1)
-    visits: list[list[tuple[str, str]]] = [[] for _ in range(given.num_rooms)]
+    instance, apart = problem.instance, APART * length * (problem.instance.num_robots > 1)
+    visits: list[list[tuple[str, str]]] = [[] for _ in range(instance.num_rooms)]
     for robot, deeds in enumerate(answer):
         steps: dict[int, list[int]] = {}
-        for step, room in enumerate([int(given.starts[robot]), *(room for room, _ in deeds)]):
+        for step, room in enumerate([int(instance.starts[robot]), *(room for room, _ in deeds)]):
             steps.setdefault(room, []).append(step)
         for room, own in steps.items():
             visits[room].append((_runs(own), COLOURS[robot % len(COLOURS)]))
-    links = np.concatenate([given.doors, given.heard]) if len(given.heard) else given.doors
-    for room in range(given.num_rooms):
+    links = np.concatenate([instance.doors, instance.heard]) if len(instance.heard) else instance.doors
+    for room in range(instance.num_rooms):
         near = np.hypot(*(at - at[room]).T) <= NEAR * length  # whose labels may come from the other side
         near[links[(links == room).any(axis=1)].ravel()] = True
         near[room] = False
         middle, half = _free_side(at[near] - at[room])
         towards = np.array([np.cos(middle), np.sin(middle)])
         x, y = (0.5 if abs(part) < 0.3 else float(part < 0) for part in towards)  # where the text is tied
-        reach = RADIUS + 3.0 * (room == given.base)
+        reach = RADIUS + 3.0 * (room == instance.base)
         texts = [
             TextArea(text, textprops={"fontsize": size, "color": colour})
-            for text, colour, size in [(given.room_name(room), INK, 8.0), *((*visit, 7.5) for visit in visits[room])]
+            for text, colour, size in [(instance.room_name(room), INK, 8.0), *((*visit, 7.5) for visit in visits[room])]
         ]
         ax.add_artist(AnnotationBbox(
             VPacker(children=list(texts), align=("left", "center", "right")[round(2 * x)], pad=0, sep=1),
@@ -171,8 +171,8 @@ def _runs(steps: list[int]) -> str:
             runs[-1][1] = step
         else:
             runs.append([step, step])
-    told = [str(first) if first == last else f"{first}-{last}" for first, last in runs[:RUNS]]
-    return ", ".join([*told, *["..."] * (len(runs) > RUNS)])
+    texts = [str(first) if first == last else f"{first}-{last}" for first, last in runs[:RUNS]]
+    return ", ".join([*texts, *["..."] * (len(runs) > RUNS)])
 
 
 PLOTS.add("room-exploration", plot_room_exploration)

@@ -60,12 +60,12 @@ def _edges(problem: BalancedPartition, part: list[int]) -> list[tuple[int, int]]
     if problem.edges == "clique":
         return [(a, b) for k, a in enumerate(part) for b in part[:k]]
     between: NDArray[np.float64] = problem.instance.between[np.ix_(part, part)]
-    near, joined, left = between[0].copy(), np.zeros(len(part), dtype=np.int64), np.arange(len(part)) > 0
+    near, joined, waiting = between[0].copy(), np.zeros(len(part), dtype=np.int64), np.arange(len(part)) > 0
     edges = []
     for _ in range(len(part) - 1):
-        node = int(np.where(left, near, np.inf).argmin())
+        node = int(np.where(waiting, near, np.inf).argmin())
         edges.append((part[int(joined[node])], part[node]))
-        left[node] = False
+        waiting[node] = False
         joined, near = np.where(between[node] < near, node, joined), np.minimum(near, between[node])
     return edges
 

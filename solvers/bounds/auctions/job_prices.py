@@ -43,11 +43,11 @@ def compute(problem: GeneralisedAssignment, stop: Stop, linear: LinearPrograms, 
     own = start is not None and start.kind == "job-prices"
     first = np.array(start.data["prices"]) if start is not None and own else _cheapest(problem)
     prices = _ascended(problem, *steps, first, stop, target)
-    made = Evidence("job-prices", SOURCE, 0.0, {"prices": prices.tolist()})
+    better = Evidence("job-prices", SOURCE, 0.0, {"prices": prices.tolist()})
     if start is None:
-        return made
+        return better
     sign = 1.0 if problem.objective == "cost" else -1.0
-    return max(made, start, key=lambda one: sign * verified_bound(problem, one))
+    return max(better, start, key=lambda one: sign * verified_bound(problem, one))
 
 
 def _cheapest(problem: GeneralisedAssignment) -> Floats:
@@ -62,15 +62,15 @@ def _in_steps(problem: GeneralisedAssignment) -> tuple[Longs, Longs] | None:
 
     A step is the largest power of two that divides all consumption that fits; agents whose jobs all fit together count none.
     """
-    given = problem.instance
-    used = np.where(problem.fitting, given.consumption, 0.0)
+    instance = problem.instance
+    used = np.where(problem.fitting, instance.consumption, 0.0)
     mantissa, exponent = np.frexp(used)
     digits = np.ldexp(mantissa, 53).astype(np.int64)
     lowest = exponent - 53 + np.log2(np.maximum(digits & -digits, 1)).astype(np.int64)
     unit = np.where(used > 0.0, lowest, 2000).min(axis=1, initial=2000)
     with np.errstate(over="ignore", under="ignore"):
         counts = np.ldexp(used, -unit[:, None])
-        most = np.floor(np.ldexp(given.capacity, -unit))
+        most = np.floor(np.ldexp(instance.capacity, -unit))
     ample = counts.sum(axis=1) <= most  # nothing is to be chosen
     counts[ample], most[ample] = 0.0, 0.0
     small = problem.num_jobs * math.fsum(most) <= MOST_STEPS
@@ -125,11 +125,11 @@ def _filled(gain: Floats, used: Longs, most: int) -> tuple[float, Longs]:
         with_it = best[: most + 1 - part] + each
         taken[k, part:] = with_it > best[part:]
         best[part:] = np.maximum(best[part:], with_it)
-    chosen, left = [], most
+    chosen, room = [], most
     for k in range(len(gain) - 1, -1, -1):
-        if taken[k, left]:
+        if taken[k, room]:
             chosen.append(k)
-            left -= int(used[k])
+            room -= int(used[k])
     return float(best[most]), np.array(chosen, dtype=np.int64)
 
 

@@ -64,9 +64,9 @@ def play_day(
     """
     from .day_kernels import day
 
-    for what, given, known in (("choice", choice, CHOICES), ("delivery", delivery, DELIVERIES), ("cost", cost, COSTS)):
-        if given not in known:
-            raise UsageError(f"{what} must be one of {', '.join(known)}, not {given!r}")
+    for what, value, known in (("choice", choice, CHOICES), ("delivery", delivery, DELIVERIES), ("cost", cost, COSTS)):
+        if value not in known:
+            raise UsageError(f"{what} must be one of {', '.join(known)}, not {value!r}")
     grid = rules.grid
     begin = draw_start(rules, Draw(np.random.Generator(np.random.PCG64(seed)))) if start is None else start
     fruit = np.zeros(grid.size, np.int64)
@@ -74,10 +74,12 @@ def play_day(
     times = (np.full(rules.bins, -1), np.full(rules.bins, -1), np.full(rules.bins, -1))
     codes = CHOICES.index(choice), DELIVERIES.index(delivery), COSTS.index(cost)
     shape = (grid.distances, grid.empty_times, grid.full_times, grid.home)
-    told = day(stop.flag, shape, (np.ascontiguousarray(begin.cells), begin.orders, fruit), (rules.robots, rules.fill), codes, limit, times)
+    counts = day(
+        stop.flag, shape, (np.ascontiguousarray(begin.cells), begin.orders, fruit), (rules.robots, rules.fill), codes, limit, times
+    )
     if stop.reached():
         raise Stopped
-    return Day(*times, *(int(number) for number in told))
+    return Day(*times, *(int(number) for number in counts))
 
 
 def least_makespan(rules: OrchardRules) -> int:

@@ -90,7 +90,7 @@ def trips(o: OrchardObservation, chosen: Mapping[int, int], delivery: str, retur
     """
     home, empty = o.rules.grid.home, o.rules.grid.empty_times
     wanting, requests = o.wanting.copy(), o.requests.tolist()
-    told: dict[int, Trip] = {}
+    trips_of_robots: dict[int, Trip] = {}
     for robot, cell in zip(o.robots.tolist(), o.cells.tolist(), strict=True):
         row = chosen.get(robot, NONE)
         fetch, near = (NONE, home) if row < 0 else (int(o.bins[row]), int(o.bin_cells[row]))
@@ -104,5 +104,5 @@ def trips(o: OrchardObservation, chosen: Mapping[int, int], delivery: str, retur
             wanting[deliver] = False
             requests = [request for request in requests if request != deliver]
         if deliver != NONE or fetch != NONE or returning:
-            told[robot] = Trip(deliver, fetch)
-    return told
+            trips_of_robots[robot] = Trip(deliver, fetch)
+    return trips_of_robots

@@ -41,7 +41,7 @@ def _best(problem: OrchardDay) -> Case:
         ends = [list(itertools.accumulate(length[k] for k in share)) for share in shares]
         value = max((e[-1] for e in ends if e), default=0) if problem.objective == "makespan" else sum(map(sum, ends))
         answers.append((value, shares))
-    _, shares = min(answers, key=lambda found: found[0])
+    _, shares = min(answers, key=lambda shared_out: shared_out[0])
     return Case(problem, attained(problem, tuple(tuple((-1, k) for k in share) for share in shares), "enumeration"))
 
 

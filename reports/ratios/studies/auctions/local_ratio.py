@@ -23,15 +23,15 @@ MOST = 729
 
 def best_assignment(problem: GeneralisedAssignment) -> Optimum:
     """The best of all ways to give each job to an agent or none that keep within the capacities."""
-    m, n, given = problem.num_agents, problem.num_jobs, problem.instance
+    m, n, instance = problem.num_agents, problem.num_jobs, problem.instance
     ways = np.array(list(itertools.product(range(-1, m), repeat=n)))
     fits = np.ones(len(ways), dtype=bool)
     value = np.zeros(len(ways))
     for i in range(m):
         does = ways == i
-        fits &= (does * given.consumption[i]).sum(axis=1) <= given.capacity[i] * (1.0 + 1e-12)
-        fits &= ~(does & ~given.listed[i]).any(axis=1)
-        value += (does * np.where(given.listed[i], given.values[i], 0.0)).sum(axis=1)
+        fits &= (does * instance.consumption[i]).sum(axis=1) <= instance.capacity[i] * (1.0 + 1e-12)
+        fits &= ~(does & ~instance.listed[i]).any(axis=1)
+        value += (does * np.where(instance.listed[i], instance.values[i], 0.0)).sum(axis=1)
     best = int(np.argmax(np.where(fits, value, -math.inf)))
     return attained(problem, tuple(ways[best].tolist()), "enumeration")
 

@@ -25,12 +25,12 @@ def team(rng: Rng, kind: str, robots: int, tasks: int, name: str) -> RobotTasks:
     """Robots and tasks whose distances keep the triangle inequality."""
     every = robots + tasks
     if kind == "graph":
-        made = np.where(rng.random((every, every)) < 0.5, rng.integers(1, 10, (every, every)), 30).astype(float)
-        made = np.minimum(made, made.T)
-        np.fill_diagonal(made, 0.0)
+        distances = np.where(rng.random((every, every)) < 0.5, rng.integers(1, 10, (every, every)), 30).astype(float)
+        distances = np.minimum(distances, distances.T)
+        np.fill_diagonal(distances, 0.0)
         for k in range(every):
-            made = np.minimum(made, made[:, [k]] + made[k])
-        return RobotTasks.of_distances(made[:robots, robots:], made[robots:, robots:], name=name)
+            distances = np.minimum(distances, distances[:, [k]] + distances[k])
+        return RobotTasks.of_distances(distances[:robots, robots:], distances[robots:, robots:], name=name)
     if kind == "line":
         places = np.column_stack([rng.integers(0, 20, every), np.zeros(every)]).astype(float)
     elif kind == "grid":
@@ -46,7 +46,7 @@ def best(problem: TaskAllocation) -> Optimum:
     """The shortest path of every robot through every set of tasks, and the best way to share the sets."""
     robots, tasks, d = problem.num_robots, problem.num_tasks, problem.instance.distances
     waiting, largest = problem.objective == "mini-ave", problem.objective == "mini-max"
-    found: list[list[tuple[float, tuple[int, ...]]]] = []
+    costs_of_robots: list[list[tuple[float, tuple[int, ...]]]] = []
     for robot in range(robots):
         own: list[tuple[float, tuple[int, ...]]] = [(math.inf, ())] * (1 << tasks)
         own[0] = (0.0, ())
@@ -57,9 +57,9 @@ def best(problem: TaskAllocation) -> Optimum:
                 members = sum(1 << task for task in order)
                 if cost < own[members][0]:
                     own[members] = (cost, order)
-        found.append(own)
+        costs_of_robots.append(own)
     shared: dict[int, tuple[float, tuple[tuple[int, ...], ...]]] = {0: (0.0, ())}
-    for own in found:
+    for own in costs_of_robots:
         after: dict[int, tuple[float, tuple[tuple[int, ...], ...]]] = {}
         for (before, (value, paths)), members in itertools.product(shared.items(), range(1 << tasks)):
             if not before & members:
