@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...checking.granularity import grain
 from ...evidence import CHECKERS
-from .task_forest import smallest_forest
+from .task_allocation import smallest_forest
 
 Floats = NDArray[np.float64]
 
