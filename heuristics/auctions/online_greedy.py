@@ -10,7 +10,7 @@ from ...formulations.auctions.bin_assignment import BinAssignment
 from ...formulations.evidence import Guarantee
 from ...instances.errors import UsageError
 from ..heuristic import Context, Outcome, heuristic
-from ._bin_auctions import QUADRANGLE, changes_message, completed, cut_short, quadrangle
+from .conflict_auction import QUADRANGLE, changes_message, completed, cut_short, quadrangle
 
 MOST = 1000
 """Robots up to which 2^n - 1 is a floating-point number."""

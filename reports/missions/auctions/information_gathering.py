@@ -15,8 +15,7 @@ from ....formulations.auctions.balanced_partition import EDGES, OBJECTIVES, Bala
 from ....formulations.auctions.task_allocation import TaskAllocation
 from ....formulations.problem import Problem
 from ....formulations.stop import NEVER
-from ....heuristics.auctions.gathering_steps.reward_split import expected_contents, reward_split
-from ....heuristics.auctions.gathering_steps.urgency import URGENCIES, receding_order, urgencies
+from ....heuristics.auctions._gathering import URGENCIES, expected_contents, receding_order, reward_split, urgencies
 from ....heuristics.heuristic import HEURISTICS, Context
 from ....instances.auctions.robot_tasks import RobotTasks
 from ....instances.auctions.worlds.information_gathering import EXCESS, GatheringObservation, GatheringWorld, Move
