@@ -140,7 +140,9 @@ def best_shares(problem: BottleneckSATA) -> Optimum:
     x, y = _max_min(packing, covering)
     shares = x / np.maximum(packing @ x, 1.0)[g.robot_of_action]  # the solver keeps rows up to a tolerance only
     evidence = {"targets": list(range(g.num_targets)), "weights": y.tolist()}
-    return _two_sided(problem, shares, Evidence("target-weights", "linear program", math.nan, evidence))
+    best = attained(problem, shares, "linear program")
+    _agree(problem, best.value, verified_bound(problem, Evidence("target-weights", "linear program", math.nan, evidence)))
+    return best
 
 
 def best_vector(problem: MaxMinLP) -> Optimum:
@@ -176,16 +178,25 @@ def _max_min(packing: Floats, covering: Floats) -> tuple[Floats, Floats]:
     return np.maximum(solved.x[:n], 0.0), np.maximum(-solved.ineqlin.marginals[len(packing) :], 0.0)
 
 
-def _two_sided(problem: Problem, answer: Any, evidence: Evidence) -> Optimum:
-    best = attained(problem, answer, "linear program")
-    _agree(problem, best.value, verified_bound(problem, evidence))
-    return best
-
-
 def _agree(problem: Problem, value: float, bound: float) -> None:
     """Raise CheckFailedError unless a value that some answer attains meets a bound; where nothing is covered, no weights bound it."""
     if not (value == 0.0 and math.isinf(bound)) and abs(bound - value) > AGREE * max(abs(value), abs(bound), 1e-9):
         raise CheckFailedError(f"the linear program of {problem.name} has an answer of {value!r} and a bound of {bound!r}")
+
+
+def _shortest_paths(moves: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    """Lengths of shortest paths from stop 0 through every set of the others to each of them, and the stop before; shape (2^n, n)."""
+    n = len(moves) - 1
+    ends, before = np.full((1 << n, n), math.inf), np.full((1 << n, n), -1)
+    for k in range(n):
+        ends[1 << k, k] = moves[0, k + 1]
+    for chosen in range(1, 1 << n):
+        for k in range(n):
+            if chosen >> k & 1 and chosen != 1 << k:
+                ways = ends[chosen ^ 1 << k] + moves[1:, k + 1]
+                before[chosen, k] = ways.argmin()
+                ends[chosen, k] = ways.min()
+    return ends, before
 
 
 # -- routes -----------------------------------------------------------------------------------------------------------
@@ -215,15 +226,7 @@ def best_routes(problem: RoutingProblem) -> Optimum:
     timed = problem.objective.is_only(Makespan)
     moves = (problem.travel.durations if timed else problem.travel.distances)[np.ix_(stops, stops)]
     every = 1 << n
-    ends, before = np.full((every, n), math.inf), np.full((every, n), -1)
-    for k in range(n):
-        ends[1 << k, k] = moves[0, k + 1]
-    for chosen in range(1, every):
-        for k in range(n):
-            if chosen >> k & 1 and chosen != 1 << k:
-                ways = ends[chosen ^ 1 << k] + moves[1:, k + 1]
-                before[chosen, k] = ways.argmin()
-                ends[chosen, k] = ways.min()
+    ends, before = _shortest_paths(moves)
     tour = (ends + moves[1:, 0]).min(axis=1)
     members = _members(n)
     cost = tour + members @ sites.service[customers] if timed else tour if longest else vehicle.fixed_cost + vehicle.unit_cost * tour
