@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
@@ -24,6 +24,21 @@ SCHEMA = 1
 
 SHOWN_VIOLATIONS = 10
 """Violations that are listed one by one; the rest is counted."""
+
+
+class _Digest:
+    """A certificate's ``instance_hash``: what is given is a digest, or makes it when it is first read."""
+
+    def __get__(self, held: Any, owner: type) -> Any:
+        if held is None:
+            return self
+        made = held.__dict__["instance_hash"]
+        if callable(made):
+            made = held.__dict__["instance_hash"] = made()
+        return made
+
+    def __set__(self, held: Any, digest: str | Callable[[], str]) -> None:
+        held.__dict__["instance_hash"] = digest
 
 
 @dataclass(frozen=True)
@@ -83,6 +98,9 @@ class Certificate:
     stated_guarantee: Guarantee | None = None
     from_file: bool = False
     levels: tuple[LevelBound, ...] = ()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "instance_hash": self.instance_hash}
 
     def to_json(self, *, with_evidence: bool = False) -> dict[str, Any]:
         """The certificate's keys in the JSON of ``solve``; ``with_evidence`` makes it a certificate file."""
@@ -145,6 +163,9 @@ class Certificate:
         return as_rich(certificate_title(self), certificate_lines(self))
 
 
+Certificate.instance_hash = _Digest()  # type: ignore[assignment]
+
+
 def better_bound(sense: str, a: float, b: float) -> bool:
     """Whether bound ``a`` says more than ``b``."""
     return a > b if sense == "min" else a < b
@@ -189,6 +210,7 @@ def certify(
     evidence: Sequence[Evidence] = (),
     guarantee: Guarantee | None = None,
     unproved: list[str] | None = None,
+    checked: Sequence[tuple[Evidence, float]] = (),
 ) -> Certificate:
     """Verify all evidence and put what holds into a certificate.
 
@@ -200,6 +222,8 @@ def certify(
     guarantee : Guarantee, optional
     unproved : list of str, optional
         Receives a line for each evidence whose checker fails, which is then left out; without it, that failure is raised.
+    checked : sequence of (Evidence, float), optional
+        What ``verified_bound`` already said of some of it.
 
     Raises
     ------
@@ -211,7 +235,7 @@ def certify(
     verified, endless = [], []
     for e in evidence:
         try:
-            verified.append((verified_bound(problem, e), e))
+            verified.append((next((bound for other, bound in checked if other is e), None) or verified_bound(problem, e), e))
             if proves_unbounded(problem, e):
                 endless.append(e)
         except (Exception, KeyboardInterrupt) as fault:
@@ -252,7 +276,7 @@ def certify(
                 gap = None
             ratio = tolerance.ratio(value, bound, evaluation.size, evaluation.precision)
     return Certificate(
-        instance_hash=problem.digest(),
+        instance_hash=problem.digest_later(),  # type: ignore[arg-type]
         problem=problem.problem,
         sense=problem.sense,
         convention=problem.convention,
@@ -273,8 +297,9 @@ def certify(
 
 def judged_only(problem: Problem, evaluation: Evaluation | None) -> Certificate:
     """A certificate of what the judge found, where bounds could not be certified."""
+    digest: Any
     try:
-        digest = problem.digest()
+        digest = problem.digest_later()
     except Exception:  # of memory, say: the answer stands without it
         digest = ""
     made = Certificate(digest, problem.problem, problem.sense, problem.convention, None)

@@ -73,6 +73,10 @@ class Problem(ABC):
     def digest(self) -> str:
         """Hash of all data that an answer's value and feasibility depend on."""
 
+    def digest_later(self) -> Callable[[], str] | str:
+        """The digest, or, where the data are large and nobody can change them meanwhile, who makes it when it is asked for."""
+        return self.digest()
+
     @abstractmethod
     def features(self) -> frozenset[str]:
         """What a solver must be able to express, in the problem's words."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -60,6 +60,58 @@ def reals(what: str, values: ArrayLike) -> Floats:
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{what} must hold numbers", found=repr(values)[:40]) from None
     return np.ascontiguousarray(array) if array.ndim else array
+
+
+BLOCK = 1 << 15
+"""Numbers that are looked at together: few enough to stay in a processor's memory."""
+
+
+class Spread(NamedTuple):
+    """The least and the largest of some numbers, 0 of none, and whether all are whole; beside infinity or NaN the largest is one of these."""
+
+    least: float
+    largest: float
+    whole: bool
+
+
+def spread(values: Floats) -> Spread:
+    """``Spread`` of a list of numbers, in one sweep over the memory."""
+    return _swept(values, values)
+
+
+def copied(values: Floats) -> tuple[Floats, Spread]:
+    """A copy as a list of numbers that cannot be written to, and its ``Spread``, in one sweep."""
+    copy = np.empty(values.size)
+    found = _swept(values.reshape(-1), copy)
+    copy.setflags(write=False)
+    return copy, found
+
+
+def _swept(values: Floats, copy: Floats) -> Spread:
+    """Fill in ``copy``, unless it is ``values``, and look at it block by block, up to the first that holds infinity or NaN."""
+    if not values.size:
+        return Spread(0.0, 0.0, True)
+    least, largest, whole = math.inf, -math.inf, True
+    for begin in range(0, values.size, BLOCK):
+        some = copy[begin : begin + BLOCK]
+        if copy is not values:
+            some[:] = values[begin : begin + BLOCK]
+        low, high = some.min(), some.max()
+        if not high < math.inf:
+            return Spread(float(low), float(high), False)
+        least, largest = min(least, low), max(largest, high)
+        whole = whole and bool((np.floor(some) == some).all())
+    return Spread(float(least), float(largest), whole)
+
+
+def unchanging(values: NDArray[Any]) -> bool:
+    """Whether neither this array nor any that it is a view of can be written to."""
+    held: Any = values
+    while isinstance(held, np.ndarray) and not held.flags.writeable:
+        if held.base is None:
+            return True
+        held = held.base
+    return False
 
 
 def frozen(values: NDArray[Any]) -> Any:

@@ -6,6 +6,7 @@ import csv
 import io
 import math
 from collections.abc import Callable, Iterator, Mapping
+from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -17,6 +18,7 @@ from ...instances.auctions.assignment import AssignmentInstance
 from ...instances.errors import InputError, UsageError
 from ...instances.generators.settings import Setting
 from ...instances.instance import digest, with_settings
+from ...instances.number_arrays import Spread, spread, unchanging
 from ...instances.suggestions import did_you_mean
 from ...instances.text import number, plain
 from ..evaluation import Evaluation, judge
@@ -94,7 +96,7 @@ class BinAssignment(Problem):
         self.name, self.notes = instance.name, instance.notes
         self.problem = {"sum": "bin-assignment", "bottleneck": "bottleneck-assignment"}[self.objective]
         self.num_robots, self.num_bins = instance.num_robots, instance.num_bins
-        self.indptr, self.bins, self.cost = self._waited()
+        self.indptr, self.cost, self._kept = self._waited()
 
     @classmethod
     def from_matrix(cls, costs: Any, *, objective: str = "sum", match: str = "most", **further: Any) -> BinAssignment:
@@ -106,22 +108,32 @@ class BinAssignment(Problem):
         """See ``AssignmentInstance.from_frame``."""
         return cls(AssignmentInstance.from_frame(costs, **further), objective=objective, match=match)
 
-    def _waited(self) -> tuple[NDArray[np.int32], NDArray[np.int32], Floats]:
+    def _waited(self) -> tuple[NDArray[np.int32], Floats, NDArray[np.bool_] | None]:
+        """Where each robot's pairs begin, costs with waiting, and which pairs of the data these are, None for all."""
         data = self.instance
         if data.filled is None:
-            return data.indptr, data.bins, data.cost
+            return data.indptr, data.cost, None
         until = data.filled[data.bins]
         cost = np.maximum(data.cost, until) if self.waiting == "max" else data.cost + until
         kept = np.isfinite(until)
         if kept.all():
-            return data.indptr, data.bins, cost
-        indptr = np.concatenate([[0], np.cumsum(kept)])[data.indptr].astype(np.int32)
-        return indptr, data.bins[kept], cost[kept]
+            return data.indptr, cost, None
+        return np.concatenate([[0], np.cumsum(kept)])[data.indptr].astype(np.int32), cost[kept], kept
+
+    @cached_property
+    def bins(self) -> NDArray[np.int32]:
+        """Bin of each pair."""
+        return self.instance.bins if self._kept is None else self.instance.bins[self._kept]
+
+    @cached_property
+    def spread(self) -> Spread:
+        """The least and the largest cost, and whether all are whole numbers."""
+        return self.instance.spread if self.cost is self.instance.cost else spread(self.cost)
 
     @property
     def complete(self) -> bool:
         """Whether every robot may be sent to every bin."""
-        return len(self.bins) == self.num_robots * self.num_bins
+        return len(self.cost) == self.num_robots * self.num_bins
 
     @cached_property
     def robots(self) -> NDArray[np.int64]:
@@ -139,6 +151,8 @@ class BinAssignment(Problem):
     @cached_property
     def largest(self) -> NDArray[np.int64]:
         """Some matching of the most pairs: bin of each robot, -1 for none."""
+        if self.complete:
+            return np.where(np.arange(self.num_robots) < self.num_bins, np.arange(self.num_robots), -1)
         return largest_matching(self.indptr, self.bins, self.num_bins)
 
     @property
@@ -159,6 +173,10 @@ class BinAssignment(Problem):
         shape = self.num_robots, self.num_bins
         return digest("bin-assignment", self.objective, self.match, *shape, self.indptr, self.bins, self.cost)
 
+    def digest_later(self) -> Callable[[], str] | str:
+        """See ``Problem.digest_later``: of costs that nobody can write to."""
+        return copy(self).digest if unchanging(self.cost) else self.digest()
+
     def features(self) -> frozenset[str]:
         """The objective."""
         return frozenset({f"objective:{self.objective}"})
@@ -168,7 +186,7 @@ class BinAssignment(Problem):
         return self.num_robots
 
     def linear_entries(self) -> int:
-        return 3 * len(self.bins)
+        return 3 * len(self.cost)
 
     def facts(self) -> dict[str, Any]:
         aim = {"sum": "sum of the costs", "bottleneck": "largest cost"}[self.objective]
@@ -353,7 +371,7 @@ class BinAssignment(Problem):
         return made
 
     def __repr__(self) -> str:
-        return f"<BinAssignment {self.name}: {self.num_robots} robots, {self.num_bins} bins, {len(self.bins)} pairs, {self.objective}>"
+        return f"<BinAssignment {self.name}: {self.num_robots} robots, {self.num_bins} bins, {len(self.cost)} pairs, {self.objective}>"
 
 
 def make(instance: Any, name: str, settings: dict[str, Any]) -> BinAssignment:

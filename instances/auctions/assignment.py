@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -41,7 +42,8 @@ class AssignmentInstance:
     indptr : array of shape (robots + 1,)
         The pairs of robot i are ``indptr[i]`` to ``indptr[i + 1]``.
     bins : array of shape (pairs,)
-        Bin of each pair, ascending within a robot's. Pairs that are not listed are forbidden.
+        Bin of each pair, ascending within a robot's. Pairs that are not listed are forbidden. None where none is: the costs are those of
+        all pairs then, robot by robot.
     cost : array of shape (pairs,)
         Of each pair: the time to reach the bin, or any other cost.
     filled : array of shape (bins,), optional
@@ -53,6 +55,8 @@ class AssignmentInstance:
         For maps.
     name, format, problem, problems, notes
         See ``Instance``.
+    known : Spread, optional
+        ``spread(cost)``, where it is known.
 
     Raises
     ------
@@ -80,6 +84,7 @@ class AssignmentInstance:
     problem: str = PROBLEMS[0]
     problems: tuple[str, ...] = PROBLEMS
     notes: tuple[str, ...] = field(default=())
+    known: InitVar[arrays.Spread | None] = None
 
     @classmethod
     def from_matrix(cls, costs: Any, **further: Any) -> AssignmentInstance:
@@ -114,18 +119,18 @@ class AssignmentInstance:
         if made.ndim != 2:
             raise InputError("costs must be a matrix, one row a robot and one column a bin", found=f"shape {made.shape}")
         n, m = made.shape
-        if made.size and made.max() < math.inf:  # every pair is allowed, and none is NaN
-            pairs = np.arange(n + 1) * m, np.tile(np.arange(m, dtype=np.int32), n), made.flatten()
-        else:
-            bad = np.isnan(made)
-            if bad.any():
-                robot, column = np.argwhere(bad)[0].tolist()
-                raise InputError(
-                    f"the cost in row {robot + 1}, column {column + 1} is not a number",
-                    expected="a number, or infinity for a forbidden pair",
-                )
-            kept = made < math.inf
-            pairs = np.concatenate([[0], np.cumsum(kept.sum(axis=1))]), np.nonzero(kept)[1].astype(np.int32), made[kept]
+        own, found = arrays.copied(made)
+        if made.size and found.largest < math.inf:  # every pair is allowed, and none is NaN
+            return cls(n, m, np.arange(n + 1) * m, None, own, **further, known=found)  # type: ignore[arg-type]
+        bad = np.isnan(made)
+        if bad.any():
+            robot, column = np.argwhere(bad)[0].tolist()
+            raise InputError(
+                f"the cost in row {robot + 1}, column {column + 1} is not a number",
+                expected="a number, or infinity for a forbidden pair",
+            )
+        kept = made < math.inf
+        pairs = np.concatenate([[0], np.cumsum(kept.sum(axis=1))]), np.nonzero(kept)[1].astype(np.int32), made[kept]
         return cls(n, m, *pairs, **further)
 
     @classmethod
@@ -177,29 +182,40 @@ class AssignmentInstance:
         pairs, found = arguments_of(costs)
         return (cls.from_pairs if pairs else cls.from_matrix)(**{**found, **further})
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, known: arrays.Spread | None) -> None:
         n, m = arrays.size("num_robots", self.num_robots), arrays.size("num_bins", self.num_bins)
         if not n or not m:
             raise InputError(f"there are no {'robots' if not n else 'bins'}", expected="one at least")
-        indptr, bins, cost = arrays.indices("indptr", self.indptr), arrays.indices("bins", self.bins), arrays.reals("cost", self.cost)
+        indptr, cost = arrays.indices("indptr", self.indptr), arrays.reals("cost", self.cost)
+        listed: Any = self.bins
+        bins = None if listed is None else arrays.indices("bins", listed)
+        many = n * m if bins is None else len(bins)
         for what, count in (("robots", n), ("bins", m)):
-            arrays.refuse_unused(what, count, len(bins), "pairs")
-        if len(indptr) != n + 1 or cost.shape != bins.shape:
+            arrays.refuse_unused(what, count, many, "pairs")
+        if len(indptr) != n + 1 or cost.shape != (many,):
             raise InputError(
-                "indptr must have one entry more than robots, bins and cost one a pair", found=f"{len(indptr)}, {len(bins)}, {cost.size}"
+                "indptr must have one entry more than robots, bins and cost one a pair", found=f"{len(indptr)}, {many}, {cost.size}"
             )
-        arrays.check_csr(indptr, bins, m, "robot", "bin", "pairs")
-        for key, values in (("indptr", indptr), ("bins", bins), ("cost", cost)):
+        if bins is not None:
+            arrays.check_csr(indptr, bins, m, "robot", "bin", "pairs")
+            object.__setattr__(self, "bins", arrays.frozen(bins))
+        elif (np.diff(indptr) != m).any() or indptr[0]:
+            raise InputError("where every pair is allowed, each robot has as many as there are bins", expected=str(m))
+        else:
+            object.__delattr__(self, "bins")  # they are made when they are asked for
+        for key, values in (("indptr", indptr), ("cost", cost)):
             object.__setattr__(self, key, arrays.frozen(values))
         for what, count in (("robot", n), ("bin", m)):
-            known = arrays.names(what, getattr(self, f"{what}_names"), count)
-            object.__setattr__(self, f"{what}_names", known)
-            object.__setattr__(self, f"{what}_positions", arrays.positions(what, getattr(self, f"{what}_positions"), count, known))
+            names = arrays.names(what, getattr(self, f"{what}_names"), count)
+            object.__setattr__(self, f"{what}_names", names)
+            object.__setattr__(self, f"{what}_positions", arrays.positions(what, getattr(self, f"{what}_positions"), count, names))
         object.__setattr__(self, "name", label(self.name))
-        if not (cost.min(initial=0.0) >= -LARGEST and cost.max(initial=0.0) <= LARGEST):  # NaN is neither
+        if known is not None:
+            object.__setattr__(self, "spread", known)
+        if not (self.spread.least >= -LARGEST and self.spread.largest <= LARGEST):  # NaN is neither
             k = int(np.argmax(~(np.abs(cost) <= LARGEST)))
             robot = self.robot_name(int(np.searchsorted(indptr, k, side="right")) - 1)
-            pair = f"robot {robot} and bin {self.bin_name(int(bins[k]))}"
+            pair = f"robot {robot} and bin {self.bin_name(int(self.bins[k]))}"
             raise InputError(f"the cost of {pair} must be a number of at most {LARGEST:g}", found=str(cost[k]))
         if self.filled is not None:
             filled = arrays.reals("filled", self.filled)
@@ -215,9 +231,25 @@ class AssignmentInstance:
 
     # -- lookups -----------------------------------------------------------------------------------------------------
 
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """The bins of a complete matrix."""
+            if name != "bins" or "cost" not in self.__dict__:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            made = np.tile(np.arange(self.num_bins, dtype=np.int32), self.num_robots)
+            made.setflags(write=False)
+            object.__setattr__(self, "bins", made)
+            return made
+
+    @cached_property
+    def spread(self) -> arrays.Spread:
+        """The least and the largest cost, and whether all are whole numbers."""
+        return arrays.spread(self.cost)
+
     @property
     def num_pairs(self) -> int:
-        return len(self.bins)
+        return len(self.cost)
 
     @property
     def complete(self) -> bool:
@@ -265,8 +297,8 @@ class AssignmentInstance:
             "forbidden": self.num_robots * self.num_bins - self.num_pairs,
             "bins_a_robot": [int(degree.min()), int(degree.max())],
             "robots_a_bin": [int(used.min()), int(used.max())],
-            "costs": [float(self.cost.min()), float(self.cost.max())] if self.num_pairs else [],
-            "whole_costs": bool((np.floor(self.cost) == self.cost).all()),
+            "costs": [self.spread.least, self.spread.largest] if self.num_pairs else [],
+            "whole_costs": self.spread.whole,
             "not_yet_full": 0 if self.filled is None else int((self.filled > 0).sum()),
             "positions": self.robot_positions is not None and self.bin_positions is not None,
         }

@@ -81,9 +81,11 @@ def _certified(
 
     began = time.perf_counter()
     evidence: list[Evidence] = list(first)
+    checked: list[tuple[Evidence, float]] = []
     if budget is not None:
         try:
-            _gather(evidence, problem, run, searched, _linear(options), budget, None if best is None else best.values[0], record, beside)
+            value = None if best is None else best.values[0]
+            _gather(evidence, checked, problem, run, searched, _linear(options), budget, value, record, beside)
         except (Exception, KeyboardInterrupt) as fault:
             run.notes.append(f"no further bound was looked for: {in_words(fault)}")
     seconds = {"bound": time.perf_counter() - began, "check": spent}
@@ -94,7 +96,7 @@ def _certified(
     guarantee = searched.result.guarantee if best is not None else None
     if run.heuristic and guarantee is None and claim.exactness is Exactness.NEITHER:
         run.notes.append(f"{run.name} guarantees nothing for this instance")
-    certificate = judged_only(problem, best) if budget is None else _certificate(judge, run, best, evidence, guarantee)
+    certificate = judged_only(problem, best) if budget is None else _certificate(judge, run, best, evidence, guarantee, checked)
     left = 0.0 if budget is None or record is None else budget - seconds["bound"]
     if record is not None and len(senses) > 1 and best is not None and left > 0.0 and not searched.interrupted:
         try:
@@ -115,7 +117,7 @@ def _certified(
         answer, better = judge.best()
         if better is not best:
             best = better
-            certificate = _certificate(judge, run, best, evidence, None)
+            certificate = _certificate(judge, run, best, evidence, None, checked)
             refuted = contradictions(claim, senses, best, certificate)
         opinions = tuple(opinion(theirs, claim, senses, best, certificate) for theirs in heard)
         refuted += _disagreements(claim, opinions, certificate, run.notes)
@@ -157,10 +159,13 @@ def _certified(
     )
 
 
-def _certificate(judge: Judge, run: Run, best: Evaluation | None, evidence: list[Evidence], guarantee: Guarantee | None) -> Certificate:
+def _certificate(
+    judge: Judge, run: Run, best: Evaluation | None, evidence: list[Evidence], guarantee: Guarantee | None,
+    checked: Sequence[tuple[Evidence, float]],
+) -> Certificate:  # fmt: skip
     """What the checkers make of the evidence; without what contradicts the answer, which is a fault."""
     try:
-        certificate = in_time(lambda: certify(judge.problem, best, evidence, guarantee, run.notes), lambda: None)
+        certificate = in_time(lambda: certify(judge.problem, best, evidence, guarantee, run.notes, checked), lambda: None)
         if certificate is not None:
             return certificate
         run.notes.append("interrupted before the evidence of the bounds was verified")
@@ -209,6 +214,7 @@ def _second_opinions(
 
 def _gather(
     evidence: list[Evidence],
+    checked: list[tuple[Evidence, float]],
     problem: Problem,
     run: Run,
     searched: Searched,
@@ -218,7 +224,7 @@ def _gather(
     record: Recorder | None,
     beside: Beside | None,
 ) -> None:
-    """Add to ``evidence`` what the search left of it, and what bounding finds where that proves nothing."""
+    """Add to ``evidence`` what the search left of it, and what bounding finds where that proves nothing; to ``checked``, what was."""
     result = searched.result
     evidence.extend(result.evidence)
     if run.made is not None and result.row_duals is not None and run.made.dual_evidence is not None:
@@ -228,8 +234,13 @@ def _gather(
             run.notes.append(f"the duals of {run.name} are no evidence: {in_words(fault)}")
     if searched.interrupted and beside is not None:
         evidence.extend(beside.answer or ())
-    if searched.interrupted or any(proved(problem, e) is not None for e in result.evidence):
+    if searched.interrupted:
         return
+    for one in result.evidence:
+        bound = proved(problem, one)
+        if bound is not None:
+            checked.append((one, bound))
+            return
     known = tuple(evidence)
 
     if record is not None and budget > 0:

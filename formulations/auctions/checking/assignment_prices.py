@@ -27,6 +27,9 @@ BLOCK = 1 << 17
 
 _LARGEST = 1e300
 
+_WHOLE = 2.0**53
+"""Whole numbers below it have their own doubles."""
+
 
 @CHECKERS.register("assignment-prices")
 def check_assignment_prices(problem: Any, data: Mapping[str, Any]) -> float:
@@ -63,7 +66,10 @@ def check_assignment_prices(problem: Any, data: Mapping[str, Any]) -> float:
     prices, asked = np.array(given, dtype=np.float64), problem.pairs
     if asked != problem.num_bins:
         prices = np.maximum(prices, 0.0)
-    least = _least_to_pay(problem.indptr, problem.bins, problem.cost, prices)
+    if problem.complete:
+        least = _least_of_all(problem.matrix(), prices, problem.spread.whole and bool((np.floor(prices) == prices).all()))
+    else:
+        least = _least_to_pay(problem.indptr, problem.bins, problem.cost, prices)
     if asked == problem.num_robots:
         return math.inf if np.isinf(least).any() else _sum_below([*least.tolist(), *(-prices).tolist()])
     served = least[least < level].tolist()
@@ -90,6 +96,30 @@ def _sum_below(terms: list[float]) -> float:
     return math.nextafter(total, -math.inf) if math.fsum([*terms, -total]) < 0.0 else total
 
 
+def _least_of_all(costs: Floats, prices: Floats, whole: bool) -> Floats:
+    """``_least_to_pay`` where every robot has all bins; sums of whole numbers, if they are small enough, are exact."""
+    many = max(1, BLOCK // (4 * len(prices)))
+    least, paid, near = np.empty(len(costs)), np.empty((many, len(prices))), np.empty((many, len(prices)), dtype=bool)
+    for first in range(0, len(costs), many):
+        own = costs[first : first + many]
+        sums = np.add(own, prices, out=paid[: len(own)])
+        found = sums.min(axis=1)
+        if not whole or (np.abs(found) >= _WHOLE).any():
+            above = np.nextafter(found, math.inf)[:, None]
+            close = np.less_equal(sums, above, out=near[: len(own)])  # what is dearer is no less, exactly summed
+            row, column = np.divmod(np.flatnonzero(close), len(prices))
+            below = row[_lost(own[row, column], prices[column], sums[row, column]) < 0.0]
+            found[below] = np.nextafter(found[below], -math.inf)
+        least[first : first + many] = found
+    return least
+
+
+def _lost(a: Floats, b: Floats, total: Floats) -> Floats:
+    """a + b - total, exactly, where ``total`` is the rounded sum (Knuth 1969)."""
+    part = total - a
+    return (a - (total - part)) + (b - part)
+
+
 def _least_to_pay(indptr: NDArray[Any], bins: NDArray[Any], cost: Floats, prices: Floats) -> Floats:
     """At most min_j (c_ij + p_j) of each robot, and that itself where the sum is a double; infinite where it has no pair."""
     least = np.full(len(indptr) - 1, math.inf)
@@ -106,9 +136,7 @@ def _least_to_pay(indptr: NDArray[Any], bins: NDArray[Any], cost: Floats, prices
             starts = indptr[first + own] - begin
             found = np.minimum.reduceat(paid, starts)
             near = np.nonzero(paid <= np.repeat(np.nextafter(found, math.inf), many[own]))[0]  # what is dearer is no less, exactly summed
-            a, b, total = cost[begin:end][near], price[near], paid[near]
-            part = total - a
-            lost = (a - (total - part)) + (b - part)  # the exact rounding error (Knuth 1969)
+            lost = _lost(cost[begin:end][near], price[near], paid[near])
             below = np.zeros(len(own), dtype=bool)
             below[np.searchsorted(starts, near[lost < 0.0], side="right") - 1] = True
             least[first + own] = np.where(below, np.nextafter(found, -math.inf), found)

@@ -45,7 +45,7 @@ class EpsilonScalingEngine(Engine):
         if reason is not None and reason.evidence is not None:
             return RawResult("infeasible", message=reason.message, evidence=(reason.evidence,))
         other = LapjvEngine()
-        if len(asked.bins) <= FEW_PAIRS and not other.apart(problem):
+        if len(asked.cost) <= FEW_PAIRS and not other.apart(problem):
             return other.run(problem, options, control)
         found = auction(asked, stop)
         statistics = {"bids": found.bids, "phases": found.phases}

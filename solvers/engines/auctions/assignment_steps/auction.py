@@ -10,7 +10,8 @@ import numpy as np
 
 from .....formulations.evidence import Evidence
 from .....formulations.stop import NEVER, Stop
-from .sides import BLOCK, Floats, Side, Wholes, joined, proof, sides
+from .....instances.number_arrays import BLOCK
+from .sides import Floats, Side, Wholes, joined, proof, sides
 
 if TYPE_CHECKING:
     from .....formulations.auctions.bin_assignment import BinAssignment
@@ -42,6 +43,9 @@ a first phase may take that is tried."""
 
 MANY = 1 << 62
 
+_WHOLE = 1 << 52
+"""Whole numbers below it, and their sums by twos, are doubles."""
+
 
 @dataclass
 class Auction:
@@ -63,6 +67,8 @@ class Auction:
         Whether the whole numbers stand for the costs exactly.
     optimal : bool
         Whether they do, and n epsilon is below the step of the costs.
+    whole : bool
+        Whether costs and prices are whole numbers that prove the answer to the last digit.
     """
 
     answer: tuple[int, ...]
@@ -74,12 +80,13 @@ class Auction:
     capped: bool = False
     exact: bool = True
     optimal: bool = True
+    whole: bool = False
     parts: list[Side] = field(default_factory=list)
     prices: list[Floats] = field(default_factory=list)
 
     def evidence(self, problem: BinAssignment, source: str) -> Evidence:
         """Evidence ``assignment-prices``."""
-        return proof(problem, self.parts, self.prices, self.answer, source, NEVER)
+        return proof(problem, self.parts, self.prices, self.answer, source, NEVER, exact=self.whole and self.optimal)
 
 
 def auction(problem: BinAssignment, stop: Stop, *, epsilon: float = 0.0, factor: float = FACTOR, scaling: bool = True) -> Auction:
@@ -111,7 +118,54 @@ def auction(problem: BinAssignment, stop: Stop, *, epsilon: float = 0.0, factor:
         columns.append(column)
         made.prices.append(prices)
     made.answer = joined(problem, parts, columns)
+    made.whole &= len(parts) == 1
     return made
+
+
+@dataclass(frozen=True)
+class Steps:
+    """How costs are counted from 0 in whole steps: ``many`` times the multiple of 2^-power that is the nearest, less ``least``.
+
+    Parameters
+    ----------
+    power, least, many : int
+    """
+
+    power: int
+    least: int
+    many: int
+
+    @property
+    def unit(self) -> float:
+        """Steps in a unit."""
+        return math.ldexp(self.many, self.power)
+
+    @property
+    def scale(self) -> float:
+        return math.ldexp(1.0, self.power)
+
+    def count(self, costs: Floats) -> Wholes:
+        counted = np.rint(costs * self.scale).astype(np.int64)
+        counted -= self.least
+        counted *= self.many
+        return counted
+
+    def exact(self, part: Side) -> bool:
+        """Whether all costs are counted exactly: steps may have vanished."""
+        if self.power == 0 and part.spread.whole:
+            return True
+        back, cost = math.ldexp(1.0, -self.power), part.cost
+        blocks = (cost[begin : begin + BLOCK] for begin in range(0, len(cost), BLOCK))
+        return all(bool((np.rint(some * self.scale) * back == some).all()) for some in blocks)
+
+
+def steps_of(part: Side, bits: int, finest: bool = False) -> Steps:
+    """Whole costs are counted as they are, others, and if they are asked for, in the ``finest`` steps that ``bits`` are enough for."""
+    low, high, whole = part.spread
+    span, many = max(high - low, abs(high), abs(low)), part.num_columns + 1
+    most = min(FINEST, bits - math.ceil(math.log2(many)) - math.frexp(span)[1])
+    power = 0 if most >= 0 and not finest and whole else most
+    return Steps(power, int(np.rint(low * math.ldexp(1.0, power))), many)
 
 
 def whole_costs(part: Side, bits: int, finest: bool = False) -> tuple[Wholes, float, bool]:
@@ -119,42 +173,37 @@ def whole_costs(part: Side, bits: int, finest: bool = False) -> tuple[Wholes, fl
 
     Whole costs are counted as they are, unless the ``finest`` steps are asked for.
     """
-    low, high = float(part.cost.min(initial=0.0)), float(part.cost.max(initial=0.0))
-    span, many = max(high - low, abs(high), abs(low)), part.num_columns + 1
-    most = min(FINEST, bits - math.ceil(math.log2(many)) - math.frexp(span)[1])
-    power = 0 if most >= 0 and not finest and part.whole else most
-    scale, back, exact = math.ldexp(1.0, power), math.ldexp(1.0, -power), True
-    least = int(np.rint(part.cost.min() * scale)) if len(part.cost) else 0
+    steps = steps_of(part, bits, finest)
+    return _counted(part, steps), steps.unit, steps.exact(part)
+
+
+def _counted(part: Side, steps: Steps) -> Wholes:
     counted = np.empty(len(part.cost), dtype=np.int64)
     for begin in range(0, len(counted), BLOCK):
-        costs, made = part.cost[begin : begin + BLOCK], counted[begin : begin + BLOCK]
-        whole = np.rint(costs * scale)
-        exact = exact and bool((whole * back == costs).all())  # steps may have vanished
-        made[:] = whole
-        made -= least
-        made *= many
-    return counted, math.ldexp(many, power), exact
+        counted[begin : begin + BLOCK] = steps.count(part.cost[begin : begin + BLOCK])
+    return counted
 
 
 def _part(part: Side, stop: Stop, epsilon: float, factor: float, scaling: bool, made: Auction) -> tuple[Wholes, Floats]:
     bits = BITS
     while True:
-        cost, unit, exact = whole_costs(part, bits, finest=epsilon > 0.0)
-        span = int(cost.max(initial=0))
+        cost = _Costs(part, steps_of(part, bits, finest=epsilon > 0.0))
+        unit, span = cost.steps.unit, cost.span
         capped = epsilon * unit > span
         least = max(1, span if capped else round(epsilon * unit))
         ended, column, price = 3, np.zeros(0, np.int64), np.zeros(0, np.int64)
         if not scaling or part.num_columns > part.num_rows:  # rows seldom meet: prices from 0 need no repair
             ended, column, price = _phases(part, cost, stop, least, least, factor, made, FEW * part.num_rows if scaling else MANY)
         if ended == 3 and scaling:
-            tried = max(least, _apart(part, cost) // NEAR)
+            tried = max(least, _apart(part, cost.steps) // NEAR)
             ended, column, price = _phases(part, cost, stop, least, max(least, span // START), factor, made, MANY, tried)
         if ended != 2 or bits <= 4 * FEWER:
             break
         bits -= FEWER  # prices are many times the costs: count in larger steps
-    whole = ended == 0
+    whole, exact = ended == 0, cost.steps.exact(part)
     made.complete &= whole
     made.exact &= exact
+    made.whole = part.complete and part.spread.whole and cost.steps.power == 0 and least == 1 and int(price.max(initial=0)) + span < _WHOLE
     made.optimal &= whole and exact and least * part.num_columns < unit * _step(part, unit)
     if least / unit > made.epsilon:
         made.epsilon, made.capped = least / unit, capped
@@ -174,33 +223,50 @@ def _part(part: Side, stop: Stop, epsilon: float, factor: float, scaling: bool, 
 
 def _step(part: Side, unit: float) -> float:
     """What all costs are multiples of where they are counted exactly."""
-    return max((part.num_columns + 1) / unit, float(part.whole))
+    return max((part.num_columns + 1) / unit, float(part.spread.whole))
 
 
-def _apart(part: Side, cost: Wholes) -> int:
+class _Costs:
+    """Costs in whole steps, of all pairs or counted while they are looked at; and the largest."""
+
+    def __init__(self, part: Side, steps: Steps) -> None:
+        from . import auction_kernels as kernels
+
+        self.steps = steps
+        self.span = int(steps.count(np.array([part.spread.largest]))[0]) if len(part.cost) else 0
+        lines = kernels.LINES if part.complete else kernels.LINES_SPARSE
+        self.lines = 0 if len(part.cost) <= kernels.MANY_PAIRS * part.num_rows else lines
+        uncounted = part.complete and self.lines > 0 and part.num_columns > kernels.LINE * kernels.LINES
+        self.columns = np.zeros(0, np.int32) if uncounted else part.columns
+        self.counted = np.zeros(0, np.int64) if uncounted else _counted(part, steps)
+        size = max(abs(part.spread.least), abs(part.spread.largest)) * steps.scale * steps.many
+        slack = size * kernels.ROUNDING + (1.0 if steps.power == 0 and part.spread.whole else 1.0 + 0.5 * steps.many)
+        self.real = part.cost if uncounted else np.zeros(0), steps.scale, steps.least, steps.many, slack
+
+
+def _apart(part: Side, steps: Steps) -> int:
     """By how much the dearest of the pairs that a row remembers is dearer than its cheapest one: the median of a sample of rows."""
     from .auction_kernels import LINE, LINES
 
     found = []
     for row in np.unique(np.linspace(0, part.num_rows - 1, min(SAMPLE, part.num_rows)).astype(np.int64)).tolist():
-        own = cost[part.indptr[row] : part.indptr[row + 1]]
+        own = steps.count(part.cost[part.indptr[row] : part.indptr[row + 1]])
         near = np.partition(own, min(LINE * LINES, len(own) - 1))[: LINE * LINES + 1]
         found.append(int(near.max() - near.min()))
     return sorted(found)[len(found) // 2]
 
 
 def _phases(
-    part: Side, cost: Wholes, stop: Stop, least: int, epsilon: int, factor: float, made: Auction, most: int, tried: int = MANY
+    part: Side, cost: _Costs, stop: Stop, least: int, epsilon: int, factor: float, made: Auction, most: int, tried: int = MANY
 ) -> tuple[int, Wholes, Wholes]:
     """How it ended, as kernels say it, the column of each row, and prices; ``tried`` is an epsilon to begin with if few bids do."""
     from . import auction_kernels as kernels
 
     n, m = part.num_rows, part.num_columns
     price, owner = np.zeros(m, np.int64), np.full(m, -1, np.int64)
-    span, counts = int(cost.max(initial=0)), np.zeros(2, np.int64)
-    lines = 0 if len(part.columns) <= kernels.MANY_PAIRS * n else kernels.LINES if part.complete else kernels.LINES_SPARSE
-    memory = remembered(n, lines) if lines else None
-    pairs = part.indptr, part.columns, cost, price, owner
+    counts = np.zeros(2, np.int64)
+    memory = remembered(n, cost.lines) if cost.lines else None
+    pairs = part.indptr, cost.columns, cost.counted
     ended, waiting, patience = 0, 0, BEGUN * n
     if tried < epsilon:
         epsilon, waiting = tried, epsilon
@@ -209,11 +275,11 @@ def _phases(
         made.phases += 1
         began, cap = int(counts[0]), most if not waiting else min(most, int(counts[0]) + patience)
         while True:
-            limits = epsilon, span, cap
+            bids = price, owner, epsilon, cost.span, cap
             if memory is not None:
-                ended = kernels.remembering_phase(stop.flag, *pairs, *limits, memory, counts)
+                ended = kernels.remembering_phase(stop.flag, *pairs, *cost.real, *bids, memory, counts)
             else:
-                ended = kernels.sparse_phase(stop.flag, *pairs, *limits, counts)
+                ended = kernels.sparse_phase(stop.flag, *pairs, *bids, counts)
             if ended or not _outbid(price, owner, epsilon):
                 break
         if waiting and ended == 3 and cap < most:  # not as settled as it seemed

@@ -22,8 +22,15 @@ MANY_PAIRS = 12
 _COLUMN = (1 << 32) - 1
 
 
-@kernel("(i8[::1], i8[::1], read(i4[::1]), i8[::1], i8[::1], i8[::1], i8, i8, i8, i8[:, :, ::1], i8[::1])")
-def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, most, memory, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+BLOCK = 64
+"""Costs of a row that are compared together with what it remembers: as many as a processor takes in some strides."""
+
+ROUNDING = 2.0**-50
+"""Part of numbers beyond which rounding cannot lead when some few are multiplied and added."""
+
+
+@kernel("(i8[::1], i8[::1], read(i4[::1]), i8[::1], read(f8[::1]), f8, i8, i8, f8, i8[::1], i8[::1], i8, i8, i8, i8[:, :, ::1], i8[::1])")
+def remembering_phase(flag, indptr, columns, cost, real, scale, least, many, slack, price, owner, epsilon, span, most, memory, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Rows without a column bid in turn until none is left; who is outbid takes the turn of who outbids.
 
     A row looks at the pairs that it remembers, line by line. Prices only rise, so its two best are known as soon as they are no dearer
@@ -35,7 +42,11 @@ def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, 
     flag : array
         Of a ``Stop``.
     indptr, columns, cost : arrays
-        Pairs as a CSR matrix, whole costs.
+        Pairs as a CSR matrix, whole costs; columns and costs are empty where there are all pairs.
+    real : array of shape (rows * columns,)
+        Costs of all pairs as they are, or empty.
+    scale, least, many, slack
+        How they are counted, ``auction.Steps``, and by how much that may differ from ``scale * many`` times the cost, without ``least``.
     price, owner : arrays of shape (columns,)
         -1 for no owner.
     epsilon : int
@@ -57,7 +68,11 @@ def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, 
     lines = memory.shape[1]
     waiting, left = _bidders(owner, len(indptr) - 1)
     values, pairs = np.empty(LINE * lines + 1, np.int64), np.empty(LINE * lines + 1, np.int64)
-    turn = 0
+    shift = float(least) * float(many)
+    near = np.empty(len(price) if len(real) > 0 else 0, np.float64)
+    for j in range(len(near)):
+        near[j] = price[j] - shift
+    turn, guess = 0, NONE
     while left > 0:
         if asked(flag):
             return 1
@@ -79,15 +94,19 @@ def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, 
                     break
         if not known:
             counts[1] += 1
-            _look(columns, cost, price, indptr[i], indptr[i + 1], values, pairs)
-            best, first, second = np.int64(columns[pairs[0]]), values[0], values[1]
+            if len(real) > 0:
+                _look_at_all(real[indptr[i] : indptr[i + 1]], scale, least, many, slack, near, price, guess, values, pairs)
+                guess = min(values[-1] + values[-1] // 2, NONE)
+            else:
+                _look(columns, cost, price, indptr[i], indptr[i + 1], values, pairs)
+            best, first, second = pairs[0], values[0], values[1]
             for line in range(lines):
                 memory[i, line, 0] = values[LINE * (line + 1)]
                 for k in range(LINE):
                     at = LINE * line + k
                     column, paid = np.int64(0), NONE
                     if values[at] < NONE:
-                        column, paid = np.int64(columns[pairs[at]]), cost[pairs[at]]
+                        column, paid = pairs[at], values[at] - price[pairs[at]]
                     memory[i, line, 1 + k] = paid
                     if k % 2 == 0:
                         memory[i, line, 1 + LINE + k // 2] = column
@@ -99,6 +118,8 @@ def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, 
             return 2
         if counts[0] > most:
             return 3
+        if len(near) > 0:
+            near[best] = price[best] - shift
         before = owner[best]
         owner[best] = i
         if before >= 0:
@@ -114,7 +135,7 @@ def remembering_phase(flag, indptr, columns, cost, price, owner, epsilon, span, 
 
 @inner
 def _look(columns, cost, price, begin, end, values, pairs):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """The cheapest pairs from ``begin`` to ``end`` at present prices, in ascending order; ``NONE`` where there are no more."""
+    """Columns of the cheapest pairs from ``begin`` to ``end`` at present prices, in ascending order; ``NONE`` where there are no more."""
     size, many = 0, len(values)
     worst = NONE
     for k in range(begin, end):
@@ -125,10 +146,47 @@ def _look(columns, cost, price, begin, end, values, pairs):  # type: ignore[no-u
             while at > 0 and values[at - 1] > value:
                 values[at], pairs[at] = values[at - 1], pairs[at - 1]
                 at -= 1
-            values[at], pairs[at] = value, k
+            values[at], pairs[at] = value, columns[k]
             if size == many:
                 worst = values[many - 1]
     values[size:] = NONE
+
+
+@inner
+def _look_at_all(costs, scale, least, many, slack, near, price, guess, values, pairs):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """``_look`` at the costs of all columns, of which there are more than are kept: in whole numbers only at those that are near enough.
+
+    Where those kept are no dearer than ``guess``, no other can be cheaper; else it looks once more with a larger one. It ends early where
+    none can be cheaper in any case: neither costs nor prices are below 0.
+    """
+    last, unit = len(values) - 1, scale * many
+    for attempt in range(3):
+        size, worst, limit = 0, NONE, guess + guess * ROUNDING + slack
+        for begin in range(0, len(costs), BLOCK):
+            some, own = costs[begin : begin + BLOCK], near[begin : begin + BLOCK]
+            hits = 0
+            for k in range(len(some)):
+                hits += some[k] * unit + own[k] < limit
+            if hits == 0:
+                continue
+            for k in range(len(some)):
+                if some[k] * unit + own[k] < limit:
+                    value = (round(some[k] * scale) - least) * many + price[begin + k]
+                    if value < worst:
+                        at = min(size, last)
+                        size = min(size + 1, last + 1)
+                        while at > 0 and values[at - 1] > value:
+                            values[at], pairs[at] = values[at - 1], pairs[at - 1]
+                            at -= 1
+                        values[at], pairs[at] = value, begin + k
+                        if size > last:
+                            worst = values[last]
+                            limit = min(limit, worst + worst * ROUNDING + slack)
+            if worst == 0:
+                return
+        if worst <= guess:
+            return
+        guess = min(2 * (guess + many), NONE) if attempt == 0 else NONE
 
 
 @kernel("(i8[::1], i8[::1], read(i4[::1]), i8[::1], i8[::1], i8[::1], i8, i8, i8, i8[::1])")

@@ -14,15 +14,13 @@ from .....formulations.auctions.matching import surplus_rows
 from .....formulations.evidence import Evidence
 from .....formulations.stop import Stop
 from .....formulations.tolerance import same
+from .....instances.number_arrays import BLOCK, Spread, spread
 
 if TYPE_CHECKING:
     from .....formulations.auctions.bin_assignment import BinAssignment
 
 Floats = NDArray[np.float64]
 Wholes = NDArray[np.int64]
-
-BLOCK = 1 << 15
-"""Costs that are looked at together: few enough to stay in a processor's memory."""
 
 
 @dataclass(frozen=True)
@@ -31,22 +29,25 @@ class Side:
 
     Parameters
     ----------
-    indptr, columns, cost : arrays
-        Allowed pairs as a CSR matrix.
+    indptr, listed, cost : arrays
+        Allowed pairs as a CSR matrix; None where each row has all ``columns``.
     num_columns : int
     rows_are_robots : bool
         Else rows are bins, and columns robots.
     row_numbers, column_numbers : arrays
         What they are in the problem.
+    known : Spread, optional
+        Of the costs, where it is known.
     """
 
     indptr: Wholes
-    columns: NDArray[np.int32]
+    listed: NDArray[np.int32] | None
     cost: Floats
     num_columns: int
     rows_are_robots: bool
     row_numbers: Wholes
     column_numbers: Wholes
+    known: Spread | None = None
 
     @property
     def num_rows(self) -> int:
@@ -54,12 +55,17 @@ class Side:
 
     @property
     def complete(self) -> bool:
-        return len(self.columns) == self.num_rows * self.num_columns
+        return len(self.cost) == self.num_rows * self.num_columns
 
     @cached_property
-    def whole(self) -> bool:
-        """Whether all costs are whole numbers."""
-        return all(bool((np.floor(some) == some).all()) for some in np.array_split(self.cost, 1 + len(self.cost) // BLOCK))
+    def columns(self) -> NDArray[np.int32]:
+        """Column of each pair."""
+        return np.tile(np.arange(self.num_columns, dtype=np.int32), self.num_rows) if self.listed is None else self.listed
+
+    @cached_property
+    def spread(self) -> Spread:
+        """The least and the largest cost, and whether all are whole numbers."""
+        return spread(self.cost) if self.known is None else self.known
 
 
 def sides(problem: BinAssignment) -> list[Side]:
@@ -69,12 +75,14 @@ def sides(problem: BinAssignment) -> list[Side]:
     (Dulmage and Mendelsohn 1958): no pair between the halves is of any use.
     """
     n, m = problem.num_robots, problem.num_bins
-    whole = problem.indptr.astype(np.int64), problem.bins, problem.cost
+    whole = problem.indptr.astype(np.int64), None if problem.complete else problem.bins, problem.cost
     most = n if problem.complete and n <= m else m if problem.complete else int((problem.largest >= 0).sum())
     if most == n:
-        return [Side(*whole, m, True, np.arange(n), np.arange(m))]
+        return [Side(*whole, m, True, np.arange(n), np.arange(m), problem.spread)]
+    if most == m and problem.complete:
+        return [Side(np.arange(m + 1) * n, None, problem.matrix().T.flatten(), n, False, np.arange(m), np.arange(n), problem.spread)]
     if most == m:
-        return [_turned(*whole, m)]
+        return [_turned(problem.indptr.astype(np.int64), problem.bins, problem.cost, m)]
     rows, columns = surplus_rows(problem.indptr, problem.bins, m, problem.largest)
     made = []
     for own_rows, own_columns, robots in ((~rows, ~columns, True), (rows, columns, False)):
@@ -128,19 +136,29 @@ def split(problem: BinAssignment, parts: list[Side], answer: tuple[int, ...]) ->
 
 def least_paid(part: Side, prices: Floats) -> Floats:
     """min over its columns of cost and price, one a row; every row has a column."""
-    paid = part.cost + prices[part.columns]
-    return np.asarray(np.minimum.reduceat(paid, part.indptr[:-1]))
+    if not part.complete:
+        return np.asarray(np.minimum.reduceat(part.cost + prices[part.columns], part.indptr[:-1]))
+    n, m = part.num_rows, part.num_columns
+    matrix, some = part.cost.reshape(n, m), max(1, BLOCK // m)
+    return np.concatenate([(matrix[begin : begin + some] + prices).min(axis=1) for begin in range(0, n, some)])
 
 
 POLISHING = 200
 """Sweeps that take the rounding of costs to whole numbers out of prices, where nothing else is between them and a proof."""
 
 
-def proof(problem: BinAssignment, parts: list[Side], prices: list[Floats], answer: tuple[int, ...], source: str, stop: Stop) -> Evidence:
-    """``price_evidence``; of prices that all but prove ``answer`` optimal, such as by an optimum of 0, the digits are set right."""
-    made = price_evidence(problem, parts, prices, source)
+def proof(
+    problem: BinAssignment, parts: list[Side], prices: list[Floats], answer: tuple[int, ...], source: str, stop: Stop, exact: bool = False
+) -> Evidence:
+    """``price_evidence``; of prices that all but prove ``answer`` optimal, such as by an optimum of 0, the digits are set right.
+
+    Of ``exact`` ones, which prove its costs to the last digit, the value is not multiplied out: whoever is told of it does so.
+    """
     costs = problem.costs_of(answer)
     value, size = math.fsum(costs), math.fsum(np.abs(costs))
+    if exact:
+        return price_evidence(problem, parts, prices, source, value)
+    made = price_evidence(problem, parts, prices, source)
     if same(value, made.value, size) or not same(value, made.value, float(np.abs(problem.cost).max(initial=0.0)) * len(costs)):
         return made
     from .price_kernels import lower_labels, raise_labels
@@ -156,8 +174,8 @@ def proof(problem: BinAssignment, parts: list[Side], prices: list[Floats], answe
     return max(found, key=lambda evidence: evidence.value)
 
 
-def price_evidence(problem: BinAssignment, parts: list[Side], prices: list[Floats], source: str) -> Evidence:
-    """Evidence ``assignment-prices`` of prices >= 0 of the columns of each part, 0 for those that are left over."""
+def price_evidence(problem: BinAssignment, parts: list[Side], prices: list[Floats], source: str, known: float | None = None) -> Evidence:
+    """Evidence ``assignment-prices`` of prices >= 0 of the columns of each part, 0 for those that are left over; its value may be known."""
     from .....formulations.certificate import verified_bound
 
     made, level = np.zeros(problem.num_bins), 0.0
@@ -168,6 +186,8 @@ def price_evidence(problem: BinAssignment, parts: list[Side], prices: list[Float
     else:
         level = _level(problem, parts, prices, made)
     data = {"prices": made.tolist(), "level": level}
+    if known is not None:
+        return Evidence("assignment-prices", source, known, data)
     evidence = Evidence("assignment-prices", source, 0.0, data)
     return Evidence("assignment-prices", source, verified_bound(problem, evidence), data)
 
