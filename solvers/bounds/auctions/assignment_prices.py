@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ...engines.auctions.assignment_steps.auction import auction
-from ...engines.auctions.assignment_steps.thresholds import least_threshold
+from ...engines.auctions.threshold_matching import least_threshold
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 from .data_bounds import only
@@ -22,8 +22,8 @@ def compute(problem: BinAssignment, stop: Stop, linear: LinearPrograms) -> Evide
         return next((reason.evidence for reason in problem.infeasibility_reasons()), None)
     if problem.objective == "bottleneck":
         return least_threshold(problem, stop).evidence
-    made = auction(problem, stop)
-    return made.evidence(problem, "auction prices") if made.complete else None
+    ended = auction(problem, stop)
+    return ended.evidence(problem, "auction prices") if ended.complete else None
 
 
 KERNELS = (

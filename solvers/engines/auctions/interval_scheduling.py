@@ -13,15 +13,15 @@ from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...backends.cpsat import ASK_AGAIN, STATUS_MAP
 
 MOST_BINS = 200
-"""Each pair of a bin to bring and one to fetch is a variable."""
+"""Bins of a day: each pair of a bin to bring and one to fetch is a variable."""
 
 
 @BACKENDS.register("interval-scheduling")
 class IntervalScheduling(Engine):
-    """OR-Tools CP-SAT with one interval a trip, a cumulative row of robots, and the choice which bin is brought on which trip.
+    """OR-Tools CP-SAT with an interval for each trip, a cumulative row of robots, and the choice which bin is brought on which trip.
 
-    A trip begins and ends at the repository, so that any set of intervals of which no more overlap than there are robots can be shared out;
-    robots that begin elsewhere have their first interval from step 0 on. All numbers are whole, as in the data.
+    A trip begins and ends at the repository, so that any intervals of which no more overlap than there are robots can be shared out; robots
+    that begin elsewhere have their first interval from step 0 on. All numbers are whole, as in the data.
     """
 
     name = "interval-scheduling"
@@ -139,7 +139,7 @@ class _Intervals:
             self.model.add(self.pick[k] >= self.full[k])
 
     def _travel(self) -> None:
-        """What a trip does, one after the other."""
+        """The legs of a trip, one after the other."""
         jobs, model, times = self.jobs, self.model, self.jobs.grid.empty_times
         for b in range(jobs.num_bins):
             with_b = [self.with_[a, b] for a in self.brought]
