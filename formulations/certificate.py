@@ -233,9 +233,10 @@ def certify(
         If a verified bound, or a proof that there is no answer, contradicts a feasible answer: both cannot be right.
     """
     verified, endless = [], []
+    known = {id(e): bound for e, bound in checked}
     for e in evidence:
         try:
-            verified.append((next((bound for other, bound in checked if other is e), None) or verified_bound(problem, e), e))
+            verified.append((known[id(e)] if id(e) in known else verified_bound(problem, e), e))
             if proves_unbounded(problem, e):
                 endless.append(e)
         except (Exception, KeyboardInterrupt) as fault:

@@ -67,7 +67,7 @@ BLOCK = 1 << 15
 
 
 class Spread(NamedTuple):
-    """The least and the largest of some numbers, 0 of none, and whether all are whole; beside infinity or NaN the largest is one of these."""
+    """The least and the largest of some numbers, 0 of none, and whether all are whole; beside infinity or NaN it is the largest."""
 
     least: float
     largest: float

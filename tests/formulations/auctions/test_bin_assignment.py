@@ -144,3 +144,22 @@ def test_neither_bound_nor_objective_is_minus_nothing() -> None:
         and "-0" not in repr(found).replace("-0x", "")
         and not any(math.copysign(1.0, value) < 0 for value in (found.objective, found.bound))
     )
+
+
+def test_the_digest_is_made_when_it_is_asked_for_where_nobody_can_change_the_costs() -> None:
+    from waybound.formulations.certificate import certify
+
+    matrix = np.arange(6.0).reshape(2, 3)
+    own, lent = BinAssignment.from_matrix(matrix), BinAssignment(AssignmentInstance(2, 3, *_csr(2, 3), matrix.ravel()))
+    for problem, later in ((own, True), (lent, False)):
+        made = certify(problem, None)
+        assert callable(vars(made)["instance_hash"]) is later
+        problem.match = "robots"  # after the certificate was made: it speaks of the problem as it was
+        matrix[0, 0] = 9.0
+        again = pickle.loads(pickle.dumps(made))
+        assert again.instance_hash == made.instance_hash == BinAssignment.from_matrix(np.arange(6.0).reshape(2, 3)).digest()
+        matrix[0, 0] = 0.0
+
+
+def _csr(n: int, m: int) -> tuple[np.ndarray, np.ndarray]:
+    return np.arange(n + 1, dtype=np.int32) * m, np.tile(np.arange(m, dtype=np.int32), n)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -29,6 +32,18 @@ def test_matrix_pairs_sparse_matrix_and_frames_give_the_same_data() -> None:
 def test_a_complete_matrix_is_a_view() -> None:
     made = AssignmentInstance.from_matrix(np.arange(6.0).reshape(2, 3))
     assert made.complete and np.shares_memory(made.matrix(), made.cost)
+
+
+def test_bins_of_a_complete_matrix_are_made_when_they_are_asked_for() -> None:
+    matrix = np.arange(6.0).reshape(2, 3)
+    made, listed = AssignmentInstance.from_matrix(matrix), AssignmentInstance(2, 3, [0, 3, 6], [0, 1, 2] * 2, matrix.ravel())  # type: ignore[arg-type]
+    assert "bins" not in vars(made) and made.complete and made.num_pairs == 6 and made.spread == (0.0, 5.0, True)
+    for same in (made, replace(made, name="x"), pickle.loads(pickle.dumps(made))):
+        assert same.digest() == listed.digest() and same.bins.tolist() == [0, 1, 2, 0, 1, 2]
+    matrix[0, 0] = 9.0
+    assert made.cost[0] == 0.0 and not made.bins.flags.writeable
+    with pytest.raises(InputError, match="each robot has as many as there are bins"):
+        AssignmentInstance(2, 3, [0, 2, 6], None, np.arange(6.0))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

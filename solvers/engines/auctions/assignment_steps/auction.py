@@ -207,7 +207,7 @@ class _Costs:
         self.columns = np.zeros(0, np.int32) if uncounted else part.columns
         self.counted = np.zeros(0, np.int64) if uncounted else _counted(part, steps)
         size = max(abs(part.spread.least), abs(part.spread.largest)) * steps.scale * steps.many
-        slack = size * kernels.ROUNDING + (1.0 if steps.power == 0 and part.spread.whole else 1.0 + 0.5 * steps.many)
+        slack = size * kernels.ROUNDING + 0.5 * (1 if steps.power == 0 and part.spread.whole else 2 + steps.many)
         self.real = part.cost if uncounted else np.zeros(0), steps.scale, steps.least, steps.many, slack
 
 

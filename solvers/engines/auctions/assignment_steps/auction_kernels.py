@@ -25,6 +25,9 @@ _COLUMN = (1 << 32) - 1
 BLOCK = 64
 """Costs of a row that are compared together with what it remembers: as many as a processor takes in some strides."""
 
+ENOUGH = LINE
+"""Pairs at 0 that a row is content to remember."""
+
 ROUNDING = 2.0**-50
 """Part of numbers beyond which rounding cannot lead when some few are multiplied and added."""
 
@@ -72,7 +75,7 @@ def remembering_phase(flag, indptr, columns, cost, real, scale, least, many, sla
     near = np.empty(len(price) if len(real) > 0 else 0, np.float64)
     for j in range(len(near)):
         near[j] = price[j] - shift
-    turn, guess = 0, NONE
+    turn, guess, floor = 0, NONE, NONE
     while left > 0:
         if asked(flag):
             return 1
@@ -95,13 +98,13 @@ def remembering_phase(flag, indptr, columns, cost, real, scale, least, many, sla
         if not known:
             counts[1] += 1
             if len(real) > 0:
-                _look_at_all(real[indptr[i] : indptr[i + 1]], scale, least, many, slack, near, price, guess, values, pairs)
-                guess = min(values[-1] + values[-1] // 2, NONE)
+                floor = _look_at_all(real[indptr[i] : indptr[i + 1]], scale, least, many, slack, near, price, guess, values, pairs)
+                guess = floor + floor // 2
             else:
                 _look(columns, cost, price, indptr[i], indptr[i + 1], values, pairs)
             best, first, second = pairs[0], values[0], values[1]
             for line in range(lines):
-                memory[i, line, 0] = values[LINE * (line + 1)]
+                memory[i, line, 0] = min(values[LINE * (line + 1)], floor)
                 for k in range(LINE):
                     at = LINE * line + k
                     column, paid = np.int64(0), NONE
@@ -157,7 +160,7 @@ def _look_at_all(costs, scale, least, many, slack, near, price, guess, values, p
     """``_look`` at the costs of all columns, of which there are more than are kept: in whole numbers only at those that are near enough.
 
     Where those kept are no dearer than ``guess``, no other can be cheaper; else it looks once more with a larger one. It ends early where
-    none can be cheaper in any case: neither costs nor prices are below 0.
+    ``ENOUGH`` are at 0, for neither costs nor prices are below, and keeps these. Returned is what no pair that is not kept is below.
     """
     last, unit = len(values) - 1, scale * many
     for attempt in range(3):
@@ -182,11 +185,13 @@ def _look_at_all(costs, scale, least, many, slack, near, price, guess, values, p
                         if size > last:
                             worst = values[last]
                             limit = min(limit, worst + worst * ROUNDING + slack)
-            if worst == 0:
-                return
+            if size >= ENOUGH and values[ENOUGH - 1] == 0:
+                values[ENOUGH:] = NONE
+                return np.int64(0)
         if worst <= guess:
-            return
+            return worst
         guess = min(2 * (guess + many), NONE) if attempt == 0 else NONE
+    return NONE
 
 
 @kernel("(i8[::1], i8[::1], read(i4[::1]), i8[::1], i8[::1], i8[::1], i8, i8, i8, i8[::1])")

@@ -8,6 +8,7 @@ from bin_assignments import enumerated, random_costs, worked
 from draws import draws
 
 from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import NEVER, Stop
 from waybound.solvers.engines.auctions.assignment_steps import auction as auctions
 from waybound.solvers.engines.auctions.assignment_steps.auction import auction
@@ -69,6 +70,25 @@ def test_rows_remember_their_cheapest_pairs_line_by_line(largest: int) -> None:
         best = costs[linear_sum_assignment(np.where(allowed, costs, 1e7))].sum()
         assert problem.evaluate(found.answer).values[0] == best == found.evidence(problem, "x").value
         assert found.looks < found.bids
+
+
+@pytest.mark.parametrize("kind", ["uniform", "ties", "tiny beside large"])
+def test_all_pairs_are_counted_only_where_they_are_near(kind: str) -> None:
+    """Costs as they are, and the same ones counted beforehand beside a pair that is forbidden: of both the optimum is proved."""
+    rng = np.random.default_rng(3)
+    for _ in range(draws(30)):
+        n = int(rng.integers(25, 60))
+        m = n + int(rng.integers(0, 20))
+        drawn = {"uniform": rng.random((n, m)) - 0.5, "ties": rng.integers(-2, 3, (n, m)), "tiny beside large": rng.lognormal(0, 6, (n, m))}
+        costs = np.asarray(drawn[kind], dtype=float)
+        apart = np.full((n, m + 1), np.inf)
+        apart[:, :m] = costs
+        found, other = (auction(BinAssignment.from_matrix(some), NEVER) for some in (costs, apart))
+        problem = BinAssignment.from_matrix(costs)
+        values = [problem.evaluate(some.answer).values[0] for some in (found, other)]
+        largest = float(np.abs(costs).max())
+        assert values[0] == pytest.approx(values[1], abs=1e-9 * largest)
+        assert verified_bound(problem, found.evidence(problem, "x")) == pytest.approx(values[0], abs=1e-9 * largest)
 
 
 def test_bad_prices_to_begin_with_are_repaired_where_columns_are_left_over() -> None:
