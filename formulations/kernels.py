@@ -14,6 +14,7 @@ from typing import Any
 
 import numba
 from numba.core import sigutils, types
+from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
 from numba.core.types.containers import BaseTuple
@@ -23,6 +24,53 @@ from .stop import off_the_clock
 
 _outer: list[Any] = []
 """The kernels that are being compiled, each for the one before."""
+
+_UNNEEDED = {
+    "WithLifting",
+    "InlineClosureLikes",
+    "RewriteDynamicRaises",
+    "MakeFunctionToJitFunction",
+    "InlineInlinables",
+    "LiteralUnroll",
+    "LiteralPropagationSubPipelinePass",
+    "InlineOverloads",
+    "NopythonRewrites",
+    "DumpParforDiagnostics",
+}
+"""Passes of numba for closures, comprehensions, ``with``, errors with texts made at run time, ``literal_unroll``, ``inline="always"``,
+arithmetic on whole arrays and parallel loops. Kernels have none of them, and each pass reads the whole function."""
+
+
+class _Flags(Flags):  # type: ignore[misc]
+    """Options of a kernel. Numba looks them up for each operator that it types, and its own compare all forty by their properties."""
+
+    __slots__ = ()
+    _hash = hash(Flags())  # of their names alone
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Flags):
+            return NotImplemented
+        return bool(self._values == other._values or self.values() == other.values())
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    def values(self) -> dict[str, Any]:
+        """All options, those that are not set by their defaults."""
+        return {**_DEFAULTS, **self._values}
+
+
+_DEFAULTS = {name: option.default for name, option in Flags.options.items()}
+
+
+class _Passes(CompilerBase):  # type: ignore[misc]
+    """Numba's own compiler without the passes that no kernel needs."""
+
+    def define_pipelines(self) -> list[Any]:
+        passes = DefaultPassBuilder.define_nopython_pipeline(self.state)
+        passes.passes = [one for one in passes.passes if one[0].__name__ not in _UNNEEDED]
+        passes.finalize()
+        return [passes]
 
 
 class Kernel(CPUDispatcher):  # type: ignore[misc]
@@ -101,7 +149,8 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
 def kernel(*declared: str, **options: Any) -> Callable[[Callable[..., Any]], Kernel]:
     """``numba.njit`` with its cache on disk; without one where no folder for it can be written (containers, system installs).
 
-    Python's lock is released: a kernel that takes long looks at a flag that others set meanwhile (``stop_kernel.asked``).
+    Python's lock is released: a kernel that takes long looks at a flag that others set meanwhile (``stop_kernel.asked``). Closures,
+    comprehensions and errors with texts made at run time are refused: the passes of numba that would handle them are left out.
 
     Parameters
     ----------
@@ -112,7 +161,7 @@ def kernel(*declared: str, **options: Any) -> Callable[[Callable[..., Any]], Ker
     **options
         Further options of ``numba.njit``.
     """
-    options = {"nogil": True, "no_cfunc_wrapper": True, **options}
+    options = {"nogil": True, "no_cfunc_wrapper": True, "pipeline_class": _Passes, **options}
 
     def made(function: Callable[..., Any]) -> Kernel:
         try:
@@ -121,6 +170,7 @@ def kernel(*declared: str, **options: Any) -> Callable[[Callable[..., Any]], Ker
         except (RuntimeError, OSError):  # RuntimeError is numba's word for "no locator available": nowhere to keep the cache
             found = numba.njit(**options)(function)
         found.__class__ = Kernel
+        found._compiler._customize_flags = _Flags
         found.declared = declared
         return found  # type: ignore[no-any-return]
 

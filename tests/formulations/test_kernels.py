@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numba
 import numpy as np
 import pytest
+from numba.core.compiler import Flags
 
-from waybound.formulations.kernels import Kernel, inner, kernel, kernel_modules
+from waybound.formulations.kernels import Kernel, _Flags, inner, kernel, kernel_modules
 from waybound.formulations.stop import hearing
 
 
@@ -55,6 +56,35 @@ def test_of_several_declared_types_only_those_that_are_given_are_compiled() -> N
     assert first(np.array([0.5])) == 0.5 and len(first.signatures) == 2
     with pytest.raises(TypeError, match="is declared for"):
         first(np.array([True]))
+
+
+def test_options_compare_as_numba_compares_them() -> None:
+    plain = Flags()
+    plain.nrt = True
+    ours = _Flags(plain)
+    assert ours == plain and plain == ours and hash(ours) == hash(plain) and ours.values() == plain.values()
+    assert type(ours.copy()) is _Flags
+    explicit = ours.copy()
+    explicit.boundscheck = plain.boundscheck  # set to its default
+    assert explicit == ours and explicit == plain
+    explicit.nrt = False
+    assert explicit != ours and explicit != plain and plain != explicit
+    assert ours != "flags"
+
+
+def test_kernels_are_compiled_as_numba_compiles_them() -> None:
+    """Passes that are left out change nothing but the time."""
+
+    def largest(values, factor):  # type: ignore[no-untyped-def]
+        best = -1.0
+        for k in range(len(values)):
+            if k % 2 == 0 and values[k] * factor > best:
+                best = values[k] * factor
+        return best, values + factor
+
+    given = np.arange(7.0), 3.0
+    ours, plain = kernel("(f8[::1], f8)")(largest), numba.njit(largest)
+    assert ours(*given)[0] == plain(*given)[0] and (ours(*given)[1] == plain(*given)[1]).all()
 
 
 class Pair(NamedTuple):
