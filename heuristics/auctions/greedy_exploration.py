@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ...formulations.auctions.room_exploration import GO, MAP, SEARCH, RoomExploration
 from ...formulations.stop import Stop, Stopped
 from ..heuristic import Context, Outcome, heuristic
-from .exploration_steps.explorers_and_relays import allowed, steps_to_contact
+from ._exploration import allowed, steps_to_contact
 
 
 @heuristic(

@@ -10,8 +10,7 @@ import numpy as np
 
 from ....formulations.auctions.room_exploration import RoomExploration
 from ....formulations.problem import Problem
-from ....heuristics.auctions.exploration_steps.beliefs import TARGET, Rewards, Sensors, after_target, after_type, prior
-from ....heuristics.auctions.exploration_steps.explorers_and_relays import explorers_and_relays
+from ....heuristics.auctions._exploration import TARGET, Rewards, Sensors, after_target, after_type, explorers_and_relays, prior
 from ....instances.auctions.exploration_map import ExplorationMap
 from ....instances.auctions.generators.exploration_map import TIMES, expected_gains
 from ....instances.auctions.worlds.room_exploration import GO, MAP, TARGETS, ExplorationObservation, ExplorationWorld

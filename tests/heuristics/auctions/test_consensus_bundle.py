@@ -12,10 +12,8 @@ from task_problems import OBJECTIVES, drawn, line
 import waybound as wb
 from waybound.formulations.auctions.task_allocation import TaskAllocation
 from waybound.formulations.stop import NEVER, Stop
-from waybound.heuristics.auctions.consensus_bundle import GRAPHS, consensus, consensus_bundle, graph_of
-from waybound.heuristics.heuristic import Context
+from waybound.heuristics.auctions.consensus_bundle import GRAPHS, consensus, graph_of
 from waybound.reports.ratios.judging import run_heuristic
-from waybound.solvers.linear_programs import LinearPrograms
 
 CBBA = "consensus-bundle"
 
@@ -48,12 +46,6 @@ def test_bundles_may_be_small_and_what_is_left_is_inserted():
     problem = line([0, 10], [1, 2, 3, 9])
     found = run_heuristic(problem, CBBA, {"most": 1}, 1)
     assert problem.evaluate(found.answer).feasible and "2 tasks that nobody had room for" in found.message
-
-
-def test_cut_short_every_task_is_done_all_the_same():
-    context = Context(np.random.default_rng(1), 0.0, None, lambda answer: None, Stop(), LinearPrograms())
-    found = consensus_bundle(line([0, 5], [1, 2, 3]), context)
-    assert found.limit == "time" and line([0, 5], [1, 2, 3]).evaluate(found.answer).feasible
 
 
 @pytest.mark.parametrize("options", [{"communication": "pigeons"}, {"most": 0}, {"most": "two"}])

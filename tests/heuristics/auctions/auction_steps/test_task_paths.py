@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from task_problems import line
+from task_problems import drawn, line
 
+from waybound.formulations.auctions.task_allocation import TaskAllocation
 from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.auctions.auction_steps.task_paths import arrays_of, completed, keeps_triangles, paths_of, rule_of
+from waybound.heuristics.heuristic import HEURISTICS, Context
 from waybound.instances.auctions.robot_tasks import RobotTasks
 from waybound.instances.errors import UsageError
+from waybound.solvers.linear_programs import LinearPrograms
 
 
 def test_the_first_stops_of_each_row_are_its_path():
@@ -32,6 +35,15 @@ def test_the_rule_is_by_default_that_of_the_objective():
     assert rule_of(line([0], [1]), "ave") == "ave"
     with pytest.raises(UsageError, match="bids must be sum, max, ave"):
         rule_of(line([0], [1]), "mini-sum")
+
+
+@pytest.mark.parametrize("heuristic", ["consensus-bundle", "parallel-auction", "sequential-single-item"])
+def test_cut_short_every_task_is_done_all_the_same(heuristic):
+    problem = TaskAllocation(drawn(np.random.default_rng(4), tasks=8))
+    context = Context(np.random.default_rng(1), 0.0, None, lambda answer: None, Stop(), LinearPrograms())
+    found = HEURISTICS[heuristic].run(problem, context)
+    assert found.limit == "time" and found.guarantee is None and "cut short" in found.message
+    assert problem.evaluate(found.answer).feasible
 
 
 SQUARE = [[0.0, 1.0, 2.0], [1.0, 0.0, 1.0], [2.0, 1.0, 0.0]]
