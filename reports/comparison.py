@@ -322,7 +322,7 @@ def _run(problem: Problem, name: str, keywords: dict[str, Any], log: SearchLog |
 
 
 def _contradictions(problem: Problem, runs: Sequence[Compared]) -> list[str]:
-    """Where the claims or verified bounds of one run contradict checked answers of the others."""
+    """Claims or verified bounds of one run that contradict checked answers of others."""
     faults = []
     for one, other in itertools.permutations(runs, 2):
         s, t = one.solution, other.solution

@@ -110,7 +110,7 @@ class BinAssignment(Problem):
         return cls(AssignmentInstance.from_frame(costs, **further), objective=objective, match=match)
 
     def _waited(self) -> tuple[NDArray[np.int32], Floats, NDArray[np.bool_] | None]:
-        """Where each robot's pairs begin, costs with waiting, and which pairs of the data these are, None for all."""
+        """First pair of each robot, costs with waiting, and a mask of the data's pairs that remain, None for all."""
         data = self.instance
         if data.filled is None:
             return data.indptr, data.cost, None
@@ -133,7 +133,7 @@ class BinAssignment(Problem):
 
     @property
     def complete(self) -> bool:
-        """Whether every robot may be sent to every bin."""
+        """True if every robot may be sent to every bin."""
         return len(self.cost) == self.num_robots * self.num_bins
 
     @cached_property
@@ -250,7 +250,7 @@ class BinAssignment(Problem):
         return Evidence("pair-cover", source, float(CHECKERS["pair-cover"](self, data)), data)
 
     def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
-        """Who has too few partners, by name."""
+        """The robots or bins with too few partners, by name."""
         robots = np.ones(self.num_robots, dtype=bool)
         bins = np.zeros(self.num_bins, dtype=bool)
         robots[data["robots"]], bins[data["bins"]] = False, True

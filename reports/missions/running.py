@@ -30,7 +30,7 @@ Row = dict[str, Any]
 Watch = Callable[[World, Row], None]
 
 COLUMNS = ("problems", "objective", "bound", "bound_kind", "gap", "guarantee", "seconds", "status", "limit")
-"""What a log tells about solving in each step, beside ``step``, the world's metrics and the mission's measures."""
+"""Columns of a log about the solving of each step, beside ``step``, the world's metrics and the mission's measures."""
 
 
 def run(

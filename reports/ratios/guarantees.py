@@ -145,7 +145,7 @@ def _mean_fault(run: Run, repeats: int) -> tuple[str, str] | None:
 
 
 def hoeffding_margin(count: int) -> float:
-    """By how much the mean of ``count`` independent numbers of [0, 1] may lie below its expectation, but for ``FALSE_ALARM``."""
+    """Shortfall that the mean of ``count`` independent numbers of [0, 1] may have to its expectation, but with probability ``FALSE_ALARM``."""
     return math.sqrt(math.log(1.0 / FALSE_ALARM) / (2.0 * count))
 
 

@@ -26,4 +26,4 @@ class Tables:
 
 
 TABLES: Registry[Tables] = Registry("family of tables", "waybound.reports.tables.*")
-"""By family of problems."""
+"""Tables by family of problems."""

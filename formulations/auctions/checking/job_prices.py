@@ -134,7 +134,7 @@ def _instance(problem: Any, what: str) -> Any:
 
 
 def finite_numbers(data: Mapping[str, Any], key: str, count: int, what: str = "") -> Floats:
-    """A list of finite numbers out of evidence; ``what`` it holds is told in the error."""
+    """A list of finite numbers from evidence; ``what`` names it in the error."""
     listed = data.get(key)
     if not isinstance(listed, list) or len(listed) != count or not all(map(is_finite, listed)):
         raise InputError(f"evidence needs a list of {what or key}", expected=f"{count} finite numbers")

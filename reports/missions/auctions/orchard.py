@@ -25,7 +25,8 @@ from .orchard_days.policies import CHOOSING, COSTS, DELIVERIES, costs, trips
 PLANS = ("step", "joint", "makespan", "completion")
 
 STACK, GAP, BESIDE = 3, 0.36, 0.25
-"""In pictures: returned bins a lane, beside the repository; the distance between them; that of a bin from the robot that carries it."""
+"""Sizes in pictures: returned bins a lane beside the repository, the distance between them, and that of a bin from the robot that carries
+it."""
 
 
 class Orchard(Mission):

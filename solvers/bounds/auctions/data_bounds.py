@@ -10,7 +10,7 @@ from .. import BOUNDS, BoundMethod
 
 
 def only(family: str) -> Callable[[Any], frozenset[str]]:
-    """What a bound method for one family lacks for a problem."""
+    """The ``missing`` function of a bound method for one family."""
     return lambda problem: frozenset() if problem.family == family else frozenset({f"{problem.family} problems"})
 
 

@@ -114,7 +114,7 @@ class PartSubsets(SubsetEngine):
 
 
 def _rounding(problem: BalancedPartition) -> float:
-    """By how much a better spread may have been missed; 0 where sums are exact.
+    """Largest error by which a better spread may have been missed; 0 where sums are exact.
 
     The largest cost is rounded by shares of what the answer itself adds up, but two parts of large distances may be equal within their
     rounding alone, beside an answer of small ones.

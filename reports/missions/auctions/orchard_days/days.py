@@ -20,7 +20,7 @@ MOST_STEPS = 1_000_000
 
 @dataclass(frozen=True, eq=False)
 class Day:
-    """What became of a day: steps at which each bin stood, was full and came home (-1 for never), and counts.
+    """The course of a day: steps at which each bin stood, was full and came home (-1 for never), and counts.
 
     ``idle_steps`` are those that groups waited for bins, all together; ``beaten`` are the ``auctions`` of several robots that an assignment
     of the same robots beats.

@@ -17,8 +17,8 @@ CHOICES = ("greedy", "auction", "auction-immediate", "assignment")
 auction; the assignment of the least sum."""
 
 DELIVERIES = ("baseline", "proposed")
-"""Who brings new bins: robots without a bin to fetch, to the earliest request; or any at the repository, to the cell of the bin that it
-will fetch, or to the request nearest to it."""
+"""Rules for new bins: robots without a bin to fetch bring one to the earliest request; or any robot at the repository brings one to the
+cell of the bin that it will fetch, or to the request nearest to it."""
 
 COSTS = ("later", "sum")
 """Cost of a bin: travel or filling, whichever ends later; or their sum."""
@@ -80,7 +80,7 @@ def _assignment(o: OrchardObservation, cost: str) -> dict[int, int]:
 CHOOSING: Mapping[str, Callable[[OrchardObservation, str], dict[int, int]]] = {
     "greedy": _greedy, "auction": _auction, "auction-immediate": _immediate, "assignment": _assignment,
 }  # fmt: skip
-"""By name, from an observation to a row of its bins for each robot that fetches one."""
+"""Functions by name, from an observation to a row of its bins for each robot that fetches one."""
 
 
 def trips(o: OrchardObservation, chosen: Mapping[int, int], delivery: str, returning: bool = True) -> dict[int, Trip]:

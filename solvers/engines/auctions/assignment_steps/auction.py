@@ -212,7 +212,7 @@ class _Costs:
 
 
 def _apart(part: Side, steps: Steps) -> int:
-    """By how much the dearest pair that a row remembers exceeds its cheapest: the median of a sample of rows."""
+    """Difference of the dearest and the cheapest pair that a row remembers: the median of a sample of rows."""
     from .auction_kernels import LINE, LINES
 
     differences = []
@@ -275,7 +275,7 @@ def remembered(rows: int, lines: int) -> Wholes:
 
 
 def _outbid(price: Wholes, owner: Wholes, epsilon: int) -> bool:
-    """Whether free columns were dearer than taken ones; if so, as many of the cheapest are taken away from rows.
+    """Take columns away from rows where free columns are dearer than taken ones, the cheapest first; whether there were any.
 
     Further bidders that are indifferent between all columns hold the free ones; those that cannot hold a dear one bid for the cheapest of
     the others, all at the price of the next and epsilon.
