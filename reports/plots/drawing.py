@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import sys
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +14,7 @@ from numpy.typing import NDArray
 from ...formulations.problem import Problem
 from ...formulations.rendering import number, percent
 from ...instances.printable import printable
+from . import PLOTS, Plot
 
 if TYPE_CHECKING:
     from ...formulations.solution import Solution
@@ -123,6 +126,20 @@ def entitled(ax: Any, problem: Problem, answer: Any, solution: Solution | None, 
     head = f"{problem.name}: {problem.problem}{by}" if title is None else title
     entitle(ax, head, f"{problem.sense} {figures_of(problem, answer, solution)}\n{what}" if title is None else "")
     return ax
+
+
+def plot_of(family: str) -> Callable[[Callable[[Any, Any, Any], str]], Plot]:
+    """Register a function that draws an answer on axes, and returns a line about it, as the plot of a family."""
+
+    def register(draw: Callable[[Any, Any, Any], str]) -> Plot:
+        @functools.wraps(draw)
+        def plot(problem: Any, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None) -> Any:
+            axes = new_axes() if ax is None else ax
+            return entitled(axes, problem, answer, solution, title, draw(axes, problem, answer))
+
+        return PLOTS.add(family, plot)
+
+    return register
 
 
 def bars(

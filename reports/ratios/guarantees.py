@@ -145,7 +145,7 @@ def _mean_fault(run: Run, repeats: int) -> tuple[str, str] | None:
 
 
 def hoeffding_margin(count: int) -> float:
-    """Shortfall that the mean of ``count`` independent numbers of [0, 1] may have to its expectation, but with probability ``FALSE_ALARM``."""
+    """Shortfall of a mean of ``count`` independent numbers of [0, 1] that is passed with probability ``FALSE_ALARM`` at most."""
     return math.sqrt(math.log(1.0 / FALSE_ALARM) / (2.0 * count))
 
 

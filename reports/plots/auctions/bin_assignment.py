@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.auctions.bin_assignment import BinAssignment
-from .. import PLOTS
-from ..drawing import ALARM, COLOURS, INK, QUIET, bare, entitled, new_axes
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
+from ..drawing import ALARM, COLOURS, INK, QUIET, bare, plot_of
 
 Floats = NDArray[np.float64]
 
@@ -30,16 +26,14 @@ def places(problem: BinAssignment) -> tuple[Floats, Floats]:
     return np.column_stack([np.zeros(n), rows[0]]), np.column_stack([np.full(m, 0.6 * max(n, m)), rows[1]])
 
 
-def plot_bin_assignment(
-    problem: BinAssignment, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
+@plot_of("bin-assignment")
+def plot_bin_assignment(ax: Any, problem: BinAssignment, answer: Any) -> str:
     """A map, or two columns where there are no positions: robots, bins, and a line for each pair, the thicker the dearer.
 
     Where the largest cost is the objective, the pairs of that cost are red.
     """
     from matplotlib.collections import LineCollection
 
-    ax = new_axes() if ax is None else ax
     robots, bins = places(problem)
     taken = np.array(answer)
     used = np.nonzero(taken >= 0)[0]
@@ -69,7 +63,4 @@ def plot_bin_assignment(
     ax.autoscale_view()
     bare(ax)
     detail = f"{len(used)} pairs of {problem.num_robots} robots (circles) and {problem.num_bins} bins (squares){remark}"
-    return entitled(ax, problem, answer, solution, title, detail)
-
-
-PLOTS.add("bin-assignment", plot_bin_assignment)
+    return detail

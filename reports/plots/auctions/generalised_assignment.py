@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....formulations.auctions.generalised_assignment import AgentOfJob, GeneralisedAssignment
-from .. import PLOTS
-from ..drawing import ALARM, COLOURS, INK, chart_axes, entitled, new_axes
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
+from ..drawing import ALARM, COLOURS, INK, chart_axes, plot_of
 
 NAMED = 25
 """Agents up to which each is named, and so are their jobs where there is room."""
@@ -20,11 +16,9 @@ LEAST = 0.04
 """Share of the largest capacity or load below which a part has no room for a name."""
 
 
-def plot_generalised_assignment(
-    problem: GeneralisedAssignment, answer: AgentOfJob, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
+@plot_of("generalised-assignment")
+def plot_generalised_assignment(ax: Any, problem: GeneralisedAssignment, answer: AgentOfJob) -> str:
     """A column for each agent, with a part for each of its jobs, below a line at its capacity."""
-    ax = new_axes() if ax is None else ax
     data, agents = problem.instance, np.arange(problem.num_agents)
     loads = np.array(problem.loads(answer))
     top = max(float(loads.max(initial=0.0)), float(data.capacity.max(initial=0.0)))
@@ -48,7 +42,4 @@ def plot_generalised_assignment(
     ax.set_ylim(0.0, 1.05 * top if top > 0 else 1.0)
     chart_axes(ax)
     done = sum(agent >= 0 for agent in answer)
-    return entitled(ax, problem, answer, solution, title, f"{done} of {problem.num_jobs} jobs by agent, capacities in red")
-
-
-PLOTS.add("generalised-assignment", plot_generalised_assignment)
+    return f"{done} of {problem.num_jobs} jobs by agent, capacities in red"

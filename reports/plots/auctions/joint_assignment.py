@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ....formulations.auctions.joint_assignment import JointAssignment
-from .. import PLOTS
-from ..drawing import COLOURS, INK, QUIET, chart_axes, entitled, legend_below, new_axes, roomy
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
+from ..drawing import COLOURS, INK, QUIET, chart_axes, legend_below, plot_of, roomy
 
 NAMED = 40
 """Robots up to which each is named."""
@@ -27,13 +23,11 @@ def legs(problem: JointAssignment, robot: int, errand: tuple[int, int]) -> tuple
     return brought, float(way), problem.cost_of(robot, place, request)
 
 
-def plot_joint_assignment(
-    problem: JointAssignment, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
+@plot_of("joint-assignment")
+def plot_joint_assignment(ax: Any, problem: JointAssignment, answer: Any) -> str:
     """A bar a robot: its way to a request, on to a bin, and how long it waits there until the bin is full."""
     from matplotlib.patches import Patch
 
-    ax = new_axes() if ax is None else ax
     instance, few = problem.instance, problem.num_robots <= NAMED
     roomy(ax, height=1.8 + 0.3 * min(problem.num_robots, NAMED))
     for robot, (place, request) in enumerate(answer):
@@ -59,7 +53,4 @@ def plot_joint_assignment(
     handles = [Patch(facecolor=colour, hatch=hatch, edgecolor="white") for _, colour, hatch in KINDS]
     legend_below(ax, handles, [kind for kind, _, _ in KINDS], len(KINDS))
     detail = f"{problem.pickups} bins fetched, {problem.deliveries} requests served by {problem.num_robots} robots"
-    return entitled(ax, problem, answer, solution, title, detail)
-
-
-PLOTS.add("joint-assignment", plot_joint_assignment)
+    return detail

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ....formulations.auctions.orchard_day import OrchardDay
-from .. import PLOTS
-from ..drawing import COLOURS, INK, entitled, legend_below, new_axes
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
+from ..drawing import COLOURS, INK, legend_below, plot_of
 
 PARTS = {"home with a bin": (0, 1.0), "out with a new bin": (1, 0.35), "out without one": (2, 0.35)}
 """Colour and opacity of what robots do; waiting for a bin is part of the way out."""
@@ -18,11 +14,9 @@ NAMED = 60
 """Bins up to which each is named."""
 
 
-def plot_orchard_day(
-    problem: OrchardDay, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
+@plot_of("orchard-day")
+def plot_orchard_day(ax: Any, problem: OrchardDay, answer: Any) -> str:
     """A row for each robot: from left to right its trips, the way out pale and the way home with a bin dark."""
-    ax = new_axes() if ax is None else ax
     jobs, home = problem.jobs, problem.timetable(answer)
 
     def bar(robot: int, begin: int, end: int, part: str) -> None:
@@ -48,7 +42,4 @@ def plot_orchard_day(
     if drawn:
         labels = [part for part in PARTS if part in drawn]
         legend_below(ax, [drawn[part] for part in labels], labels, len(labels))
-    return entitled(ax, problem, answer, solution, title, "bins on their way home, and the trips to them")
-
-
-PLOTS.add("orchard-day", plot_orchard_day)
+    return "bins on their way home, and the trips to them"

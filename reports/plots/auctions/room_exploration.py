@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.auctions.room_exploration import RoomExploration
-from .. import PLOTS
-from ..drawing import COLOURS, INK, QUIET, bare, entitled, legend_below, new_axes
+from ..drawing import COLOURS, INK, QUIET, bare, legend_below, plot_of
 from ..positions import scaled_positions
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
 
 Floats = NDArray[np.float64]
 
@@ -52,9 +48,8 @@ def places(problem: RoomExploration) -> Floats:
     return scaled_positions(np.where(np.isfinite(steps), steps, instance.num_rooms))
 
 
-def plot_room_exploration(
-    problem: RoomExploration, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
+@plot_of("room-exploration")
+def plot_room_exploration(ax: Any, problem: RoomExploration, answer: Any) -> str:
     """Rooms and doors, dotted lines where rooms hear each other, and a line for each robot's way.
 
     Squares mark where a robot maps, crosses where it searches. Beside each room stand its name and, in the colour of each robot that enters
@@ -63,7 +58,6 @@ def plot_room_exploration(
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
 
-    ax = new_axes() if ax is None else ax
     instance, at = problem.instance, places(problem)
     length = float(np.hypot(*(at[instance.doors[:, 0]] - at[instance.doors[:, 1]]).T).mean()) if len(instance.doors) else 1.0
     ax.add_collection(LineCollection(at[instance.doors], colors=QUIET, linewidths=5.0, alpha=0.6, zorder=1))  # type: ignore[arg-type]
@@ -107,7 +101,7 @@ def plot_room_exploration(
     legend_below(ax, handles, [handle.get_label() for handle in handles], min(5, len(handles)), lines=1.0)
     seen = int(entered.sum())
     detail = f"{seen} of {instance.num_rooms} rooms entered by {instance.num_robots} robots in {instance.steps} steps"
-    return entitled(ax, problem, answer, solution, title, detail)
+    return detail
 
 
 def _name_rooms(ax: Any, problem: RoomExploration, answer: Any, at: Floats, length: float) -> int:
@@ -173,6 +167,3 @@ def _runs(steps: list[int]) -> str:
             runs.append([step, step])
     texts = [str(first) if first == last else f"{first}-{last}" for first, last in runs[:RUNS]]
     return ", ".join([*texts, *["..."] * (len(runs) > RUNS)])
-
-
-PLOTS.add("room-exploration", plot_room_exploration)

@@ -2,55 +2,47 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.auctions.balanced_partition import BalancedPartition
 from ....formulations.auctions.task_allocation import TaskAllocation
-from .. import PLOTS
-from ..drawing import COLOURS, INK, bare, bars, entitled, new_axes
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
+from ..drawing import COLOURS, INK, bare, bars, plot_of
 
 NAMED = 40
 """Tasks up to which each is named."""
 
 
-def plot_task_allocation(
-    problem: TaskAllocation, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
+@plot_of("task-allocation")
+def plot_task_allocation(ax: Any, problem: TaskAllocation, answer: Any) -> str:
     """The path of each robot from its start; where there are no places, the length of each path."""
-    ax = new_axes() if ax is None else ax
     instance = problem.instance
     if instance.positions is None:
         lengths = np.array([float(problem.legs(robot, path).sum()) for robot, path in enumerate(answer)])
         bars(ax, lengths, [instance.robot_name(r) for r in range(instance.num_robots)], "robot")
-        return entitled(ax, problem, answer, solution, title, "length of each path")
+        return "length of each path"
     for robot, path in enumerate(answer):
         stops = instance.positions[[robot, *(task + instance.num_robots for task in path)]]
         ax.plot(*stops.T, color=COLOURS[robot % len(COLOURS)], linewidth=1.6, zorder=2)
     _places(ax, problem, answer)
-    return entitled(ax, problem, answer, solution, title, "squares are the robots, whose paths lead from task to task")
+    return "squares are the robots, whose paths lead from task to task"
 
 
-def plot_balanced_partition(
-    problem: BalancedPartition, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
+@plot_of("balanced-partition")
+def plot_balanced_partition(ax: Any, problem: BalancedPartition, answer: Any) -> str:
     """The tasks in the colours of their parts, with the edges that count; where there are no places, the cost of each part."""
-    ax = new_axes() if ax is None else ax
     instance = problem.instance
     if instance.positions is None:
         bars(ax, np.array(problem.costs(answer)), [instance.robot_name(r) for r in range(instance.num_robots)], "part")
-        return entitled(ax, problem, answer, solution, title, "cost of each part")
+        return "cost of each part"
     for robot, part in enumerate(answer):
         for a, b in _edges(problem, list(part)):
             ends = instance.positions[[a + instance.num_robots, b + instance.num_robots]]
             ax.plot(*ends.T, color=COLOURS[robot % len(COLOURS)], linewidth=1.0, alpha=0.7, zorder=2)
     _places(ax, problem, answer)
-    return entitled(ax, problem, answer, solution, title, "squares are the robots, lines the distances that count")
+    return "squares are the robots, lines the distances that count"
 
 
 def _edges(problem: BalancedPartition, part: list[int]) -> list[tuple[int, int]]:
@@ -82,7 +74,3 @@ def _places(ax: Any, problem: TaskAllocation | BalancedPartition, answer: Any) -
         for task, place in enumerate(places):
             ax.annotate(instance.task_name(task), place, xytext=(4, 4), textcoords="offset points", fontsize=8, color=INK, zorder=5)
     bare(ax)
-
-
-PLOTS.add("task-allocation", plot_task_allocation)
-PLOTS.add("balanced-partition", plot_balanced_partition)
