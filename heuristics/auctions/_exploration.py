@@ -12,6 +12,7 @@ from ...formulations.auctions.room_exploration import GO, MAP, SEARCH
 from ...instances.errors import InputError
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 TARGET, EMPTY = 0, 1
 """Columns of a room's belief."""
@@ -125,6 +126,9 @@ Teams = Mapping[int, tuple[int, ...]]
 Worth = Callable[[int, int, int], float]
 """Worth of an action in a room, given how many others chose it in this step: room, action, others."""
 
+Offer = tuple[float, int, tuple[tuple[int, int], ...]]
+"""What relays give up, how many they are, and (robot, site) of each."""
+
 
 def explorers_and_relays(
     adjacent: NDArray[np.bool_],
@@ -149,80 +153,92 @@ def explorers_and_relays(
     as they could all stay in place, until each can do without. Source: Zhang (2015), algorithm 4, of which ten lines are printed, with
     decisions that fail left out and offers compared by the gain of all; docs/missions.md#room-exploration.
     """
-    teams = {} if teams is None else teams
-    near = linked[base]
-    back, hops = steps_to_contact(adjacent, near), steps_to_contact(linked, near)
-    sites = [[here[u], *np.nonzero(adjacent[here[u]])[0].tolist()] for u in range(len(here))]
-    bound = {u: e for e, own in teams.items() for u in own}
-    chosen: dict[Deed, int] = {}
-    deeds: dict[int, Deed] = {}
+    step = _Step(adjacent, linked, linked[base], here, silent, longest, worth, {} if teams is None else teams)
     kept: dict[int, tuple[int, ...]] = {}
+    while len(step.deeds) < len(here):
+        explorer = next(u for u in range(len(here)) if u not in step.deeds and u not in step.bound)
+        deed, taken = step.best(explorer, relays)
+        for u in step.teams.get(explorer, ()):
+            del step.bound[u]
+        step.take(explorer, deed)
+        for u, site in taken:
+            step.bound[u] = explorer
+            step.take(u, (site, GO))
+        if taken:
+            kept[explorer] = tuple(u for u, _ in taken)
+    return step.deeds, kept
 
-    def gain(robot: int, deed: Deed) -> float:
-        return 0.0 if deed == (here[robot], GO) else worth(*deed, chosen.get(deed, 0))
 
-    def options(robot: int) -> list[Deed]:
-        at = here[robot]
-        return [(at, MAP), (at, SEARCH), *((room, GO) for room in sites[robot])]
+class _Step:
+    """What robots may do in one step, and what they chose so far: ``deeds`` of robots, and the explorer each relay is ``bound`` to."""
 
-    def alone(robot: int, room: int) -> bool:
-        return allowed(0 if near[room] else silent[robot] + 1, int(back[room]), longest)
+    def __init__(
+        self, adjacent: NDArray[np.bool_], linked: NDArray[np.bool_], near: NDArray[np.bool_], here: Sequence[int], silent: Sequence[int],
+        longest: int, worth: Worth, teams: Teams,
+    ) -> None:  # fmt: skip
+        self.linked, self.near, self.here, self.silent, self.longest = linked, near, here, silent, longest
+        self.worth, self.teams = worth, teams
+        self.back, self.hops = steps_to_contact(adjacent, near), steps_to_contact(linked, near)
+        self.sites = [[room, *np.nonzero(adjacent[room])[0].tolist()] for room in here]
+        self.bound = {u: explorer for explorer, own in teams.items() for u in own}
+        self.chosen: dict[Deed, int] = {}
+        self.deeds: dict[int, Deed] = {}
 
-    def best_alone(robot: int) -> float | None:
-        return max((gain(robot, deed) for deed in options(robot) if alone(robot, deed[0])), default=None)
+    def take(self, robot: int, deed: Deed) -> None:
+        self.deeds[robot] = deed
+        self.chosen[deed] = self.chosen.get(deed, 0) + 1
 
-    def take(robot: int, deed: Deed) -> None:
-        deeds[robot] = deed
-        chosen[deed] = chosen.get(deed, 0) + 1
+    def gain(self, robot: int, deed: Deed) -> float:
+        return 0.0 if deed == (self.here[robot], GO) else self.worth(*deed, self.chosen.get(deed, 0))
 
-    def chain(room: int, given_up: Mapping[int, float], used: tuple[int, ...] = ()) -> tuple[float, int, tuple[Deed, ...]] | None:
-        """The cheapest relays that join a room to the base: what they give up, how many, and (robot, site) of each."""
-        best: tuple[float, int, tuple[Deed, ...]] | None = None
+    def options(self, robot: int) -> list[Deed]:
+        at = self.here[robot]
+        return [(at, MAP), (at, SEARCH), *((room, GO) for room in self.sites[robot])]
+
+    def alone(self, robot: int, room: int) -> bool:
+        """Whether the robot may be in the room without relays."""
+        return allowed(0 if self.near[room] else self.silent[robot] + 1, int(self.back[room]), self.longest)
+
+    def best_alone(self, robot: int) -> float | None:
+        return max((self.gain(robot, deed) for deed in self.options(robot) if self.alone(robot, deed[0])), default=None)
+
+    def released(self, own: tuple[int, ...], taken: tuple[tuple[int, int], ...]) -> bool:
+        """Whether all relays that are not taken again can do without the explorer."""
+        return all(self.best_alone(u) is not None for u in own if u not in dict(taken))
+
+    def chain(self, room: int, given_up: Mapping[int, float], used: tuple[int, ...] = ()) -> Offer | None:
+        """The cheapest relays that join a room to the base."""
+        best: Offer | None = None
         free = [u for u in given_up if u not in used]
         for u in free:
-            for site in sites[u]:
-                if not linked[room, site] or not 0 <= hops[site] < len(free):
+            for site in self.sites[u]:
+                if not self.linked[room, site] or not 0 <= self.hops[site] < len(free):
                     continue
-                rest = (0.0, 0, ()) if near[site] else chain(site, given_up, (*used, u))
+                rest = (0.0, 0, ()) if self.near[site] else self.chain(site, given_up, (*used, u))
                 if rest is not None:
                     offer = given_up[u] + rest[0], 1 + rest[1], ((u, site), *rest[2])
                     best = offer if best is None else min(best, offer)
         return best
 
-    def released(own: tuple[int, ...], taken: tuple[Deed, ...]) -> bool:
-        """Whether all relays that are not taken again can do without the explorer."""
-        return all(best_alone(u) is not None for u in own if u not in dict(taken))
-
-    while len(deeds) < len(here):
-        explorer = next(u for u in range(len(here)) if u not in deeds and u not in bound)
-        own = teams.get(explorer, ())
+    def best(self, explorer: int, relays: bool) -> tuple[Deed, tuple[tuple[int, int], ...]]:
+        """The explorer's best action, and (robot, site) of the relays it takes."""
+        own = self.teams.get(explorer, ())
         given_up = dict.fromkeys(own, 0.0)
-        for u in range(len(here)) if relays else ():
-            if u != explorer and u not in deeds and u not in bound and not teams.get(u):
-                given_up[u] = best_alone(u) or 0.0
-        best: tuple[tuple[float, bool, int], Deed, tuple[Deed, ...]] | None = None
-        for number, deed in enumerate(options(explorer)):
-            by_itself = alone(explorer, deed[0]) and released(own, ())
-            offer = (0.0, 0, ()) if by_itself else chain(deed[0], given_up)
-            if offer is None or not released(own, offer[2]):
+        for u in range(len(self.here)) if relays else ():
+            if u != explorer and u not in self.deeds and u not in self.bound and not self.teams.get(u):
+                given_up[u] = self.best_alone(u) or 0.0
+        best: tuple[tuple[float, bool, int], Deed, tuple[tuple[int, int], ...]] | None = None
+        for number, deed in enumerate(self.options(explorer)):
+            by_itself = self.alone(explorer, deed[0]) and self.released(own, ())
+            offer = (0.0, 0, ()) if by_itself else self.chain(deed[0], given_up)
+            if offer is None or not self.released(own, offer[2]):
                 continue
-            rank = gain(explorer, deed) - offer[0], not offer[2], -number
+            rank = self.gain(explorer, deed) - offer[0], not offer[2], -number
             if best is None or rank > best[0]:
                 best = rank, deed, offer[2]
         if best is None:  # as they are, they stay in contact
-            best = (0.0, False, 0), (here[explorer], GO), tuple((u, here[u]) for u in own)
-        for u in own:
-            del bound[u]
-        take(explorer, best[1])
-        for u, site in best[2]:
-            bound[u] = explorer
-            take(u, (site, GO))
-        if best[2]:
-            kept[explorer] = tuple(u for u, _ in best[2])
-    return deeds, kept
-
-
-Integers = NDArray[np.int64]
+            return (self.here[explorer], GO), tuple((u, self.here[u]) for u in own)
+        return best[1:]
 
 
 def steps_to_contact(adjacent: ArrayLike, contact: ArrayLike) -> Integers:
