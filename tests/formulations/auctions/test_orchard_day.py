@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 from draws import draws
-from orchard_cases import FOUR, LANE, ONE_ROUTE, TWO_ROUTES, WHOLE_DAYS, lane, random_jobs, retrievals
+from orchard_cases import FOUR, LANE, ONE_ROUTE, SCHEDULES, TWO_ROUTES, WHOLE_DAYS, lane, random_jobs, retrievals
 
 import waybound as wb
 from waybound.formulations.auctions.orchard_day import OrchardDay, in_order
@@ -21,17 +21,8 @@ from waybound.reports.missions.auctions.orchard_days.days import play_day
 
 EIGHT_BINS = OrchardJobs.of_routes(lane(TWO_ROUTES, 2), TWO_ROUTES)
 
-# places, steps at which they are full, robots, ways out and home, least last step, least sum
-SCHEDULES = [
-    (((0, 2), (1, 1), (0, 4)), (0, 0, 0), ((0, 0), (0, 0)), (3, 3, 6), 6, 15),
-    (((0, 1), (0, 8), (4, 8)), (5, 0, 0), ((0, 0), (0, 0)), (2, 12, 18), 18, 42),
-    (((0, 1), (1, 1), (2, 3), (3, 4), (4, 5), (4, 8)), (0,) * 6, ((0, 0), (0, 0)), (2, 3, 8, 11, 14, 18), 28, 85),
-    (((0, 2), (1, 2)), (0, 0), ((0, 0), (0, 6)), (3, 5), 5, 9),
-    (((0, 2), (1, 2), (0, 6), (2, 5)), (0, 0, 3, 0), ((0, 0), (0, 6)), (3, 5, 9, 11), 14, 38),
-]
 
-
-@pytest.mark.parametrize(("places", "full", "robots", "ways", "last", "total"), SCHEDULES)
+@pytest.mark.parametrize(("places", "full", "robots", "ways", "last", "total"), SCHEDULES.values())
 def test_schedules_of_the_reference(places, full, robots, ways, last, total):
     jobs = retrievals(places, full, robots).jobs
     assert tuple((jobs.out + jobs.home).tolist()) == ways

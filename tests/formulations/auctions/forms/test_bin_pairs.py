@@ -131,7 +131,7 @@ def test_an_answer_is_a_point_of_the_program() -> None:
 
 def test_largest_cost_from_text_to_text(tmp_path: Path) -> None:
     """Costs count from the least of them, 1.5; of p and q one gets bin a, the only one of both, so that there are two pairs."""
-    (tmp_path / "t.csv").write_text("robot/bin,a,b,c\np,4,-,-\nq,3,-,-\nr,5,1.5,7\n")
+    (tmp_path / "t.csv").write_text(expected(CROWDED))
     made = problem_from_instance(read_instance(tmp_path / "t.csv"), "bottleneck-assignment").compile("largest-cost")
     assert (made.form, made.exactness.value) == ("largest-cost", "exact")
     assert program_text(made.program) == expected(
