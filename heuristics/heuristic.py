@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
@@ -121,6 +121,18 @@ class Heuristic:
 
 
 HEURISTICS: Registry[Heuristic] = Registry("heuristic", "waybound.heuristics.*", group="waybound.heuristics")
+
+Run = TypeVar("Run", bound=Callable[..., Outcome])
+
+
+def heuristic(name: str, family: str, features: Iterable[str], summary: str, stated: str = Heuristic.stated) -> Callable[[Run], Run]:
+    """Register the decorated function as the ``run`` of a heuristic of our own for one family of problems."""
+
+    def add(run: Run) -> Run:
+        HEURISTICS.add(name, Heuristic(name, (family,), frozenset(features), run, summary, stated))
+        return run
+
+    return add
 
 
 @dataclass(frozen=True)

@@ -1,3 +1,3 @@
-"""What people look at: plots, benchmarks, studies."""
+"""Reports: plots, tables, missions, studies and benchmarks."""
 
 from .. import _guard as _guard

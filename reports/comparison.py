@@ -1,35 +1,29 @@
-"""What a comparison brings back: one row a method, every answer checked, against the best bound that was verified in any run."""
+"""``compare``: one problem by several methods, every answer checked, against the best verified bound of all runs."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from ..formulations.certificate import better_bound
+from ..formulations.certificate import beats_bound, better_bound
 from ..formulations.problem import Problem
 from ..formulations.rendering import as_html, as_text
 from ..formulations.solution import Solution
 from ..formulations.tolerance import EQUAL, gap, same
-from ..instances.errors import UsageError
+from ..instances.errors import UsageError, WayboundError, in_words
 from ..instances.printable import one_line
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from ..solving.search_log import Log, SearchLog
+
 
 @dataclass(frozen=True)
 class Compared:
-    """What one method came to.
-
-    Parameters
-    ----------
-    name : str
-    solution : Solution or None
-        None where it ended with an error.
-    error : str
-        Why there is no solution; empty if there is one.
-    """
+    """One method's solution, or the error with which it ended."""
 
     name: str
     solution: Solution | None
@@ -43,7 +37,7 @@ class Compared:
 
     @property
     def verified(self) -> float | None:
-        """Verified bound of the first level that this run led to."""
+        """Verified bound of the first level from this run."""
         return None if self.solution is None else self.solution.certificate.bound
 
     @property
@@ -53,7 +47,7 @@ class Compared:
 
     @property
     def status(self) -> str:
-        """How it ended, and on whose word."""
+        """How the run ended, and on whose word."""
         s = self.solution
         if s is None:
             return "error"
@@ -86,24 +80,24 @@ class Comparison:
 
     @property
     def bound(self) -> float | None:
-        """The best verified bound of the first level that any run led to: it holds for all of them."""
+        """The best verified bound of the first level from any run: it holds for all of them."""
         return None if self._bounded_by is None else self._bounded_by.verified
 
     @property
     def bound_source(self) -> str | None:
-        """What proves it, and whose run it comes from."""
+        """The proof of that bound, and the run it comes from."""
         by = self._bounded_by
         return None if by is None or by.solution is None else f"{by.solution.certificate.bound_source}, from the run of {by.name}"
 
     @property
     def best(self) -> Solution | None:
         """The best checked answer; of equal ones the first."""
-        found: Solution | None = None
+        best: Solution | None = None
         for run in self.runs:
             s = run.solution
-            if s is not None and s.evaluation is not None and (found is None or _ahead(self.problem, s, found)):
-                found = s
-        return found
+            if s is not None and s.evaluation is not None and (best is None or _ahead(self.problem, s, best)):
+                best = s
+        return best
 
     @property
     def infeasible(self) -> bool:
@@ -112,26 +106,28 @@ class Comparison:
 
     @property
     def _bounded_by(self) -> Compared | None:
-        found: Compared | None = None
+        best: Compared | None = None
         for run in self.runs:
-            known = None if found is None else found.verified
+            known = None if best is None else best.verified
             if run.verified is not None and (known is None or better_bound(self.problem.sense, run.verified, known)):
-                found = run
-        return found
+                best = run
+        return best
 
     def bounds(self, values: Sequence[float]) -> list[float]:
-        """The best verified bound of each level for answers of these values: of the first, and of further ones as far as those before are
-        closed, by runs whose answers were worth as much there."""
-        found: list[float] = []
+        """The best verified bound of each level for answers of these values.
+
+        Bounds of further levels hold where the levels before are closed, by runs whose answers were worth as much there.
+        """
+        bounds: list[float] = []
         for level, sense in enumerate(self.problem.senses):
             known = [self.bound] if level == 0 else [self._level_bound(run, level, values) for run in self.runs]
             at_level = [bound for bound in known if bound is not None]
             if not at_level:
                 break
-            found.append(max(at_level) if sense == "min" else min(at_level))
-            if not same(values[level], found[-1]):
+            bounds.append(max(at_level) if sense == "min" else min(at_level))
+            if not same(values[level], bounds[-1]):
                 break
-        return found
+        return bounds
 
     @staticmethod
     def _level_bound(run: Compared, level: int, values: Sequence[float]) -> float | None:
@@ -141,16 +137,14 @@ class Comparison:
         return levels[level - 1].bound
 
     def gap(self, run: Compared) -> float | None:
-        """Of a run's answer to the best verified bound of all, at the first level that is open; None without either."""
+        """Gap of a run's answer to the best verified bound of all, at the first level that is open; None without either."""
         evaluation = None if run.solution is None else run.solution.evaluation
         bounds = [] if evaluation is None else self.bounds(evaluation.values)
-        if (
-            evaluation is None
-            or not bounds
-            or (same(evaluation.values[len(bounds) - 1], bounds[-1]) and len(bounds) < len(evaluation.values))
-        ):
+        if evaluation is None or not bounds:
             return None
         level = len(bounds) - 1
+        if same(evaluation.values[level], bounds[-1]) and len(bounds) < len(evaluation.values):
+            return None
         return gap(evaluation.values[level], bounds[-1], evaluation.sizes[level] if evaluation.sizes else 0.0, evaluation.precision)
 
     def to_frame(self) -> pd.DataFrame:
@@ -172,7 +166,7 @@ class Comparison:
         return plot_history(self, ax=ax, title=title)
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data: a row each, and the solutions as ``Solution.to_json`` has them."""
+        """Plain data: a row each, and the solutions as in ``Solution.to_json``."""
         return {
             "schema": 1, "instance": self.problem.name, "problem": self.problem.problem, "sense": self.problem.sense, "bound": self.bound,
             "bound_source": self.bound_source, "faults": list(self.faults),
@@ -198,14 +192,14 @@ class Comparison:
         return f"<Comparison of {', '.join(r.name for r in self.runs)} on {self.problem.name}>"
 
     def __str__(self) -> str:
-        from .tables.comparing import comparison_lines, comparison_table
-        from .tables.display import table_plain
+        from .tables.comparison import comparison_lines, comparison_table
+        from .tables.table import table_plain
 
         return table_plain(comparison_table(self)) + "\n" + as_text("", comparison_lines(self)).lstrip("\n")
 
     def _repr_html_(self) -> str:
-        from .tables.comparing import comparison_lines, comparison_table
-        from .tables.display import table_html
+        from .tables.comparison import comparison_lines, comparison_table
+        from .tables.table import table_html
 
         return table_html(comparison_table(self)) + as_html("", comparison_lines(self))
 
@@ -220,7 +214,7 @@ def _ahead(problem: Problem, a: Solution, b: Solution) -> bool:
 
 
 def remark_of(run: Compared) -> str:
-    """An error, a fault, or a bound that the method claims beyond the verified one."""
+    """The error or faults of a run, or its claimed bound."""
     s = run.solution
     if s is None:
         return one_line(run.error)
@@ -228,3 +222,121 @@ def remark_of(run: Compared) -> str:
     if s.bound_kind == "claimed" and isinstance(s.bound, float):
         parts.append(f"claims the bound {s.bound:.10g}")
     return "; ".join(parts)
+
+
+Methods = Sequence[str] | Mapping[str, Mapping[str, Any]]
+
+CLAIMED = 1e-5
+"""Relative difference up to which a search's bound agrees with an answer: solvers count no closer."""
+
+
+def compare(
+    problem: Problem,
+    methods: Methods,
+    *,
+    time_limit: float = 60.0,
+    log: Log = None,
+    progress: Callable[[dict[str, Any]], None] | None = None,
+    **common: Any,
+) -> Comparison:
+    """Solve one problem by several methods, one after the other, each with the same limits.
+
+    Parameters
+    ----------
+    problem : Problem
+    methods : sequence of str, or mapping
+        Names of solvers and heuristics (``"pyvrp"``, ``"pulp:HiGHS"``, ``"savings"``). A mapping has a name of one's own for each and
+        keywords for ``solve``: ``{"h = 3": {"heuristic": "local", "h": 3}}``.
+    time_limit : float, seconds
+        Of each search.
+    log : bool, path or SearchLog, optional
+        As for ``solve``: the logs of all runs, one after the other.
+    progress : callable, optional
+        As for ``solve``.
+    **common
+        Further keywords for ``solve``, the same for all: ``bound_time, seed, threads, gap, start, isolate, ...``
+
+    Returns
+    -------
+    Comparison
+        A method that fails or cannot take the problem is a row that says why. Ctrl-C ends the run that is under way and leaves out the
+        rest.
+
+    Raises
+    ------
+    UsageError
+        For a name that is none, before anything is run.
+    """
+    from ..solvers import interrupts
+    from ..solving.search_log import shown
+
+    asked = _asked(methods)
+    runs: list[Compared] = []
+    with shown(log) as written:
+        for name, own in asked.items():
+            last = runs[-1].solution if runs else None
+            if runs and (interrupts.received or (last is not None and last.limit == "interrupt")):
+                runs.append(Compared(name, None, "not run: interrupted"))
+                continue
+            runs.append(_run(problem, name, {"time_limit": time_limit, **common, **own}, written, progress))
+    return Comparison(problem, tuple(runs), tuple(_contradictions(problem, runs)))
+
+
+def _asked(methods: Methods) -> dict[str, dict[str, Any]]:
+    """Keywords for ``solve`` by the name of each row."""
+    from ..heuristics.heuristic import HEURISTICS
+    from ..solvers.backend import BACKENDS
+
+    if isinstance(methods, str):
+        raise UsageError(f"compare takes a list of names, not {methods!r}: [{methods!r}, ...]")
+    if isinstance(methods, Mapping):
+        keywords = {str(name): dict(own) for name, own in methods.items()}
+    else:
+        keywords = {}
+        for name in methods:
+            if name in keywords:
+                raise UsageError(f"{name} is to be compared with itself; a mapping gives runs of one method names of their own")
+            if name not in HEURISTICS and name.partition(":")[0] not in BACKENDS:
+                raise UsageError(f"no solver and no heuristic is named {name!r}; there are {', '.join([*BACKENDS, *HEURISTICS])}")
+            keywords[name] = {"heuristic" if name in HEURISTICS else "solver": name}
+    for own in keywords.values():
+        if own.get("solver") is not None:
+            _ = BACKENDS[str(own["solver"]).partition(":")[0]]
+        if own.get("heuristic") is not None:
+            _ = HEURISTICS[own["heuristic"]]
+    if not keywords:
+        raise UsageError("there is nothing to compare: name some solvers and heuristics")
+    return keywords
+
+
+def _run(problem: Problem, name: str, keywords: dict[str, Any], log: SearchLog | None, progress: Any) -> Compared:
+    from ..solving.request import request_of
+    from ..solving.solve import solve
+
+    try:
+        return Compared(name, solve(problem, request_of(problem, **keywords), log=log, progress=progress))
+    except WayboundError as fault:
+        return Compared(name, None, str(fault))
+    except Exception as fault:  # of whatever package: it costs this row, and no other
+        return Compared(name, None, in_words(fault))
+
+
+def _contradictions(problem: Problem, runs: Sequence[Compared]) -> list[str]:
+    """Claims or verified bounds of one run that contradict checked answers of others."""
+    faults = []
+    for one, other in itertools.permutations(runs, 2):
+        s, t = one.solution, other.solution
+        if s is None or t is None or t.evaluation is None:
+            continue
+        value, size = t.evaluation.values[0], t.evaluation.size
+        answered = f"{other.name} has an answer of value {value!r}, which passed every check"
+        if s.certificate.infeasible:
+            proof = f"{s.certificate.bound_source} proves that there is none"
+            faults.append(f"{answered}; {proof}: one of the two checks is wrong, please report this")
+        elif s.status in ("infeasible", "infeasible_or_unbounded") and s.evaluation is None:
+            faults.append(f"{one.name} says {s.status.replace('_', ' ')}, but {answered}")
+        bound = s.bound[0] if isinstance(s.bound, list) else s.bound
+        for kind, limit in (("verified", s.certificate.bound), ("claimed", bound if s.bound_kind == "claimed" else None)):
+            if limit is not None and beats_bound(problem.sense, value, limit, size) and not t.evaluation.same_at(0, limit, CLAIMED):
+                faults.append(f"the {kind} bound {limit!r} of {one.name} is refuted: {answered}")
+    return faults

@@ -23,6 +23,15 @@ WHOLE_DAYS = [
 ]  # fmt: skip
 """Start, robots, last steps of the rules of ``FOUR``, and the least of any plan."""
 
+SCHEDULES = {
+    "S1": (((0, 2), (1, 1), (0, 4)), (0, 0, 0), ((0, 0), (0, 0)), (3, 3, 6), 6, 15),
+    "S2": (((0, 1), (0, 8), (4, 8)), (5, 0, 0), ((0, 0), (0, 0)), (2, 12, 18), 18, 42),
+    "S3": (((0, 1), (1, 1), (2, 3), (3, 4), (4, 5), (4, 8)), (0,) * 6, ((0, 0), (0, 0)), (2, 3, 8, 11, 14, 18), 28, 85),
+    "S4": (((0, 2), (1, 2)), (0, 0), ((0, 0), (0, 6)), (3, 5), 5, 9),
+    "S5": (((0, 2), (1, 2), (0, 6), (2, 5)), (0, 0, 3, 0), ((0, 0), (0, 6)), (3, 5, 9, 11), 14, 38),
+}
+"""Places, steps at which bins are full, robots, ways out and home, least last step, least sum."""
+
 
 def lane(start, robots):
     return OrchardRules(LANE, robots, len(start.cells))

@@ -39,8 +39,8 @@ KERNELS = {
     "solvers/engines/sata/local_max_min/level_kernels": "solvers/engines/sata/local_max_min/search",
     "solvers/engines/sata/saddle_steps/descent_kernels": "solvers/engines/sata/saddle_steps/game",
     "solvers/engines/sata/saddle_steps/regret_kernels": "solvers/engines/sata/saddle_steps/game",
-    "solvers/engines/auctions/task_subset_steps/part_kernels": "solvers/engines/auctions/part_subsets",
-    "solvers/engines/auctions/task_subset_steps/subset_kernels": "solvers/engines/auctions/task_subset_steps/shares",
+    "solvers/engines/auctions/task_subset_steps/part_kernels": "solvers/engines/auctions/task_subsets",
+    "solvers/engines/auctions/task_subset_steps/subset_kernels": "solvers/engines/auctions/task_subsets",
 }
 """Compiled loops that take their caller's arrays apart, and mean nothing without it: the tests of the caller are theirs."""
 
@@ -56,12 +56,12 @@ COMMANDS = {
 ELSEWHERE = {
     "formulations/checking/row_duals": "formulations/arrays/checking/test_lp_dual.py",  # its arithmetic
     "reports/missions/_study_figures": "reports/missions/sata/test_tracking_study.py",
-    "reports/missions/_study_tables": "reports/missions/sata/test_tracking_study.py",
     "reports/plots/positions": "reports/plots/routing/test_maps.py",
     "reports/benchmarks/_bare_highs": "reports/benchmarks/test_highs_versions.py",  # a script that knows nothing of waybound
     **{f"reports/benchmarks/_bare_{name}": "reports/benchmarks/test_overhead.py" for name in ("ortools", "pyvrp", "routing", "vroom")},
     "reports/benchmarks/exact_base": "formulations/routing/test_whole_family.py",
     "reports/benchmarks/exact_routing": "formulations/routing/test_whole_family.py",  # against the judge
+    "solvers/engines/sata/local_max_min/robot": "solvers/engines/sata/local_max_min/test_messages.py",  # a robot alone talks to nobody
     "waybound/_version": "test_packaging.py",  # one line
     "waybound/_guard": "conformance/test_imports.py",  # one line, which fails where it must: in other processes
 }

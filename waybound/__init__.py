@@ -101,8 +101,7 @@ if TYPE_CHECKING:
     from .instances.sata.selection import SelectionInstance
     from .instances.sata.sensing_graph import SensingGraph
     from .instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
-    from .reports.comparing import compare
-    from .reports.comparison import Comparison
+    from .reports.comparison import Comparison, compare
     from .reports.missions.running import run
     from .reports.plots.history import plot_history
     from .reports.tables.listing import list_heuristics as heuristics
@@ -187,8 +186,7 @@ _MODULES = {
     "instances.sata.selection": ("SelectionInstance",),
     "instances.sata.sensing_graph": ("SensingGraph",),
     "instances.routing.travel": ("Travel",),
-    "reports.comparing": ("compare",),
-    "reports.comparison": ("Comparison",),
+    "reports.comparison": ("Comparison", "compare"),
     "reports.missions.running": ("run",),
     "reports.plots.history": ("plot_history",),
     "solving.explaining": ("Explanation",),

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Parts = Shares
-"""The tasks of each robot; their order means nothing."""
+"""The tasks of each robot, in no particular order."""
 
 OBJECTIVES = ("min-max", "min-difference")
 OBJECTIVE = Setting(OBJECTIVES[0], "what is least: the largest cost of a part, or the largest less the smallest", choices=OBJECTIVES)
@@ -69,7 +69,6 @@ class BalancedPartition(RobotShares):
 
     @property
     def weights(self) -> NDArray[np.float64]:
-        """Of the tasks."""
         return np.asarray(self.instance.weights)
 
     def digest(self) -> str:
@@ -77,7 +76,6 @@ class BalancedPartition(RobotShares):
         return digest("balanced-partition", self.num_robots, self.weights, between, self.objective, self.edges)
 
     def features(self) -> frozenset[str]:
-        """The objective, and the edges."""
         return frozenset({f"objective:{self.objective}", f"edges:{self.edges}"})
 
     def linear_entries(self) -> int:
@@ -88,7 +86,7 @@ class BalancedPartition(RobotShares):
         return {"objective": self.objective, "edges": self.edges, "team": self.instance.facts()}
 
     def terms(self, part: Sequence[int]) -> list[float]:
-        """What is added up to the cost of a part."""
+        """The weights and distances that add up to the cost of a part."""
         tasks = np.asarray(part, dtype=np.int64)
         own = self.instance.between[np.ix_(tasks, tasks)]
         terms: list[float] = self.weights[tasks].tolist()
@@ -96,11 +94,11 @@ class BalancedPartition(RobotShares):
             return [*terms, *own[np.triu_indices(len(tasks), 1)].tolist()]
         if self.edges == "none" or len(tasks) < 2:
             return terms
-        near, left = own[0].copy(), np.arange(len(tasks)) > 0
+        near, waiting = own[0].copy(), np.arange(len(tasks)) > 0
         for _ in range(len(tasks) - 1):  # Prim (1957)
-            node = int(np.where(left, near, math.inf).argmin())
+            node = int(np.where(waiting, near, math.inf).argmin())
             terms.append(float(near[node]))
-            left[node] = False
+            waiting[node] = False
             near = np.minimum(near, own[node])
         return terms
 
@@ -122,9 +120,9 @@ class BalancedPartition(RobotShares):
         """One row a task: robot, task, its weight, and the cost of the part that it is in."""
         import pandas as pd
 
-        told, costs = self.instance, self.costs(answer)
+        data, costs = self.instance, self.costs(answer)
         rows = [
-            (told.robot_name(robot), told.task_name(task), float(self.weights[task]), costs[robot])
+            (data.robot_name(robot), data.task_name(task), float(self.weights[task]), costs[robot])
             for robot, part in enumerate(answer)
             for task in part
         ]

@@ -19,11 +19,10 @@ from ...instances.errors import InputError, UsageError
 from ...instances.generators.settings import Setting
 from ...instances.instance import digest, with_settings
 from ...instances.number_arrays import Spread, spread, unchanging
-from ...instances.suggestions import did_you_mean
 from ...instances.text import number, plain
 from ..evaluation import Evaluation, judge
 from ..evidence import CHECKERS, Evidence, Reason
-from ..problem import PROBLEMS, Problem
+from ..problem import PROBLEMS, Problem, refuse_settings
 from .matching import largest_matching, surplus_rows
 
 if TYPE_CHECKING:
@@ -44,10 +43,10 @@ WAITING = Setting(
 SETTINGS = {"objective": OBJECTIVE, "match": MATCH, "waiting": WAITING}
 
 COSTS_AGREE = 1e-6
-"""Part of the largest cost by which one in a table may differ from the data's: tables are rounded."""
+"""Share of the largest cost by which a cost in a table may differ from the data: tables are rounded."""
 
 SHOWN = 5
-"""Names that a message lists."""
+"""Names listed in a message."""
 
 
 class BinAssignment(Problem):
@@ -84,6 +83,8 @@ class BinAssignment(Problem):
     """
 
     family: ClassVar[str] = "bin-assignment"
+    senses = ("min",)
+    convention = "exact"
     answer_suffixes: ClassVar[tuple[str, ...]] = (".csv",)
 
     def __init__(self, instance: AssignmentInstance, *, objective: str = "sum", match: str = "most", waiting: str = "max") -> None:
@@ -91,7 +92,7 @@ class BinAssignment(Problem):
             raise UsageError(f"a bin assignment is made of an AssignmentInstance, not of {type(instance).__name__}; see its from_matrix")
         self.instance = instance
         self.objective, self.match, self.waiting = (
-            setting.value(name, given) for (name, setting), given in zip(SETTINGS.items(), (objective, match, waiting), strict=True)
+            setting.value(name, chosen) for (name, setting), chosen in zip(SETTINGS.items(), (objective, match, waiting), strict=True)
         )
         self.name, self.notes = instance.name, instance.notes
         self.problem = {"sum": "bin-assignment", "bottleneck": "bottleneck-assignment"}[self.objective]
@@ -109,7 +110,7 @@ class BinAssignment(Problem):
         return cls(AssignmentInstance.from_frame(costs, **further), objective=objective, match=match)
 
     def _waited(self) -> tuple[NDArray[np.int32], Floats, NDArray[np.bool_] | None]:
-        """Where each robot's pairs begin, costs with waiting, and which pairs of the data these are, None for all."""
+        """First pair of each robot, costs with waiting, and a mask of the data's pairs that remain, None for all."""
         data = self.instance
         if data.filled is None:
             return data.indptr, data.cost, None
@@ -132,7 +133,7 @@ class BinAssignment(Problem):
 
     @property
     def complete(self) -> bool:
-        """Whether every robot may be sent to every bin."""
+        """True if every robot may be sent to every bin."""
         return len(self.cost) == self.num_robots * self.num_bins
 
     @cached_property
@@ -144,9 +145,9 @@ class BinAssignment(Problem):
         """Costs of shape (robots, bins), infinite where a pair is forbidden; a view where none is."""
         if self.complete:
             return self.cost.reshape(self.num_robots, self.num_bins)
-        made = np.full((self.num_robots, self.num_bins), math.inf)
-        made[self.robots, self.bins] = self.cost
-        return made
+        costs = np.full((self.num_robots, self.num_bins), math.inf)
+        costs[self.robots, self.bins] = self.cost
+        return costs
 
     @cached_property
     def largest(self) -> NDArray[np.int64]:
@@ -161,14 +162,6 @@ class BinAssignment(Problem):
 
     # -- the contract ------------------------------------------------------------------------------------------------
 
-    @property
-    def senses(self) -> tuple[str, ...]:
-        return ("min",)
-
-    @property
-    def convention(self) -> str:
-        return "exact"
-
     def digest(self) -> str:
         shape = self.num_robots, self.num_bins
         return digest("bin-assignment", self.objective, self.match, *shape, self.indptr, self.bins, self.cost)
@@ -178,7 +171,6 @@ class BinAssignment(Problem):
         return copy(self).digest if unchanging(self.cost) else self.digest()
 
     def features(self) -> frozenset[str]:
-        """The objective."""
         return frozenset({f"objective:{self.objective}"})
 
     @property
@@ -200,11 +192,11 @@ class BinAssignment(Problem):
         keys = self.robots * np.int64(self.num_bins) + self.bins
         wanted = np.arange(self.num_robots) * np.int64(self.num_bins) + taken
         at = np.minimum(np.searchsorted(keys, wanted), max(len(keys) - 1, 0))
-        found = (keys[at] == wanted) if len(keys) else np.zeros(self.num_robots, dtype=bool)
-        return np.where(taken < 0, 0.0, np.where(found, self.cost[at] if len(keys) else 0.0, math.inf))
+        allowed = (keys[at] == wanted) if len(keys) else np.zeros(self.num_robots, dtype=bool)
+        return np.where(taken < 0, 0.0, np.where(allowed, self.cost[at] if len(keys) else 0.0, math.inf))
 
     def evaluate(self, answer: Any) -> Evaluation:
-        """Recompute the costs, and test that all pairs are allowed, no bin has two robots, and there are as many as asked for."""
+        """Recompute the costs; test that all pairs are allowed, no bin has two robots, and there are as many pairs as asked for."""
         n, m, data = self.num_robots, self.num_bins, self.instance
         if not isinstance(answer, tuple) or len(answer) != n or not all(type(j) is int and -1 <= j < m for j in answer):
             raise InputError(
@@ -215,8 +207,8 @@ class BinAssignment(Problem):
 
         def crowd(k: int) -> str:
             who = [data.robot_name(i) for i in np.nonzero(taken == k)[0].tolist()]
-            told = ", ".join(who[:SHOWN]) + (", ..." if len(who) > SHOWN else "")
-            return f"bin {data.bin_name(k)} is given to {len(who)} robots: {told}"
+            shown = ", ".join(who[:SHOWN]) + (", ..." if len(who) > SHOWN else "")
+            return f"bin {data.bin_name(k)} is given to {len(who)} robots: {shown}"
 
         def forbidden(k: int) -> str:
             return f"robot {data.robot_name(int(used[k]))} may not be sent to bin {data.bin_name(answer[used[k]])}"
@@ -242,7 +234,7 @@ class BinAssignment(Problem):
         return tuple(self.largest.tolist())
 
     def infeasibility_reasons(self, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
-        """Robots that have fewer bins between them than they are, or bins of too few robots: König's theorem."""
+        """Robots that together have fewer bins than they are, or bins with too few robots, by König's theorem."""
         if self.pairs <= int((self.largest >= 0).sum()):
             return
         evidence = self.uncovered(self.indptr, self.bins, self.largest, "robots and bins that meet all allowed pairs")
@@ -252,14 +244,13 @@ class BinAssignment(Problem):
         yield Reason(self.match[:-1], message.split(":")[0], message, evidence)
 
     def uncovered(self, indptr: Any, bins: Any, matched: NDArray[np.int64], source: str) -> Evidence:
-        """Evidence of the robots and bins that meet all of some pairs, of which ``matched`` is a largest matching."""
+        """Evidence of robots and bins that cover all of some pairs, of which ``matched`` is a largest matching."""
         rows, columns = surplus_rows(indptr, bins, self.num_bins, matched)
         data = {"robots": np.nonzero(~rows)[0].tolist(), "bins": np.nonzero(columns)[0].tolist()}
-        made = Evidence("pair-cover", source, 0.0, data)
-        return Evidence("pair-cover", source, float(CHECKERS["pair-cover"](self, data)), made.data)
+        return Evidence("pair-cover", source, float(CHECKERS["pair-cover"](self, data)), data)
 
     def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
-        """Who has too few partners, by name."""
+        """The robots or bins with too few partners, by name."""
         robots = np.ones(self.num_robots, dtype=bool)
         bins = np.zeros(self.num_bins, dtype=bool)
         robots[data["robots"]], bins[data["bins"]] = False, True
@@ -267,10 +258,10 @@ class BinAssignment(Problem):
         who, partners = (robots, bins) if self.match != "bins" else (~bins, ~robots)
         of, other = (name[0], name[1]) if self.match != "bins" else (name[1], name[0])
         few, many = ("robots", "bins") if self.match != "bins" else ("bins", "robots")
-        left = [of(k) for k in np.nonzero(who)[0].tolist()]
+        names = [of(k) for k in np.nonzero(who)[0].tolist()]
         only = [other(k) for k in np.nonzero(partners)[0].tolist()]
-        shown = f"{few} {', '.join(left[:SHOWN])}{', ...' * (len(left) > SHOWN)}"
-        return f"{shown}: {len(left)} of them, for whom there are {len(only)} {many} in all{': ' * bool(only)}{', '.join(only[:SHOWN])}"
+        shown = f"{few} {', '.join(names[:SHOWN])}{', ...' * (len(names) > SHOWN)}"
+        return f"{shown}: {len(names)} of them, for whom there are {len(only)} {many} in all{': ' * bool(only)}{', '.join(only[:SHOWN])}"
 
     # -- answers as files and tables ---------------------------------------------------------------------------------
 
@@ -291,15 +282,15 @@ class BinAssignment(Problem):
     def _numbered(self, pairs: list[tuple[Any, Any, int | None]]) -> Assignment:
         robots = {self.instance.robot_name(i): i for i in range(self.num_robots)}
         bins = {self.instance.bin_name(j): j for j in range(self.num_bins)}
-        made = [-1] * self.num_robots
+        bin_of_robot = [-1] * self.num_robots
         for robot, name, line in pairs:
-            for what, given, known in (("robot", robot, robots), ("bin", name, bins)):
-                if not isinstance(given, str) or given not in known:
-                    raise InputError(f"the answer names an unknown {what} {str(given)[:80]!r}", line=line)
-            if made[robots[robot]] >= 0:
+            for what, asked, known in (("robot", robot, robots), ("bin", name, bins)):
+                if not isinstance(asked, str) or asked not in known:
+                    raise InputError(f"the answer names an unknown {what} {str(asked)[:80]!r}", line=line)
+            if bin_of_robot[robots[robot]] >= 0:
                 raise InputError(f"the answer names robot {robot[:80]!r} twice", line=line)
-            made[robots[robot]] = bins[name]
-        return tuple(made)
+            bin_of_robot[robots[robot]] = bins[name]
+        return tuple(bin_of_robot)
 
     def answer_of(self, given: Any) -> Assignment:
         """A tuple or array of one bin a robot as numbers from 0, -1 for none, or a mapping of robots' names to bins'."""
@@ -332,12 +323,12 @@ class BinAssignment(Problem):
 
     def answer_from_frame(self, frame: pd.DataFrame) -> Assignment:
         """Inverse of ``answer_to_frame``, whatever the order of its columns; a column ``cost`` has to agree with the data."""
-        made = frame.drop(columns="position", errors="ignore").astype(object)
-        rows = [["" if cell is None or cell != cell else str(cell).strip() for cell in row] for row in made.to_numpy().tolist()]
-        return self._of_table([str(title).strip() for title in made.columns], list(enumerate(rows, start=2)), 1)
+        table = frame.drop(columns="position", errors="ignore").astype(object)
+        rows = [["" if cell is None or cell != cell else str(cell).strip() for cell in row] for row in table.to_numpy().tolist()]
+        return self._of_table([str(title).strip() for title in table.columns], list(enumerate(rows, start=2)), 1)
 
     def _of_table(self, titles: list[str], rows: list[tuple[int, list[str]]], at: int) -> Assignment:
-        """The answer in rows of robot, bin and perhaps cost, each with its line; ``at`` is the line of the titles."""
+        """The answer from rows of robot, bin and perhaps cost, each with its line; ``at`` is the line of the titles."""
         titles = [title.lower() for title in titles]
         if len(set(titles)) < len(titles) or not {"robot", "bin"} <= set(titles) <= {"robot", "bin", "cost"}:
             raise InputError("is no assignment", line=at, expected="the titles robot,bin", found=",".join(titles)[:40])
@@ -353,9 +344,9 @@ class BinAssignment(Problem):
             for (robot, _, _), (line, row) in zip(pairs, rows, strict=True):
                 if not row[titles.index("cost")]:
                     continue
-                told, own = number(row[titles.index("cost")], line, "cost"), float(costs[place[robot]])
-                if math.isfinite(own) and not abs(told - own) <= COSTS_AGREE * largest:
-                    raise InputError(f"the cost of robot {robot!r} is another one", line=line, expected=plain(own), found=plain(told))
+                listed, own = number(row[titles.index("cost")], line, "cost"), float(costs[place[robot]])
+                if math.isfinite(own) and not abs(listed - own) <= COSTS_AGREE * largest:
+                    raise InputError(f"the cost of robot {robot!r} is another one", line=line, expected=plain(own), found=plain(listed))
         return answer
 
     def answer_to_frame(self, answer: Assignment) -> pd.DataFrame:
@@ -367,8 +358,7 @@ class BinAssignment(Problem):
 
     def to_instance(self) -> AssignmentInstance:
         settings = {name: getattr(self, name) for name in SETTINGS}
-        made: AssignmentInstance = with_settings(replace(self.instance, problem=self.problem), settings)
-        return made
+        return with_settings(replace(self.instance, problem=self.problem), settings)  # type: ignore[no-any-return]
 
     def __repr__(self) -> str:
         return f"<BinAssignment {self.name}: {self.num_robots} robots, {self.num_bins} bins, {len(self.cost)} pairs, {self.objective}>"
@@ -378,15 +368,11 @@ def make(instance: Any, name: str, settings: dict[str, Any]) -> BinAssignment:
     """The problem of an instance, ``bottleneck-assignment`` with that objective; settings ``objective``, ``match``, ``waiting``."""
     if not isinstance(instance, AssignmentInstance):
         raise UsageError(f"{instance.name} holds no costs of robots and bins, so it cannot be read as {name}")
-    if settings.pop("convention", None) not in (None, "exact"):
-        raise UsageError(f"{name} problems have no distances to round: the convention can only be exact")
-    given = {key: settings.pop(key) for key in SETTINGS if key in settings}
-    if name == "bottleneck-assignment" and given.setdefault("objective", "bottleneck") != "bottleneck":
+    refuse_settings(name, settings, tuple(SETTINGS))
+    asked = {key: settings[key] for key in SETTINGS if key in settings}
+    if name == "bottleneck-assignment" and asked.setdefault("objective", "bottleneck") != "bottleneck":
         raise UsageError(f"the objective of {name} is bottleneck; for sums ask for --problem bin-assignment")
-    if settings:
-        known = f"{', '.join(SETTINGS)}{did_you_mean(min(settings), SETTINGS)}"
-        raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes {known}")
-    return BinAssignment(instance, **given)
+    return BinAssignment(instance, **asked)
 
 
 for _name in ("bin-assignment", "bottleneck-assignment"):

@@ -47,6 +47,7 @@ class GeneralisedAssignment(Problem):
     """
 
     family: ClassVar[str] = "generalised-assignment"
+    convention = "exact"
 
     def __init__(self, instance: GeneralisedAssignmentInstance) -> None:
         if not isinstance(instance, GeneralisedAssignmentInstance):
@@ -65,9 +66,9 @@ class GeneralisedAssignment(Problem):
     @cached_property
     def fitting(self) -> NDArray[np.bool_]:
         """Which pairs are allowed, and fit an agent that has nothing else to do; shape (agents, jobs)."""
-        given = self.instance
-        most = np.array([room(row, b) for row, b in zip(given.consumption, given.capacity.tolist(), strict=True)])
-        return np.asarray(given.listed & (given.consumption <= most[:, None]))
+        data = self.instance
+        most = np.array([room(row, b) for row, b in zip(data.consumption, data.capacity.tolist(), strict=True)])
+        return np.asarray(data.listed & (data.consumption <= most[:, None]))
 
     # -- the contract ------------------------------------------------------------------------------------------------
 
@@ -75,15 +76,10 @@ class GeneralisedAssignment(Problem):
     def senses(self) -> tuple[str, ...]:
         return ("min",) if self.objective == "cost" else ("max",)
 
-    @property
-    def convention(self) -> str:
-        return "exact"
-
     def digest(self) -> str:
         return digest("generalised-assignment", self.instance.digest())
 
     def features(self) -> frozenset[str]:
-        """The objective."""
         return frozenset({f"objective:{self.objective}"})
 
     @property
@@ -98,12 +94,12 @@ class GeneralisedAssignment(Problem):
         return {"objective": aim, "generalised_assignment": self.instance.facts()}
 
     def loads(self, answer: AgentOfJob) -> list[float]:
-        """What is used of each agent's capacity."""
+        """The consumption of each agent's jobs."""
         agent, used = np.array(answer, dtype=np.int64), self.instance.consumption
         return [math.fsum(used[i, np.nonzero(agent == i)[0]]) for i in range(self.num_agents)]
 
     def evaluate(self, answer: Any) -> Evaluation:
-        """Add up costs or profits, and test that all pairs are allowed, capacities suffice, and, where costs count, every job is done."""
+        """Add up costs or profits; test that all pairs are allowed, capacities suffice, and, where costs count, every job is done."""
         m, n, data = self.num_agents, self.num_jobs, self.instance
         if not isinstance(answer, tuple) or len(answer) != n or not all(type(i) is int and -1 <= i < m for i in answer):
             raise InputError(
@@ -137,7 +133,8 @@ class GeneralisedAssignment(Problem):
         return (-1,) * self.num_jobs if self.objective == "profit" else None
 
     def infeasibility_reasons(self, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
-        """A job that fits no agent, or jobs that need more than all capacities together, counted alike or each as a part of its agent's."""
+        """A job that fits no agent, or jobs that need more than all capacities together, as they are or as shares of their agents'
+        capacities."""
         if self.objective == "profit":
             return
         capacity = self.instance.capacity
@@ -157,10 +154,10 @@ class GeneralisedAssignment(Problem):
     # -- answers as files and tables ---------------------------------------------------------------------------------
 
     def answer_to_json(self, answer: AgentOfJob) -> dict[str, Any]:
-        told = self.instance
+        data = self.instance
         return {
             "kind": "generalised-assignment",
-            "agent_of_job": {told.job_name(j): told.agent_name(i) for j, i in enumerate(answer) if i >= 0},
+            "agent_of_job": {data.job_name(j): data.agent_name(i) for j, i in enumerate(answer) if i >= 0},
         }
 
     def answer_from_json(self, data: Any) -> AgentOfJob:
@@ -182,13 +179,13 @@ class GeneralisedAssignment(Problem):
             return given
         agents = {self.instance.agent_name(i): i for i in range(self.num_agents)}
         jobs = {self.instance.job_name(j): j for j in range(self.num_jobs)}
-        made = [-1] * self.num_jobs
+        agent_of_job = [-1] * self.num_jobs
         for job, agent in given.items():
             for what, name, known in (("job", job, jobs), ("agent", agent, agents)):
                 if not isinstance(name, str) or name not in known:
                     raise InputError(f"the answer names an unknown {what} {str(name)[:80]!r}")
-            made[jobs[job]] = agents[agent]
-        return tuple(made)
+            agent_of_job[jobs[job]] = agents[agent]
+        return tuple(agent_of_job)
 
     def check_start(self, answer: Any) -> None:
         m = self.num_agents
@@ -199,9 +196,9 @@ class GeneralisedAssignment(Problem):
         """One row a job that is done: job, agent, cost or profit, consumption."""
         import pandas as pd
 
-        told = self.instance
+        data = self.instance
         rows = [
-            (told.job_name(j), told.agent_name(i), float(told.values[i, j]), float(told.consumption[i, j]))
+            (data.job_name(j), data.agent_name(i), float(data.values[i, j]), float(data.consumption[i, j]))
             for j, i in enumerate(answer)
             if i >= 0
         ]

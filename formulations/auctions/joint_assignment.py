@@ -51,6 +51,8 @@ class JointAssignment(Problem):
     """
 
     family: ClassVar[str] = "joint-assignment"
+    senses = ("min",)
+    convention = "exact"
 
     def __init__(self, instance: JointAssignmentInstance) -> None:
         if not isinstance(instance, JointAssignmentInstance):
@@ -95,32 +97,23 @@ class JointAssignment(Problem):
 
     @cached_property
     def costs(self) -> Floats:
-        """Of every errand, shape (robots, bins + 1, requests + 1), the last of each standing for none; infinite where it is not allowed."""
-        given = self.instance
-        made = np.full((self.num_robots, self.num_bins + 1, self.num_requests + 1), math.inf)
-        made[:, -1, -1] = 0.0
-        made[:, -1, :-1] = given.to_request
-        assert given.filled is not None
-        made[:, :-1, -1] = np.maximum(given.to_bin, given.filled)
-        by = given.to_request[:, None, :] + given.between.T[None, :, :]
-        made[:, :-1, :-1] = np.where(self.fetching[:, :, None], np.maximum(by, given.filled[None, :, None]), math.inf)
-        return made
+        """Time of every errand, shape (robots, bins + 1, requests + 1), the last index for none; infinite where it is not allowed."""
+        data = self.instance
+        costs = np.full((self.num_robots, self.num_bins + 1, self.num_requests + 1), math.inf)
+        costs[:, -1, -1] = 0.0
+        costs[:, -1, :-1] = data.to_request
+        assert data.filled is not None
+        costs[:, :-1, -1] = np.maximum(data.to_bin, data.filled)
+        by = data.to_request[:, None, :] + data.between.T[None, :, :]
+        costs[:, :-1, :-1] = np.where(self.fetching[:, :, None], np.maximum(by, data.filled[None, :, None]), math.inf)
+        return costs
 
     # -- the contract ------------------------------------------------------------------------------------------------
-
-    @property
-    def senses(self) -> tuple[str, ...]:
-        return ("min",)
-
-    @property
-    def convention(self) -> str:
-        return "exact"
 
     def digest(self) -> str:
         return digest("joint-assignment", self.instance.digest())
 
     def features(self) -> frozenset[str]:
-        """None but the triples themselves."""
         return frozenset({"triples"})
 
     @property
@@ -135,20 +128,20 @@ class JointAssignment(Problem):
         return {"objective": aim, "joint_assignment": self.instance.facts()}
 
     def cost_of(self, robot: int, place: int, request: int) -> float:
-        """Of one errand, from the times themselves; infinite where it is not allowed."""
-        given = self.instance
-        assert given.filled is not None
-        reached = 0.0 if request < 0 else float(given.to_request[robot, request])
+        """Time of one errand, from the data; infinite where it is not allowed."""
+        data = self.instance
+        assert data.filled is not None
+        reached = 0.0 if request < 0 else float(data.to_request[robot, request])
         if place < 0:
             return reached
-        if not (math.isfinite(given.to_bin[robot, place]) and math.isfinite(given.filled[place])):
+        if not (math.isfinite(data.to_bin[robot, place]) and math.isfinite(data.filled[place])):
             return math.inf
-        way = float(given.to_bin[robot, place]) if request < 0 else reached + float(given.between[request, place])
-        return max(way, float(given.filled[place]))
+        way = float(data.to_bin[robot, place]) if request < 0 else reached + float(data.between[request, place])
+        return max(way, float(data.filled[place]))
 
     def evaluate(self, answer: Any) -> Evaluation:
-        """Add up the times, and test that errands are allowed, no bin or request has two robots, and there are as many as there can be."""
-        n, m, q, told = self.num_robots, self.num_bins, self.num_requests, self.instance
+        """Add up the times; test that errands are allowed, no bin or request has two robots, and there are as many as there can be."""
+        n, m, q, data = self.num_robots, self.num_bins, self.num_requests, self.instance
         if not isinstance(answer, tuple) or len(answer) != n or not all(_errand(one, m, q) for one in answer):
             raise InputError(
                 "an answer is a tuple of one errand (bin, request) a robot, as numbers from 0, -1 for none", expected=f"{n} errands",
@@ -157,12 +150,12 @@ class JointAssignment(Problem):
         costs = np.array([self.cost_of(i, j, k) for i, (j, k) in enumerate(answer)])
 
         def forbidden(i: int) -> str:
-            return f"robot {told.name_of('robot', i)} may not do its errand"
+            return f"robot {data.name_of('robot', i)} may not do its errand"
 
         parts = [judge("allowed", np.where(np.isinf(costs), 1.0, 0.0), forbidden)]
         for at, what, count, asked in ((0, "bin", m, self.pickups), (1, "request", q, self.deliveries)):
             taken = np.array([errand[at] for errand in answer if errand[at] >= 0], dtype=np.int64)
-            names = [f"{what} {told.name_of(what, k)} is given to several robots" for k in range(count)]
+            names = [f"{what} {data.name_of(what, k)} is given to several robots" for k in range(count)]
             lacking = f"{len(taken)} of the {asked} {what}s that there can be"
             parts.append(judge(f"{what}s", np.bincount(taken, minlength=count) - 1.0, names.__getitem__))
             parts.append(judge(f"{what}s-served", np.array([float(asked - len(taken))]), [lacking].__getitem__))
@@ -172,17 +165,17 @@ class JointAssignment(Problem):
         return Evaluation((math.fsum(worth),), tuple(check for check, _ in parts), violations, quantities)
 
     def answer_at_hand(self) -> Errands:
-        """Bins and requests chosen without a look at each other, or at times."""
+        """Bins and requests chosen independently, whatever the times."""
         return tuple(zip(self.fetched.tolist(), self.served.tolist(), strict=True))
 
     # -- answers as files and tables ---------------------------------------------------------------------------------
 
     def answer_to_json(self, answer: Errands) -> dict[str, Any]:
-        told = self.instance
+        data = self.instance
         errands = [
             {
-                "robot": told.name_of("robot", i), "bin": told.name_of("bin", j) if j >= 0 else None,
-                "request": told.name_of("request", k) if k >= 0 else None,
+                "robot": data.name_of("robot", i), "bin": data.name_of("bin", j) if j >= 0 else None,
+                "request": data.name_of("request", k) if k >= 0 else None,
             }
             for i, (j, k) in enumerate(answer)
         ]  # fmt: skip
@@ -194,7 +187,7 @@ class JointAssignment(Problem):
             raise InputError("not an answer to a joint assignment", expected='an object {"kind": "errands", "errands": [...]}')
         counts = {"robot": self.num_robots, "bin": self.num_bins, "request": self.num_requests}
         known = {what: {self.instance.name_of(what, k): k for k in range(count)} for what, count in counts.items()}
-        made = [(-1, -1)] * self.num_robots
+        answer = [(-1, -1)] * self.num_robots
         for errand in errands:
             if not isinstance(errand, Mapping) or set(errand) != set(counts):
                 raise InputError("an errand names a robot, a bin and a request, or null for one of the two", found=str(errand)[:80])
@@ -206,16 +199,16 @@ class JointAssignment(Problem):
                     numbers[what] = known[what][name]
                 else:
                     raise InputError(f"the answer names an unknown {what} {str(name)[:80]!r}")
-            made[numbers["robot"]] = numbers["bin"], numbers["request"]
-        return tuple(made)
+            answer[numbers["robot"]] = numbers["bin"], numbers["request"]
+        return tuple(answer)
 
     def answer_to_frame(self, answer: Errands) -> pd.DataFrame:
         """One row a robot that does something: robot, bin, request, time."""
         import pandas as pd
 
-        told = self.instance
+        data = self.instance
         rows = [
-            (told.name_of("robot", i), told.name_of("bin", j) if j >= 0 else None, told.name_of("request", k) if k >= 0 else None,
+            (data.name_of("robot", i), data.name_of("bin", j) if j >= 0 else None, data.name_of("request", k) if k >= 0 else None,
              self.cost_of(i, j, k))
             for i, (j, k) in enumerate(answer)
             if (j, k) != (-1, -1)

@@ -1,4 +1,4 @@
-"""Matchings of the most pairs in a bipartite graph, and what proves that there are no larger ones."""
+"""Largest matchings of bipartite graphs, and the vertex covers that prove them largest."""
 
 from __future__ import annotations
 
@@ -12,23 +12,13 @@ MANY_PAIRS = 50_000
 """Pairs from which on a compiled loop is worth loading."""
 
 LOOKS = 8
-"""Times that paths may look at each pair, in the mean."""
+"""Pairs that the search for paths may look at, for each pair that there is."""
 
 
 def largest_matching(indptr: Indices, columns: Indices, num_columns: int) -> NDArray[np.int64]:
-    """A matching of the most pairs: of many by paths that are found depth first, where these are short, else that of Hopcroft and Karp
-    (1973).
+    """Column of each row in a largest matching, -1 for none; ``indptr`` and ``columns`` are the allowed pairs as a CSR matrix.
 
-    Parameters
-    ----------
-    indptr, columns : arrays
-        Allowed pairs as a CSR matrix, one row a robot.
-    num_columns : int
-
-    Returns
-    -------
-    array of shape (rows,)
-        Column of each row, -1 for none.
+    Of many pairs by augmenting paths found depth first, as long as these are short; else by Hopcroft and Karp (1973).
     """
     rows = len(indptr) - 1
     if len(columns) == rows * num_columns:
@@ -36,9 +26,9 @@ def largest_matching(indptr: Indices, columns: Indices, num_columns: int) -> NDA
     if len(columns) >= MANY_PAIRS:
         from .matching_kernels import matched
 
-        found, largest = matched(indptr, columns, num_columns, LOOKS * len(columns))
+        columns_of_rows, largest = matched(indptr, columns, num_columns, LOOKS * len(columns))
         if largest:
-            return np.asarray(found)
+            return np.asarray(columns_of_rows)
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import maximum_bipartite_matching
 
@@ -47,20 +37,10 @@ def largest_matching(indptr: Indices, columns: Indices, num_columns: int) -> NDA
 
 
 def surplus_rows(indptr: Indices, columns: Indices, num_columns: int, matched: NDArray[np.int64]) -> tuple[Marks, Marks]:
-    """Rows that alternating paths lead to from rows without a column, and the columns on them (Dulmage and Mendelsohn 1958).
+    """Rows that alternating paths from unmatched rows lead to, and the columns on these paths (Dulmage and Mendelsohn 1958).
 
-    Parameters
-    ----------
-    indptr, columns, num_columns
-        See ``largest_matching``.
-    matched : array of shape (rows,)
-        A matching of the most pairs.
-
-    Returns
-    -------
-    (array of shape (rows,), array of shape (columns,))
-        The other rows and these columns meet every pair, and are as many as the matching has pairs (König 1931). Each of these columns
-        is matched in every largest matching, each of the other rows too.
+    ``matched`` is a largest matching as of ``largest_matching``. The other rows and these columns cover every pair, and are as many as the
+    matching has pairs (König 1931). Every largest matching matches each of them.
     """
     rows = len(indptr) - 1
     holder = np.full(num_columns, -1, dtype=np.int64)

@@ -9,23 +9,10 @@ from ..kernels import kernel
 
 @kernel("(read(i4[::1]), read(i4[::1]), i8, i8)")
 def matched(indptr, columns, num_columns, most):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """A matching, and whether it is a largest one.
+    """A matching, column of each row or -1, and whether it is known to be a largest one.
 
-    Rows take free columns, then alternating paths are looked for from each row that is left, depth first with a look ahead for a free
-    column, until a round finds none (Pothen and Fan 1990).
-
-    Parameters
-    ----------
-    indptr, columns : arrays
-        Allowed pairs as a CSR matrix.
-    num_columns : int
-    most : int
-        Pairs that paths may look at: they could be rows times pairs.
-
-    Returns
-    -------
-    array of shape (rows,), bool
-        Column of each row, -1 for none.
+    Rows take free columns; then augmenting paths are sought from each row left over, depth first with a look ahead for a free column, until
+    a round finds none (Pothen and Fan 1990). ``most`` limits how many pairs are looked at, which could be rows times pairs.
     """
     rows = len(indptr) - 1
     own, holder = np.full(rows, -1), np.full(num_columns, -1)

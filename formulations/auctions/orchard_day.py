@@ -14,7 +14,7 @@ from ...instances.errors import InputError, UsageError
 from ...instances.generators.settings import Setting
 from ...instances.instance import digest, with_settings
 from ..evaluation import Checklist, Evaluation
-from ..problem import PROBLEMS, Problem
+from ..problem import PROBLEMS, Problem, refuse_settings
 from ..stop import NEVER, Stop
 
 if TYPE_CHECKING:
@@ -62,6 +62,8 @@ class OrchardDay(Problem):
     """
 
     family: ClassVar[str] = "orchard-day"
+    senses = ("min",)
+    convention = "exact"
 
     def __init__(self, jobs: OrchardJobs, objective: str = OBJECTIVE.default) -> None:
         if not isinstance(jobs, OrchardJobs):
@@ -69,19 +71,10 @@ class OrchardDay(Problem):
         self.jobs, self.objective = jobs, str(OBJECTIVE.value("objective", objective))
         self.name, self.problem, self.notes = jobs.name, "orchard-day", jobs.notes
 
-    @property
-    def senses(self) -> tuple[str, ...]:
-        return ("min",)
-
-    @property
-    def convention(self) -> str:
-        return "exact"
-
     def digest(self) -> str:
         return digest("orchard-day", self.objective, self.jobs.digest())
 
     def features(self) -> frozenset[str]:
-        """The objective."""
         return frozenset({f"objective:{self.objective}"})
 
     @property
@@ -95,14 +88,13 @@ class OrchardDay(Problem):
         }
 
     def value(self, times: Integers) -> float:
-        """Of the steps at which bins come home."""
+        """The objective, from the steps at which bins come home."""
         return float(times.max() if self.objective == "makespan" else times.sum())
 
     # -- judging -----------------------------------------------------------------------------------------------------
 
     def evaluate(self, answer: Any) -> Evaluation:
-        """Recompute when bins come home, and test that each is brought and fetched as often as it must be, and that no robot waits for
-        ever."""
+        """Recompute when bins come home; test that each is brought and fetched as often as it must be, and that no robot waits for ever."""
         jobs = self.jobs
         self._check_shape(answer)
         checks = Checklist()
@@ -114,10 +106,9 @@ class OrchardDay(Problem):
                         counts[k] += 1
         for k in range(jobs.num_bins):
             due = 0 if jobs.standing[k] else 1
-            checks.test(
-                "brought", abs(float(brought[k] - due)), f"bin {k + 1} is brought {_times(brought[k])}, not {_times(due)}", site=str(k + 1)
-            )
-            checks.test("fetched", abs(float(fetched[k] - 1)), f"bin {k + 1} is fetched {_times(fetched[k])}, not once", site=str(k + 1))
+            for check, count, wanted in (("brought", int(brought[k]), due), ("fetched", int(fetched[k]), 1)):
+                fault = f"bin {k + 1} is {check} {_times(count)}, not {_times(wanted)}"
+                checks.test(check, abs(float(count - wanted)), fault, site=str(k + 1))
         home, stuck = _timetable(jobs, answer)
         for robot in range(jobs.num_robots):
             late = robot in stuck
@@ -200,7 +191,7 @@ def _times(count: Any) -> str:
 
 
 def _timetable(jobs: OrchardJobs, answer: Trips) -> tuple[Integers, set[int]]:
-    """Step at which each bin comes home, -1 for never, and the robots that wait for ever; of bins brought or fetched again the first
+    """Step at which each bin comes home (-1 for never), and the robots that wait for ever. If a bin is brought or fetched twice, the first
     counts."""
     grid, after, work = jobs.grid, jobs.after.tolist(), jobs.work.tolist()
     following = {before: k for k, before in enumerate(after) if before >= 0}
@@ -211,7 +202,7 @@ def _timetable(jobs: OrchardJobs, answer: Trips) -> tuple[Integers, set[int]]:
     going = list(range(jobs.num_robots))
 
     def stands(k: int) -> None:
-        """Fill a bin that stands now, and those after it that only waited for it."""
+        """Fill a bin that stands now, and then those that waited for it alone."""
         while k >= 0 and stood[k] >= 0 and (after[k] < 0 or full[after[k]] >= 0):
             full[k] = max(stood[k], full[after[k]] if after[k] >= 0 else 0) + work[k]
             going.extend(waiting.pop(k, ()))
@@ -249,9 +240,9 @@ def _timetable(jobs: OrchardJobs, answer: Trips) -> tuple[Integers, set[int]]:
 
 
 def in_order(jobs: OrchardJobs, order: Iterable[int], stop: Stop = NEVER) -> Trips:
-    """Bins fetched in an order, each by the robot that would have it home the soonest; one that has to be brought is, by the same trip.
+    """Bins fetched in the given order, each by the robot that has it home the soonest, which brings it first where it does not stand yet.
 
-    ``order`` names a bin after those that its group fills before. Raises Stopped where ``stop`` ends it.
+    A bin must come after those that its group fills before it. Raises Stopped.
     """
     grid = jobs.grid
     here, clock = jobs.robot_cells.copy(), jobs.robot_free.copy()
@@ -278,9 +269,5 @@ def make(instance: Any, name: str, settings: dict[str, Any]) -> OrchardDay:
     """The problem of an instance; setting ``objective``."""
     if not isinstance(instance, OrchardJobs):
         raise UsageError(f"{instance.name} holds no bins of an orchard, so it cannot be read as {name}")
-    if settings.pop("convention", None) not in (None, "exact"):
-        raise UsageError(f"{name} problems have no distances to round: the convention can only be exact")
-    objective = settings.pop("objective", OBJECTIVE.default)
-    if settings:
-        raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes objective")
-    return OrchardDay(instance, objective)
+    refuse_settings(name, settings, ("objective",))
+    return OrchardDay(instance, settings.get("objective", OBJECTIVE.default))

@@ -1,4 +1,4 @@
-"""What problems share whose answers give every task to one robot: answers, their files, and the test that all tasks are there."""
+"""Base of the problems whose answers give every task to one robot."""
 
 from __future__ import annotations
 
@@ -23,15 +23,10 @@ Shares = tuple[tuple[int, ...], ...]
 
 
 class RobotShares(Problem):
-    """A problem whose answer is a tuple with one tuple of tasks a robot, as numbers from 0.
+    """A problem whose answer is a tuple with one tuple of tasks a robot, as numbers from 0; ``answer_kind`` is its kind in JSON."""
 
-    Attributes
-    ----------
-    instance : RobotTasks
-    answer_kind : str
-        Of answers in files.
-    """
-
+    senses = ("min",)
+    convention = "exact"
     instance: RobotTasks
     answer_kind: ClassVar[str]
 
@@ -42,14 +37,6 @@ class RobotShares(Problem):
     @property
     def num_tasks(self) -> int:
         return self.instance.num_tasks
-
-    @property
-    def senses(self) -> tuple[str, ...]:
-        return ("min",)
-
-    @property
-    def convention(self) -> str:
-        return "exact"
 
     @property
     def size(self) -> int:
@@ -66,25 +53,23 @@ class RobotShares(Problem):
             raise InputError("an answer is a tuple of tuples of tasks, one a robot, as numbers from 0", found=printable(repr(answer), 80))
         if len(answer) != self.num_robots:
             raise InputError("an answer has one tuple a robot", expected=str(self.num_robots), found=str(len(answer)))
-        given = [t for share in answer for t in share]
-        unknown = [t for t in given if not 0 <= t < tasks]
+        shared_out = [t for share in answer for t in share]
+        unknown = [t for t in shared_out if not 0 <= t < tasks]
         if unknown:
             raise InputError(f"task number {unknown[0]} does not exist", expected=f"0 to {tasks - 1}")
-        count = np.bincount(np.array(given, dtype=np.int64), minlength=tasks)
+        count = np.bincount(np.array(shared_out, dtype=np.int64), minlength=tasks)
         name = self.instance.task_name
         checks: list[tuple[Check, list[Violation]]] = [
             judge("done", 1.0 - count, lambda k: f"nobody does task {name(k)}"),
             judge("once", count - 1.0, lambda k: f"task {name(k)} is done {count[k]} times"),
         ]
-        return tuple(check for check, _ in checks), tuple(fault for _, found in checks for fault in found)
+        return tuple(check for check, _ in checks), tuple(fault for _, broken in checks for fault in broken)
 
     # -- answers as files --------------------------------------------------------------------------------------------
 
     def answer_to_json(self, answer: Shares) -> dict[str, Any]:
-        told = self.instance
-        shares = [
-            {"robot": told.robot_name(robot), "tasks": [told.task_name(task) for task in share]} for robot, share in enumerate(answer)
-        ]
+        data = self.instance
+        shares = [{"robot": data.robot_name(r), "tasks": [data.task_name(task) for task in share]} for r, share in enumerate(answer)]
         return {"kind": self.answer_kind, "shares": shares}
 
     def answer_from_json(self, data: Any) -> Shares:
@@ -94,18 +79,18 @@ class RobotShares(Problem):
             raise InputError(f"not an answer to {an(self.problem)} problem", expected=expected)
         robots = {self.instance.robot_name(r): r for r in range(self.num_robots)}
         tasks = {self.instance.task_name(t): t for t in range(self.num_tasks)}
-        made: list[tuple[int, ...]] = [()] * self.num_robots
+        tasks_of_robots: list[tuple[int, ...]] = [()] * self.num_robots
         seen: set[str] = set()
         for share in shares:
-            robot, given = str(share["robot"]), share["tasks"]
+            robot, listed = str(share["robot"]), share["tasks"]
             if robot not in robots or robot in seen:
                 raise InputError(f"robot {printable(robot, 80)!r} {'stands twice' if robot in seen else 'does not exist'}")
             seen.add(robot)
-            unknown = next((t for t in given if str(t) not in tasks), None) if isinstance(given, list) else given
-            if not isinstance(given, list) or unknown is not None:
+            unknown = next((t for t in listed if str(t) not in tasks), None) if isinstance(listed, list) else listed
+            if not isinstance(listed, list) or unknown is not None:
                 raise InputError(f"the share of robot {robot} holds an unknown task {printable(str(unknown), 80)!r}")
-            made[robots[robot]] = tuple(tasks[str(task)] for task in given)
-        return tuple(made)
+            tasks_of_robots[robots[robot]] = tuple(tasks[str(task)] for task in listed)
+        return tuple(tasks_of_robots)
 
     def answer_of(self, given: Any) -> Shares:
         """Tuples of numbers from 0, or lists of numbers or names, one a robot."""
@@ -120,18 +105,13 @@ class RobotShares(Problem):
         return tuple(tuple(indices_of(share, names, "task")) for share in shares)
 
     def check_start(self, answer: Any) -> None:
-        """See ``Problem.check_start``."""
-        known = isinstance(answer, tuple) and all(isinstance(share, tuple) for share in answer)
-        if (
-            not known
-            or len(answer) != self.num_robots
-            or any(type(t) is not int or not 0 <= t < self.num_tasks for share in answer for t in share)
-        ):
+        shares = isinstance(answer, tuple) and len(answer) == self.num_robots and all(isinstance(share, tuple) for share in answer)
+        if not shares or any(type(t) is not int or not 0 <= t < self.num_tasks for share in answer for t in share):
             raise UsageError(f"the start is no answer of {self.name}: it has {self.num_robots} robots and {self.num_tasks} tasks")
 
 
 def robot_tasks(instance: Any, name: str) -> RobotTasks:
-    """``instance``, if it holds robots and tasks; UsageError for any other."""
+    """The instance, if it holds robots and tasks; UsageError otherwise."""
     if not isinstance(instance, RobotTasks):
         raise UsageError(f"{instance.name} holds no robots and tasks, so it cannot be read as {name}")
     return instance
@@ -139,16 +119,16 @@ def robot_tasks(instance: Any, name: str) -> RobotTasks:
 
 def settings_of(name: str, settings: Mapping[str, Any], known: tuple[str, ...]) -> dict[str, Any]:
     """The settings that are ``known``; UsageError for others. The convention can only be exact."""
-    given = dict(settings)
-    if given.pop("convention", None) not in (None, "exact"):
+    kept = dict(settings)
+    if kept.pop("convention", None) not in (None, "exact"):
         raise UsageError(f"{name} problems take distances as they are: the convention can only be exact")
-    unknown = [key for key in given if key not in known]
+    unknown = [key for key in kept if key not in known]
     if unknown:
         raise UsageError(f"{name} has no setting {', '.join(unknown)}; it takes {', '.join(known)}{did_you_mean(unknown[0], known)}")
-    return given
+    return kept
 
 
 def saved(problem: RobotShares, **settings: Any) -> RobotTasks:
-    """The instance, with what makes the problem of it."""
+    """The instance with the settings that make this problem of it."""
     made: RobotTasks = with_settings(replace(problem.instance, problem=problem.problem), settings)
     return made

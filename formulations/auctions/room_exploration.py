@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 GO, MAP, SEARCH = range(3)
 ACTIONS = ("go", "map", "search")
-"""To a room, or to stay; to observe the type of the room; to look for a target in it."""
+"""Go to a room or stay; observe the type of the room; look for a target in it."""
 
 Deed = tuple[int, int]
-"""The room in which a robot is after a step, and what it did."""
+"""The room in which a robot is after a step, and its action."""
 
 Plans = tuple[tuple[Deed, ...], ...]
 """Each robot's steps."""
@@ -51,6 +51,8 @@ class RoomExploration(Problem):
     """
 
     family: ClassVar[str] = "room-exploration"
+    senses = ("max",)
+    convention = "exact"
 
     def __init__(self, instance: ExplorationMap) -> None:
         if not isinstance(instance, ExplorationMap):
@@ -58,19 +60,10 @@ class RoomExploration(Problem):
         self.instance = instance
         self.name, self.problem, self.notes = instance.name, "room-exploration", instance.notes
 
-    @property
-    def senses(self) -> tuple[str, ...]:
-        return ("max",)
-
-    @property
-    def convention(self) -> str:
-        return "exact"
-
     def digest(self) -> str:
         return digest("room-exploration", self.instance.digest())
 
     def features(self) -> frozenset[str]:
-        """The limit of communication."""
         return frozenset({"contact"})
 
     @property
@@ -83,64 +76,63 @@ class RoomExploration(Problem):
     # -- judging -----------------------------------------------------------------------------------------------------
 
     def evaluate(self, answer: Any) -> Evaluation:
-        """Add up the gains, and test that each step leads through a door, observers stay, and contact is kept."""
-        given = self.instance
+        """Add up the gains; test that each step leads through a door, that observers stay, and that contact is kept."""
+        instance = self.instance
         self._check_shape(answer)
         checks = Checklist()
-        adjacent = given.adjacent
-        counts = np.zeros((len(GAINS), given.num_rooms), dtype=np.int64)
+        adjacent = instance.adjacent
+        counts = np.zeros((len(GAINS), instance.num_rooms), dtype=np.int64)
         for robot, deeds in enumerate(answer):
-            here = int(given.starts[robot])
+            here = int(instance.starts[robot])
             for step, (room, action) in enumerate(deeds, start=1):
                 stays = room == here
                 fine = stays or (action == GO and adjacent[here, room])
-                what = f"from room {given.room_name(here)} to {given.room_name(room)}"
-                told = f"robot {robot + 1} cannot {'go' if action == GO else ACTIONS[action]} {what} in step {step}"
-                checks.test("doors", float(not fine), told, vehicle=str(robot + 1), site=given.room_name(room))
+                what = f"from room {instance.room_name(here)} to {instance.room_name(room)}"
+                message = f"robot {robot + 1} cannot {'go' if action == GO else ACTIONS[action]} {what} in step {step}"
+                checks.test("doors", float(not fine), message, vehicle=str(robot + 1), site=instance.room_name(room))
                 if action != GO or not stays:
                     counts[action, room] += 1
                 here = room
         for robot, silent in enumerate(self.silences(answer)):
-            told = f"robot {robot + 1} is without contact for {silent} steps in a row, {given.silence} allowed"
-            checks.test("contact", float(silent - given.silence), told, vehicle=str(robot + 1))
+            message = f"robot {robot + 1} is without contact for {silent} steps in a row, {instance.silence} allowed"
+            checks.test("contact", float(silent - instance.silence), message, vehicle=str(robot + 1))
         last = self.contacts(answer)[-1]
-        for robot in range(given.num_robots):
+        for robot in range(instance.num_robots):
             checks.test("end", float(not last[robot]), f"robot {robot + 1} has no contact after the last step", vehicle=str(robot + 1))
         terms = [
-            getattr(given, key)[room, :count].tolist() for key, row in zip(GAINS, counts, strict=True) for room, count in enumerate(row)
+            getattr(instance, key)[room, :count].tolist() for key, row in zip(GAINS, counts, strict=True) for room, count in enumerate(row)
         ]
-        quantities = {
-            key: math.fsum(v for own in terms[k * given.num_rooms : (k + 1) * given.num_rooms] for v in own) for k, key in enumerate(GAINS)
-        }
+        n = instance.num_rooms
+        quantities = {key: math.fsum(v for own in terms[k * n : (k + 1) * n] for v in own) for k, key in enumerate(GAINS)}
         value = math.fsum(v for own in terms for v in own)
         return Evaluation((value,), checks.checks(("doors", "contact", "end")), tuple(checks.violations), quantities)
 
     def _check_shape(self, answer: Any) -> None:
-        given = self.instance
-        if not isinstance(answer, tuple) or len(answer) != given.num_robots:
-            raise InputError(f"an answer is a tuple of steps for each of {given.num_robots} robots", found=str(answer)[:80])
+        instance = self.instance
+        if not isinstance(answer, tuple) or len(answer) != instance.num_robots:
+            raise InputError(f"an answer is a tuple of steps for each of {instance.num_robots} robots", found=str(answer)[:80])
         for deeds in answer:
-            if not isinstance(deeds, tuple) or len(deeds) != given.steps:
-                raise InputError(f"each robot makes {given.steps} steps", found=str(deeds)[:80])
+            if not isinstance(deeds, tuple) or len(deeds) != instance.steps:
+                raise InputError(f"each robot makes {instance.steps} steps", found=str(deeds)[:80])
             for deed in deeds:
                 pair = isinstance(deed, tuple) and len(deed) == 2 and all(type(k) is int for k in deed)
-                if not pair or not (0 <= deed[0] < given.num_rooms and 0 <= deed[1] < len(ACTIONS)):
-                    raise InputError(f"a step is a room from 0 to {given.num_rooms - 1} and an action from 0 to 2", found=str(deed)[:80])
+                if not pair or not (0 <= deed[0] < instance.num_rooms and 0 <= deed[1] < len(ACTIONS)):
+                    raise InputError(f"a step is a room from 0 to {instance.num_rooms - 1} and an action from 0 to 2", found=str(deed)[:80])
 
     def contacts(self, answer: Plans) -> NDArray[np.bool_]:
         """Whether each robot has contact with the base after each step; shape (steps, robots)."""
-        given, linked = self.instance, self.instance.linked
-        made = np.zeros((given.steps, given.num_robots), dtype=bool)
-        for step in range(given.steps):
+        instance, linked = self.instance, self.instance.linked
+        contacts = np.zeros((instance.steps, instance.num_robots), dtype=bool)
+        for step in range(instance.steps):
             rooms = np.array([deeds[step][0] for deeds in answer])
-            found = linked[given.base, rooms]
+            joined = linked[instance.base, rooms]
             while True:
-                more = found | (linked[np.ix_(rooms, rooms)] & found[None, :]).any(axis=1)
-                if (more == found).all():
+                more = joined | (linked[np.ix_(rooms, rooms)] & joined[None, :]).any(axis=1)
+                if (more == joined).all():
                     break
-                found = more
-            made[step] = found
-        return made
+                joined = more
+            contacts[step] = joined
+        return contacts
 
     def silences(self, answer: Plans) -> list[int]:
         """The most steps in a row for which each robot has no contact."""
@@ -170,14 +162,14 @@ class RoomExploration(Problem):
             raise InputError("not an answer to a room exploration", expected='an object {"kind": "explorations", "robots": [[...], ...]}')
         rooms = {self.instance.room_name(k): k for k in range(self.instance.num_rooms)}
 
-        def deed(given: Any) -> Deed:
-            if not isinstance(given, Mapping) or given.get("room") not in rooms or given.get("action") not in ACTIONS:
-                raise InputError("a step names a room and an action", expected='{"room": ..., "action": ...}', found=str(given)[:80])
-            return rooms[given["room"]], ACTIONS.index(given["action"])
+        def deed(entry: Any) -> Deed:
+            if not isinstance(entry, Mapping) or entry.get("room") not in rooms or entry.get("action") not in ACTIONS:
+                raise InputError("a step names a room and an action", expected='{"room": ..., "action": ...}', found=str(entry)[:80])
+            return rooms[entry["room"]], ACTIONS.index(entry["action"])
 
-        made = tuple(tuple(map(deed, deeds)) for deeds in robots)
-        self._check_shape(made)
-        return made
+        plans = tuple(tuple(map(deed, deeds)) for deeds in robots)
+        self._check_shape(plans)
+        return plans
 
     def answer_to_frame(self, answer: Plans) -> pd.DataFrame:
         """One row a robot and step: robot, step, room, action, contact."""
@@ -195,8 +187,8 @@ class RoomExploration(Problem):
         return self.instance
 
     def __repr__(self) -> str:
-        given = self.instance
-        return f"<RoomExploration {self.name}: {given.num_rooms} rooms, {given.num_robots} robots, {given.steps} steps>"
+        instance = self.instance
+        return f"<RoomExploration {self.name}: {instance.num_rooms} rooms, {instance.num_robots} robots, {instance.steps} steps>"
 
 
 @PROBLEMS.register("room-exploration")

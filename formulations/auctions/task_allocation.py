@@ -61,7 +61,6 @@ class TaskAllocation(RobotShares):
         return digest("task-allocation", self.num_robots, self.instance.distances, self.objective)
 
     def features(self) -> frozenset[str]:
-        """The objective."""
         return frozenset({f"objective:{self.objective}"})
 
     def linear_entries(self) -> int:

@@ -12,20 +12,8 @@ from ...formulations.stop_kernel import asked
 def conflict_rounds(flag, indptr, bins, cost, num_bins, final):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Every robot without a bin bids for its cheapest one, the lowest cost wins, losers go on to their next one.
 
-    Parameters
-    ----------
-    flag : array
-        Of a ``Stop``.
-    indptr, bins, cost : arrays
-        The pairs of each robot, cheapest first.
-    num_bins : int
-    final : bool
-        Whether who has won a bin keeps it, so that it is offered no more; else a cheaper later bid wins it.
-
-    Returns
-    -------
-    (array, int, int, bool)
-        Bin of each robot, -1 for none; rounds, bids, and whether it came to its end.
+    ``indptr``, ``bins`` and ``cost`` are the pairs of each robot, cheapest first. With ``final`` a bin that is won is offered no more; else
+    a cheaper later bid wins it. Returns the bin of each robot (-1 for none), rounds, bids, and whether it came to its end.
     """
     n = len(indptr) - 1
     place, holder, offered = np.empty(n, np.int64), np.full(num_bins, -1), np.full(num_bins, -1)
@@ -74,13 +62,8 @@ def conflict_rounds(flag, indptr, bins, cost, num_bins, final):  # type: ignore[
 
 @kernel("(i8[::1], i8[::1], i8[::1], read(f8[::1]), i8, i8[::1])")
 def serial_choice(flag, indptr, bins, cost, num_bins, order):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """One robot after the other takes its cheapest bin that is left; the first of equal ones.
-
-    Returns
-    -------
-    (array, bool)
-        Bin of each robot, -1 for none, and whether it came to its end.
-    """
+    """One robot after the other takes its cheapest free bin, the first of equal ones: bin of each robot or -1, and whether it came to its
+    end."""
     taken = np.full(len(indptr) - 1, -1)
     free = np.ones(num_bins, np.bool_)
     for turn in range(len(order)):

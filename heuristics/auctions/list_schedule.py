@@ -9,23 +9,25 @@ from ...formulations.evidence import Guarantee
 from ...formulations.stop import Stopped
 from ...instances.auctions.orchard_jobs import OrchardJobs
 from ...instances.errors import UsageError
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import Context, Outcome, heuristic
 
 ORDERS = ("nearest", "longest")
 
 READY = ("all bins are full at the start", "no bin is to be brought", "all robots begin at the repository at once")
-"""Under which bins are jobs of fixed lengths on identical machines."""
+"""Conditions under which bins are jobs of fixed lengths on identical machines."""
 
 
+@heuristic(
+    "list-schedule",
+    "orchard-day",
+    {"objective:makespan", "objective:completion"},
+    "bins in the order of their ways, each by the robot that has it home first",
+    "2 - 1/m, longest first 4/3 - 1/(3 m), for full bins and robots at the repository; nearest first is then optimal for the sum",
+)
 def list_schedule(problem: OrchardDay, context: Context, *, order: str = "nearest") -> Outcome:
-    """Bins by their way home, the shortest or the longest first; those that a group fills before a bin come before it, unless all are full.
+    """Bins by the length of their trip, shortest (``order="nearest"``) or longest first.
 
-    Parameters
-    ----------
-    problem : OrchardDay
-    context : Context
-    order : str
-        ``nearest`` or ``longest``.
+    A bin comes after those that its group fills before it, unless all are full.
     """
     if order not in ORDERS:
         raise UsageError(f"list-schedule: order must be one of {', '.join(ORDERS)}, not {order!r}")
@@ -50,7 +52,7 @@ def list_schedule(problem: OrchardDay, context: Context, *, order: str = "neares
 
 
 def is_ready(jobs: OrchardJobs) -> bool:
-    """Whether ``READY`` holds."""
+    """Whether the conditions ``READY`` hold."""
     waits = bool((jobs.work > 0).any() or not jobs.standing.all() or jobs.away.any() or (jobs.robot_free > 0).any())
     return not waits
 
@@ -65,13 +67,3 @@ def _guarantee(problem: OrchardDay, order: str) -> Guarantee | None:
     if order == "longest":
         return Guarantee(4 / 3 - 1 / (3 * m), "last step <= (4/3 - 1/(3 m)) optimum for m robots", READY, "Graham (1969), theorem 2")
     return Guarantee(2 - 1 / m, "last step <= (2 - 1/m) optimum for m robots", READY, "Graham (1966)")
-
-
-HEURISTICS.add(
-    "list-schedule",
-    Heuristic(
-        "list-schedule", ("orchard-day",), frozenset({"objective:makespan", "objective:completion"}), list_schedule,
-        "bins in the order of their ways, each by the robot that has it home first",
-        "2 - 1/m, longest first 4/3 - 1/(3 m), for full bins and robots at the repository; nearest first is then optimal for the sum",
-    ),
-)  # fmt: skip

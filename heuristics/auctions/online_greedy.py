@@ -1,4 +1,4 @@
-"""Online greedy: one robot after the other takes its cheapest bin that is left."""
+"""Heuristic ``online-greedy``: one robot after the other takes its cheapest free bin."""
 
 from __future__ import annotations
 
@@ -9,34 +9,30 @@ import numpy as np
 from ...formulations.auctions.bin_assignment import BinAssignment
 from ...formulations.evidence import Guarantee
 from ...instances.errors import UsageError
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from ._common import QUADRANGLE, completed, cut_short, quadrangle, told
+from ..heuristic import Context, Outcome, heuristic
+from .conflict_auction import QUADRANGLE, changes_message, completed, cut_short, quadrangle
 
 MOST = 1000
-"""Robots for which 2^n - 1 is a number."""
+"""Robots up to which 2^n - 1 is a floating-point number."""
 
 SOURCE = "Kalyanasundaram and Pruhs (1993), Online weighted matching; Khuller, Mitchell and Vazirani (1994)"
 
 
+@heuristic(
+    "online-greedy",
+    "bin-assignment",
+    {"objective:sum", "objective:bottleneck"},
+    "one robot after the other takes its cheapest bin that is left",
+    "2^n - 1 for n robots, no fewer bins, and costs that keep the quadrangle inequality",
+)
 def online_greedy(problem: BinAssignment, context: Context, *, order: str | Sequence[int] = "id") -> Outcome:
     """Serve robots in turn, first come, first served.
 
-    Parameters
-    ----------
-    problem : BinAssignment
-    context : Context
-    order : str or sequence of int
-        ``id``: as they are numbered; ``random``; or the numbers of all robots from 0.
+    ``order`` is ``id`` (as they are numbered), ``random``, or the numbers of all robots from 0. Where pairs are forbidden it may match
+    fewer than possible; then as few robots as possible get other bins.
 
-    Returns
-    -------
-    Outcome
-        Where pairs are forbidden it may match fewer than possible; as few robots as possible then get other bins.
-
-    Notes
-    -----
-    Source: Zhang (2015), section 3.4.1, on the costs of the auction; docs/formulations/bin-assignment.md#auctions. 2^n - 1 is attained on
-    a line, whatever n is, and holds where there is a bin for each robot: else who is served first may not be among those to serve.
+    Source: Zhang (2015), section 3.4.1, on the costs of the auction; docs/formulations/bin-assignment.md#auctions. 2^n - 1 is attained on a
+    line for every n, and holds where there is a bin for each robot: otherwise those served first may not be the ones to serve.
     """
     from .conflict_kernels import serial_choice
 
@@ -60,14 +56,4 @@ def online_greedy(problem: BinAssignment, context: Context, *, order: str | Sequ
     guarantee = None
     if problem.objective == "sum" and n <= min(problem.num_bins, MOST) and quadrangle(problem, stop):
         guarantee = Guarantee(2.0**n - 1.0, f"cost <= (2^{n} - 1) OPT", (QUADRANGLE, "a bin for each robot"), SOURCE)
-    return Outcome(answer, guarantee, (), {"changed": changed} if changed else {}, told(changed))
-
-
-HEURISTICS.add(
-    "online-greedy",
-    Heuristic(
-        "online-greedy", ("bin-assignment",), frozenset({"objective:sum", "objective:bottleneck"}), online_greedy,
-        "one robot after the other takes its cheapest bin that is left",
-        "2^n - 1 for n robots, no fewer bins, and costs that keep the quadrangle inequality",
-    ),
-)  # fmt: skip
+    return Outcome(answer, guarantee, (), {"changed": changed} if changed else {}, changes_message(changed))

@@ -1,4 +1,4 @@
-"""Parallel auction: all tasks are auctioned at once, each by itself."""
+"""Heuristic ``parallel-auction``: all tasks are auctioned at once, each by itself."""
 
 from __future__ import annotations
 
@@ -6,26 +6,17 @@ import numpy as np
 
 from ...formulations.auctions.task_allocation import TaskAllocation
 from ...formulations.stop import Stop
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from .auction_steps.paths import ANY_OBJECTIVE, CUT_SHORT, arrays_of, completed
+from ..heuristic import Context, Outcome, heuristic
+from .auction_steps.task_paths import ANY_OBJECTIVE, CUT_SHORT, arrays_of, completed
 
 
+@heuristic("parallel-auction", "task-allocation", ANY_OBJECTIVE, "all tasks at once, each to the robot that stands nearest")
 def parallel_auction(problem: TaskAllocation, context: Context) -> Outcome:
-    """Each task to the robot that stands nearest; then every robot inserts its tasks one after the other, the cheapest first.
+    """Each task goes to the nearest robot; then every robot inserts its tasks one after the other, the cheapest first.
 
-    Parameters
-    ----------
-    problem : TaskAllocation
-    context : Context
+    There is no guarantee: with n robots around a cluster of tasks the sum of paths may come to almost n times the optimum, and the longest
+    path is not looked at. There is one round, with a bid of each robot for each task.
 
-    Returns
-    -------
-    Outcome
-        No guarantee: with n robots around a cluster of tasks the sum of paths may come to almost n times the optimum, and the longest
-        path is not looked at. One round: a bid of each robot for each task.
-
-    Notes
-    -----
     Source: Lagoudakis et al. (2005); docs/formulations/task-allocation.md#auctions.
     """
     stop = context.begin()
@@ -50,15 +41,3 @@ def _path(stop: Stop, start: np.ndarray, between: np.ndarray, tasks: np.ndarray,
         return ()
     path, count, _ = sequential(stop.flag, np.ascontiguousarray(start), np.ascontiguousarray(between), WAYS if waiting else SUM, 0)
     return tuple(tasks[path[0, : count[0]]].tolist())
-
-
-HEURISTICS.add(
-    "parallel-auction",
-    Heuristic(
-        name="parallel-auction",
-        families=("task-allocation",),
-        features=ANY_OBJECTIVE,
-        run=parallel_auction,
-        summary="all tasks at once, each to the robot that stands nearest",
-    ),
-)

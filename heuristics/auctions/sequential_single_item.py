@@ -1,47 +1,34 @@
-"""Sequential single-item auction: round after round all robots bid for all open tasks, and the lowest bid wins."""
+"""Heuristic ``sequential-single-item``: round after round all robots bid for all open tasks, and the lowest bid wins."""
 
 from __future__ import annotations
 
 from ...formulations.auctions.task_allocation import OBJECTIVES, TaskAllocation
 from ...formulations.evidence import Guarantee
 from ...instances.errors import UsageError
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
-from .auction_steps.metric import keeps_triangles
-from .auction_steps.paths import ANY_OBJECTIVE, CUT_SHORT, arrays_of, completed, paths_of, rule_of
+from ..heuristic import Context, Outcome, heuristic
+from .auction_steps.task_paths import ANY_OBJECTIVE, CUT_SHORT, arrays_of, completed, keeps_triangles, paths_of, rule_of
 
 SOURCE = "Lagoudakis et al. (2005), Auction-based multi-robot routing; its proof on docs/formulations/task-allocation.md#guarantee-2"
 
 MOST_ORDERED = 9
-"""Tasks of one robot up to which its best path is looked for: 2^9 sets for each open task, in every round."""
+"""Tasks of one robot up to which its best path is found: 2^9 sets for each open task, in every round."""
 
 
+@heuristic(
+    "sequential-single-item",
+    "task-allocation",
+    ANY_OBJECTIVE,
+    "auction of one task a round to the lowest marginal bid (SSI)",
+    "2 for the sum of all paths (mini-sum) under the triangle inequality; none for the other objectives",
+)
 def sequential_single_item(problem: TaskAllocation, context: Context, *, bids: str | None = None, paths: str = "insertion") -> Outcome:
-    """Award one task a round, to the robot and for the task of the lowest bid; the lower robot, then the lower task, of equal ones.
+    """Award one task a round, to the robot and for the task of the lowest bid; of equal bids the lower robot, then the lower task.
 
-    Parameters
-    ----------
-    problem : TaskAllocation
-    context : Context
-    bids : str, optional
-        What a bid is. ``sum``: by how much the robot's path grows. ``max``: how long it is then. ``ave``: what is added to the ways of all
-        its tasks. By default what the objective counts.
-    paths : str
-        ``insertion``: a robot keeps the order of its path and inserts at the cheapest place. ``optimal``: up to
-        ``MOST_ORDERED`` tasks it takes its best path through all of them.
+    ``bids`` says what a bid is: ``sum``, by how much the robot's path grows; ``max``, how long it is then; ``ave``, what is added to the
+    ways of all its tasks; by default what the objective counts. With ``paths`` ``insertion`` a robot keeps the order of its path and
+    inserts at the cheapest place; with ``optimal`` it takes its best path through up to ``MOST_ORDERED`` tasks. The statistics count
+    rounds, and one bid a robot and round: its lowest.
 
-    Returns
-    -------
-    Outcome
-        With a guarantee of 2 for the sum of all paths, by bids ``sum``, where distances keep the triangle inequality. The statistics count
-        rounds, and one bid a robot and round: its lowest.
-
-    Raises
-    ------
-    UsageError
-        For other bids or paths.
-
-    Notes
-    -----
     Source: Lagoudakis et al. (2005), bidding rules BidSumPath, BidMaxPath and BidAvePath; docs/formulations/task-allocation.md#auctions.
     """
     from .auction_steps.bidding_kernels import sequential
@@ -61,16 +48,3 @@ def sequential_single_item(problem: TaskAllocation, context: Context, *, bids: s
         holds = keeps_triangles(problem.instance, stop)
         guarantee = None if holds is None else Guarantee(2.0, "sum of paths <= 2 OPT", holds, SOURCE)
     return Outcome(answer, guarantee, statistics=statistics)
-
-
-HEURISTICS.add(
-    "sequential-single-item",
-    Heuristic(
-        name="sequential-single-item",
-        families=("task-allocation",),
-        features=ANY_OBJECTIVE,
-        run=sequential_single_item,
-        summary="auction of one task a round to the lowest marginal bid (SSI)",
-        stated="2 for the sum of all paths (mini-sum) under the triangle inequality; none for the other objectives",
-    ),
-)

@@ -10,33 +10,21 @@ from numpy.typing import NDArray
 from ...formulations.auctions.generalised_assignment import GeneralisedAssignment
 from ...formulations.stop import NEVER, Stop
 from ...formulations.tolerance import room
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import Context, Outcome, heuristic
 
 Floats = NDArray[np.float64]
 
 SMALLEST = 1e-9
-"""Parts of a job that count as none: a linear program is solved to about as much."""
+"""Parts of a job that count as none: linear programs are solved to about this."""
 
 
 def rounded(problem: GeneralisedAssignment, parts: Floats) -> tuple[int, ...] | None:
-    """Whole jobs instead of parts, at no more cost: each agent is loaded by its largest job beyond its load in parts at most.
+    """Agent of each job, at no more cost than ``parts``, a point of the linear relaxation of shape (agents, jobs); None if parts are
+    missing.
 
-    An agent's jobs, those that consume the most first, are poured into slots of one job each; the cheapest matching of jobs to slots costs
-    no more than the parts, which are one in fractions.
+    An agent's jobs, those that consume the most first, are poured into slots of one job each, and the cheapest matching of jobs to slots is
+    taken. It exceeds the load in parts of an agent by no more than its largest job.
 
-    Parameters
-    ----------
-    problem : GeneralisedAssignment
-    parts : array of shape (agents, jobs)
-        A point of the linear relaxation.
-
-    Returns
-    -------
-    tuple of int or None
-        Agent of each job; None where the parts do not make up all jobs.
-
-    Notes
-    -----
     Source: Shmoys and Tardos (1993), An approximation algorithm for the generalized assignment problem, theorem 2.1.
     """
     from scipy.sparse import csr_array
@@ -75,8 +63,8 @@ def rounded(problem: GeneralisedAssignment, parts: Floats) -> tuple[int, ...] | 
 
 
 def within_capacities(problem: GeneralisedAssignment, answer: tuple[int, ...], stop: Stop = NEVER) -> tuple[tuple[int, ...], int]:
-    """Jobs of overloaded agents moved or exchanged, the cheapest way first, until capacities suffice, no way lowers the overload, or
-    ``stop`` ends it; and how often."""
+    """Move or exchange jobs of overloaded agents, the cheapest way first, until capacities suffice or no way lowers the overload; and how
+    often."""
     instance = problem.instance
     used, values = instance.consumption, np.where(problem.fitting, instance.values, math.inf)
     rooms = np.array([room(row, b) for row, b in zip(used, instance.capacity.tolist(), strict=True)])
@@ -115,6 +103,13 @@ def within_capacities(problem: GeneralisedAssignment, answer: tuple[int, ...], s
         moves += 1
 
 
+@heuristic(
+    "shmoys-tardos",
+    "generalised-assignment",
+    {"objective:cost"},
+    "the linear relaxation, rounded by a matching, and moved into the capacities",
+    "no guarantee within capacities; as rounded no dearer than the relaxation, loads at most the capacity and the largest job",
+)
 def shmoys_tardos(problem: GeneralisedAssignment, context: Context) -> Outcome:
     """Round the linear relaxation, and move what exceeds a capacity. Where nothing does, the answer costs no more than the optimum."""
     stop = context.begin()
@@ -133,13 +128,3 @@ def shmoys_tardos(problem: GeneralisedAssignment, context: Context) -> Outcome:
             None, limit=stop.reached() or "none", statistics=statistics, message="no way was found to keep within all capacities"
         )
     return Outcome(answer, statistics=statistics, message=f"{moves} jobs were moved to keep within capacities" if moves else "")
-
-
-HEURISTICS.add(
-    "shmoys-tardos",
-    Heuristic(
-        "shmoys-tardos", ("generalised-assignment",), frozenset({"objective:cost"}), shmoys_tardos,
-        "the linear relaxation, rounded by a matching, and moved into the capacities",
-        "no guarantee within capacities; as rounded no dearer than the relaxation, loads at most the capacity and the largest job",
-    ),
-)  # fmt: skip

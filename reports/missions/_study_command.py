@@ -13,33 +13,18 @@ from waybound.instances.errors import WayboundError
 def study_command(
     name: str, about: str | None, study: Callable[[Path, bool], str], arguments: list[str] | None, of: str, made: str = "tables and figures"
 ) -> int:
-    """Play a study and print its summary.
+    """Play a study and print its summary; returns the exit code.
 
-    Parameters
-    ----------
-    name : str
-        Of its module in ``waybound.reports.missions``.
-    about : str, optional
-        Its docstring, of which the first line is shown.
-    study : callable
-        From a folder, and whether to be short, to the summary.
-    arguments : list of str, optional
-        Of the command line.
-    of, made : str
-        What a short one plays a few of; what is written.
-
-    Returns
-    -------
-    int
-        The exit code.
+    ``name`` is that of its module in ``waybound.reports.missions``, ``about`` its docstring, of which the first line is shown; ``study``
+    gets the folder, and whether to be short; ``of`` is what a short one plays a few of, ``made`` what is written.
     """
     parser = argparse.ArgumentParser(prog=f"python -m waybound.reports.missions.{name}", description=(about or "").splitlines()[0])
     parser.add_argument("--out", type=Path, required=True, help=f"folder for {made}; made where it is missing")
     parser.add_argument("--short", action="store_true", help=f"a few {of} of everything, to see that it works")
-    given = parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
     try:
-        given.out.mkdir(parents=True, exist_ok=True)
-        print(study(given.out, given.short), end="")
+        options.out.mkdir(parents=True, exist_ok=True)
+        print(study(options.out, options.short), end="")
     except (WayboundError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return getattr(error, "exit_code", 2)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Mapping
 from os import PathLike
@@ -12,26 +11,16 @@ from typing import Any
 from ...instances.atomic import atomic_write
 from ...instances.errors import UsageError
 from ...instances.worlds import World
+from ..plots.drawing import png_of
 from .film_picture import FRAMES_A_SECOND, Picture
 from .mission import Mission, Scene
 
 MOST_FRAMES = 400
-"""Of longer runs every second, third, ... step is shown, so that a film keeps a size that can be sent."""
+"""Frames of a film; of longer runs every second, third, ... step is shown."""
 
 
 class Film:
-    """Collects pictures while a mission is played: ``run(mission, watch=film)``.
-
-    Parameters
-    ----------
-    mission : Mission
-        One that can be drawn.
-
-    Raises
-    ------
-    UsageError
-        If it cannot.
-    """
+    """Collects pictures while a mission is played: ``run(mission, watch=film)``. Raises UsageError if the mission cannot be drawn."""
 
     def __init__(self, mission: Mission) -> None:
         if not mission.drawable:
@@ -52,54 +41,32 @@ class Film:
         return [value for _, value in self.shots]
 
     def held(self, count: int) -> Film:
-        """The same with its last picture again until there are ``count``."""
-        made = Film(self.mission)
-        made.shots = self.shots + self.shots[-1:] * (count - len(self.shots))
-        return made
+        """The same film with its last picture repeated until there are ``count``."""
+        longer = Film(self.mission)
+        longer.shots = self.shots + self.shots[-1:] * (count - len(self.shots))
+        return longer
 
     def frames(self) -> list[int]:
-        """Steps that are shown, the last one always."""
+        """Steps that are shown, the last one always among them."""
         every = math.ceil(len(self.shots) / MOST_FRAMES)
         last = len(self.shots) - 1
         return [*range(0, last, every), last]
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write a ``.gif`` or ``.html`` file, whole or not at all; needs no display.
-
-        Raises
-        ------
-        UsageError
-            For another suffix, or if nothing was played.
-        InputError
-            If the file cannot be written.
-        """
+        """Write a ``.gif`` or ``.html`` file, whole or not at all; needs no display."""
         save_side_by_side({"": self}, path)
 
     def save_frame(self, step: int, path: str | PathLike[str]) -> None:
         """Write the picture of one step (0 is the start) as a PNG file."""
-        picture, buffer = Picture({"": self}), io.BytesIO()
+        picture = Picture({"": self})
         picture.show(step)
-        picture.figure.savefig(buffer, format="png", dpi=100)
-        atomic_write(path, buffer.getvalue())
+        atomic_write(path, png_of(picture.figure, 100))
 
 
 def save_side_by_side(films: Mapping[str, Film], path: str | PathLike[str]) -> None:
-    """Write films of the same mission beside each other, as ``Film.save`` does: one map each, and all curves in one chart. Of a world that
-    is over before the others the last picture stays.
+    """Write films of the same mission beside each other as .gif or .html: a map for each, and all curves in one chart.
 
-    Parameters
-    ----------
-    films : mapping from names to Film
-        Of worlds of equal size, and of equal numbers of steps, but for worlds that are over.
-    path : path-like
-        ``.gif`` or ``.html``.
-
-    Raises
-    ------
-    UsageError
-        For another suffix, if nothing was played, or films of different lengths.
-    InputError
-        If the file cannot be written.
+    The worlds are of equal size and the films of equal length; of a world that is over before the others the last picture stays.
     """
     suffix = Path(path).suffix.lower()
     if suffix not in (".gif", ".html"):
@@ -118,6 +85,6 @@ def save_side_by_side(films: Mapping[str, Film], path: str | PathLike[str]) -> N
     from matplotlib import rc_context
     from matplotlib.animation import FuncAnimation
 
-    made = FuncAnimation(picture.figure, picture.show, frames=steps, interval=1000 / FRAMES_A_SECOND, blit=False)
+    animation = FuncAnimation(picture.figure, picture.show, frames=steps, interval=1000 / FRAMES_A_SECOND, blit=False)
     with rc_context({"animation.embed_limit": 1000.0}):  # MB; frames beyond it would be left out
-        atomic_write(path, made.to_jshtml(fps=FRAMES_A_SECOND, default_mode="once"))
+        atomic_write(path, animation.to_jshtml(fps=FRAMES_A_SECOND, default_mode="once"))

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.rendering import number
+from ..plots.drawing import figure_without_display, open_frame
 from .mission import Scene
 
 if TYPE_CHECKING:
@@ -29,28 +30,19 @@ AGENT, MARKED, OPEN, LINK = "#332288", "#117733", "#CC3377", "#33AADD"
 """Distinct for all common kinds of colour vision, after Tol (2021); open points are crosses besides."""
 
 CURVES = ("#117733", "#EE7733", "#332288", "#33AADD")
-"""Of the runs."""
+"""Colours of the runs."""
 
 AGENTS = (AGENT, "#EE7733", "#33AADD", "#AA4499", "#999933", "#882255")
-"""Of agents that have colours of their own, in turn."""
+"""Colours of agents that have one each, in turn."""
 
 OWN = "#777777"
-"""Of what stands for these in a legend."""
+"""Colour that stands for these in a legend."""
 
 
 class Picture:
-    """The figure; ``show`` sets it to a step.
-
-    Parameters
-    ----------
-    films : mapping from names to Film
-        Of equal lengths; one alone has no name on its map.
-    """
+    """The figure; ``show`` sets it to a step. ``films`` are of equal lengths; one alone has no name on its map."""
 
     def __init__(self, films: Mapping[str, Film]) -> None:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
-
         self.films = dict(films)
         shots = ((shot[0], value) for film in self.films.values() for shot, value in zip(film.shots, film.values, strict=True))
         self.counts = all(value == int(scene.marked.sum()) for scene, value in shots)
@@ -58,8 +50,8 @@ class Picture:
         several = len(self.films) > 1
         self.limits = [[math.nan if scene.limit is None else scene.limit for scene, _ in film.shots] for film in self.films.values()]
         count = len(self.films)
-        self.figure = Figure(figsize=(4.6 * count, 6.6) if several else (9.0, 4.8))  # its margins are fixed: a layout found anew jumps
-        self.canvas = FigureCanvasAgg(self.figure)
+        size = (4.6 * count, 6.6) if several else (9.0, 4.8)
+        self.figure = figure_without_display(*size, layout=None)  # margins are fixed: a layout found anew jumps
         self.figure.set_dpi(80)
         if several:
             rows = self.figure.add_gridspec(2, count, height_ratios=(2.6, 1.0), left=0.07, right=0.98, top=0.9, bottom=0.14, hspace=0.22)
@@ -107,19 +99,17 @@ class Picture:
         for axis in (chart.xaxis, chart.yaxis):
             axis.set_major_locator(MaxNLocator(integer=True))
         chart.tick_params(labelsize=8, colors="#555555")
-        for side in ("top", "right"):
-            chart.spines[side].set_visible(False)
+        open_frame(chart)
 
     def gif(self, steps: list[int]) -> bytes:
-        """Pictures of these steps as a GIF file. Pillow, which matplotlib needs anyway, takes them as they are drawn: its writer
-        within matplotlib would draw each three times."""
+        """These steps as a GIF file. Pillow takes each picture as it is drawn; its writer within matplotlib would draw it three times."""
         from PIL import Image
 
         def pictures() -> Iterator[Image.Image]:
             for step in steps:
                 self.show(step)
-                self.canvas.draw()
-                yield Image.fromarray(np.asarray(self.canvas.buffer_rgba())).convert("RGB")
+                self.figure.canvas.draw()
+                yield Image.fromarray(np.asarray(self.figure.canvas.buffer_rgba())).convert("RGB")
 
         drawn, buffer = pictures(), io.BytesIO()
         next(drawn).save(buffer, "GIF", save_all=True, append_images=drawn, duration=1000 // FRAMES_A_SECOND, loop=0)
@@ -150,12 +140,12 @@ class Picture:
 
 
 def _short(value: float) -> str:
-    """Of five digits: a title is no table."""
+    """A number of five digits, for a title."""
     return number(float(f"{value:.5g}"))
 
 
 class _Stage:
-    """One map: discs that agents see, agents with headings and trails, points with trails, and who is assigned what."""
+    """One map: discs that agents see, agents with headings and trails, points with trails, and links between them."""
 
     def __init__(self, ax: Any, film: Film, name: str, colour: str) -> None:
         from matplotlib.collections import EllipseCollection, LineCollection
@@ -243,7 +233,7 @@ class _Stage:
 
 
 def _ways(places: list[NDArray[np.float64]]) -> dict[int, NDArray[np.float64]]:
-    """The way through the last steps of each thing that moved; of things that come and go none."""
+    """The way through the last steps of each thing that moved; none of things that come and go."""
     if len(places) < 2 or len({len(at) for at in places}) > 1:
         return {}
     ways = np.stack(places, axis=1)

@@ -17,7 +17,7 @@ from ...instances.registry import Registry
 from ...instances.worlds import Setting, World
 
 Actions = Mapping[int, Any]
-"""What each agent does, by its number; agents that are not named do nothing."""
+"""Action of each agent by its number; agents that are not named do nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +154,7 @@ class Mission(ABC):
 
     @property
     def drawable(self) -> bool:
-        """Whether it has pictures."""
+        """True if it has pictures."""
         return type(self).scene is not Mission.scene
 
 

@@ -1,10 +1,6 @@
 """The command ``python -m waybound.reports.missions.orchard_study``, whose module is in a wing."""
 
-from __future__ import annotations
-
-import sys
-
 from .auctions.orchard_study import main
 
 if __name__ == "__main__":
-    sys.exit(main())
+    raise SystemExit(main())

@@ -31,7 +31,7 @@ Row = dict[str, Any]
 Watch = Callable[[World, Row], None]
 
 COLUMNS = ("problems", "objective", "bound", "bound_kind", "gap", "guarantee", "seconds", "status", "limit")
-"""What a log says of each step's solving, beside ``step``, the world's metrics and the mission's measures."""
+"""Columns of a log about the solving of each step, beside ``step``, the world's metrics and the mission's measures."""
 
 
 def run(
@@ -95,41 +95,24 @@ def run(
     if not isinstance(played, Mission):
         raise UsageError(f"run takes a mission or its name, not {type(mission).__name__}")
     deciders = {"solver": solver, "heuristic": heuristic, "policy": policy}
-    if sum(name is not None for name in deciders.values()) > 1:
-        raise UsageError("give one of solver, heuristic and policy, not several")
     most = played.lasting if steps is None else steps
-    for name, value, least in (("steps", most, 1), ("seed", seed, 0)):
-        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-            raise UsageError(f"{name} must be a whole number of at least {least}, not {value!r}")
-    if solver is not None:
-        _ = BACKENDS[solver.partition(":")[0]]  # now, because there may be no problem to solve for many steps
-    if heuristic is not None:
-        HEURISTICS[heuristic].check_parameters(options or {})
     rules = played.policies()
-    if policy is not None:
-        if policy not in rules:
-            hint = did_you_mean(policy, rules)
-            raise UsageError(f"{played.name} has no policy {policy!r}; choose from {', '.join(rules) or 'none'}{hint}")
-        if options:
-            raise UsageError(f"policy {policy} takes no options")
+    _check_asked(played.name, most, seed, options or {}, rules, **deciders)
     seeds = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, 2])))
-
     faults: list[str] = []
 
     def decide(problem: Problem) -> Solution:
         try:
-            found = solve(
-                problem,
-                Request(
-                    solver=solver, heuristic=heuristic, time_limit=time_limit, bound_time=bound_time, seed=int(seeds.random() * 2**31),
-                    options=options or {},
-                ),
-            )  # fmt: skip
+            seed = int(seeds.random() * 2**31)
+            request = Request(
+                solver=solver, heuristic=heuristic, time_limit=time_limit, bound_time=bound_time, seed=seed, options=options or {}
+            )
+            solution = solve(problem, request)
         except UnsupportedError as fault:
             fault.args = (_with_policies(str(fault), played.name, rules, heuristic or solver),)
             raise
-        faults.extend(f"step {len(rows) + 1}: {fault}" for fault in found.faults)
-        return found
+        faults.extend(f"step {len(rows) + 1}: {fault}" for fault in solution.faults)
+        return solution
 
     world = played.world(int(seed), **settings)
     rows: list[Row] = []
@@ -144,13 +127,8 @@ def run(
                 if watch is not None:
                     watch(world, row)
                 if progress is not None:
-                    progress(
-                        {
-                            "phase": f"step {len(rows)} of {'at most ' * (steps is None)}{most}",
-                            "seconds": row["seconds"],
-                            "objective": row["objective"],
-                        }
-                    )
+                    phase = f"step {len(rows)} of {'at most ' * (steps is None)}{most}"
+                    progress({"phase": phase, "seconds": row["seconds"], "objective": row["objective"]})
         except KeyboardInterrupt:
             pass
         if interrupted() and len(rows) < most:
@@ -160,14 +138,35 @@ def run(
     return frame
 
 
+def _check_asked(
+    mission: str, steps: Any, seed: Any, options: dict[str, Any], rules: Collection[str], *, solver: str | None, heuristic: str | None,
+    policy: str | None,
+) -> None:  # fmt: skip
+    """Refuse what cannot be played before it begins: there may be no problem to solve for many steps."""
+    if sum(name is not None for name in (solver, heuristic, policy)) > 1:
+        raise UsageError("give one of solver, heuristic and policy, not several")
+    for name, value, least in (("steps", steps, 1), ("seed", seed, 0)):
+        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+            raise UsageError(f"{name} must be a whole number of at least {least}, not {value!r}")
+    if solver is not None:
+        _ = BACKENDS[solver.partition(":")[0]]
+    if heuristic is not None:
+        HEURISTICS[heuristic].check_parameters(options)
+    if policy is not None and policy not in rules:
+        hint = did_you_mean(policy, rules)
+        raise UsageError(f"{mission} has no policy {policy!r}; choose from {', '.join(rules) or 'none'}{hint}")
+    if policy is not None and options:
+        raise UsageError(f"policy {policy} takes no options")
+
+
 def _with_policies(fault: str, mission: str, rules: Collection[str], asked: str | None) -> str:
-    """What else decides a mission, for somebody who took a policy of it for a heuristic, too."""
+    """The error and the policies of the mission, which somebody may have taken for heuristics."""
     meant = f"; {asked} is a policy: --policy {asked}" if asked in rules else ""
     return fault + (meant or f"; policies of {mission}: {', '.join(rules)}" if rules else "")
 
 
 def _step(mission: Mission, world: World, rule: Callable[[Any], Any] | None, decide: Callable[[Problem], Solution]) -> Row:
-    """Let one step pass, and tell it as a row."""
+    """Play one step, and return its row of the log."""
     observation = world.observe()
     decisions: list[Decision] = []
     actions: dict[int, Any] = {}
@@ -182,11 +181,11 @@ def _step(mission: Mission, world: World, rule: Callable[[Any], Any] | None, dec
     world.step(actions)
     measures = {} if rule is not None else mission.measures(decisions, world)
     solutions = [d.solution for d in decisions if d.solution is not None]
-    return {"step": world.time, **world.metrics(), **_told(mission, solutions), **measures}
+    return {"step": world.time, **world.metrics(), **_solving_columns(mission, solutions), **measures}
 
 
-def _told(mission: Mission, solutions: Sequence[Solution]) -> Row:
-    """What the solving of one step came to, all teams together."""
+def _solving_columns(mission: Mission, solutions: Sequence[Solution]) -> Row:
+    """Columns of the log about the solving of one step, all teams together."""
     objective = _together(mission, [_first(s.objective) for s in solutions])
     bound = _together(mission, [_first(s.bound) for s in solutions])
     stated = [s.certificate.guarantee for s in solutions]
@@ -219,7 +218,7 @@ def _first(value: Any) -> float | None:
 
 @contextlib.contextmanager
 def _interrupts() -> Iterator[Callable[[], bool]]:
-    """Tells whether Ctrl-C was pressed, also where ``solve`` took it for the end of its own search alone."""
+    """Tells whether Ctrl-C was pressed, even where ``solve`` took it for the end of its own search alone."""
     seen: list[int] = []
 
     def interrupted() -> bool:

@@ -16,28 +16,28 @@ if TYPE_CHECKING:
     from ...formulations.solution import Solution
 
 SUFFIXES = (".png", ".svg", ".pdf")
-"""Kinds of files that a picture is written to."""
+"""Suffixes of files that a picture is written to."""
 
 
 class Plot(Protocol):
     """Draws an answer on ``ax``, new axes by default, and returns the axes.
 
-    ``solution`` gives objective, bound and gap for the caption; ``title`` stands instead of the one made. A plot may take further keywords.
+    ``solution`` gives objective, bound and gap for the caption; ``title`` replaces the default one. A plot may take further keywords.
     """
 
     def __call__(self, problem: Any, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None) -> Any: ...
 
 
 PLOTS: Registry[Plot] = Registry("plot", "waybound.reports.plots.*", group="waybound.plots")
-"""By family of problems."""
+"""Plots by family of problems."""
 
 
 HISTORY = "history"
-"""The view that all families have: objective and bound over time."""
+"""The view of all families: objective and bound over time."""
 
 
 def views(problem: Problem) -> list[str]:
-    """Names of the views of an answer beside the first one: those registered as ``family:view``, and its history."""
+    """Names of further views of an answer: those registered as ``family:view``, and its history."""
     return [*(name.partition(":")[2] for name in PLOTS if name.startswith(f"{problem.family}:")), HISTORY]
 
 
@@ -50,26 +50,11 @@ def check_drawable(problem: Problem, view: str | None = None) -> None:
 
 
 def plot_solution(solution: Solution, *, view: str | None = None, **options: Any) -> Any:
-    """Draw the answer of ``solution``; ``solution.plot`` calls this.
+    """Draw the answer of a solution; ``solution.plot`` calls this.
 
-    Parameters
-    ----------
-    solution : Solution
-        With an answer.
-    view : str, optional
-        Another picture than the first one: ``history``; of routes ``schedule`` and ``loads``; of risk allocations
-        ``risks`` and ``violations``.
-    **options
-        Of the family's plot: ``ax``, ``title``, ...
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    UsageError
-        If answers of this family cannot be drawn, or have no such view.
+    ``view`` is another picture than the first: ``history``; ``schedule`` and ``loads`` of routes; ``risks`` and ``violations`` of risk
+    allocations. Further options are those of the family's plot. Raises UsageError if answers of this family cannot be drawn, or have no
+    such view.
     """
     check_drawable(solution.problem, view)
     if view == HISTORY:
@@ -81,13 +66,7 @@ def plot_solution(solution: Solution, *, view: str | None = None, **options: Any
 
 
 def save_plot(solution: Solution, path: str | PathLike[str], view: str | None = None) -> None:
-    """Draw ``solution`` into a PNG, SVG or PDF file, whole or not at all; needs no display.
-
-    Raises
-    ------
-    UsageError
-        If the suffix is another, or answers of this family cannot be drawn.
-    """
+    """Draw a solution into a PNG, SVG or PDF file, whole or not at all; needs no display. Raises UsageError for another suffix."""
     from .drawing import axes_without_display
 
     _suffix(path)
@@ -102,13 +81,7 @@ def _suffix(path: str | PathLike[str]) -> str:
 
 
 def save_axes(drawn: Any, path: str | PathLike[str]) -> None:
-    """Write the figure of ``drawn``, matplotlib axes, into a PNG, SVG or PDF file, whole or not at all.
-
-    Raises
-    ------
-    UsageError
-        If the suffix is another.
-    """
+    """Write the figure of matplotlib axes into a PNG, SVG or PDF file, whole or not at all. Raises UsageError for another suffix."""
     from matplotlib import rc_context
 
     from ...instances.atomic import atomic_write

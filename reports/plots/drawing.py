@@ -1,8 +1,11 @@
-"""What plots share: axes, colours, captions and bars."""
+"""Shared parts of plots: axes, colours, captions and bars."""
 
 from __future__ import annotations
 
+import functools
+import io
 import sys
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +14,7 @@ from numpy.typing import NDArray
 from ...formulations.problem import Problem
 from ...formulations.rendering import number, percent
 from ...instances.printable import printable
+from . import PLOTS, Plot
 
 if TYPE_CHECKING:
     from ...formulations.solution import Solution
@@ -24,7 +28,7 @@ SHOWN_TEXT = 120
 """Characters of a line that are shown."""
 
 LABELLED_BARS = 60
-"""Up to this many bars are named."""
+"""Bars up to which each is named."""
 
 Floats = NDArray[np.float64]
 
@@ -40,25 +44,37 @@ def new_axes() -> Any:
 
 
 def roomy(ax: Any, width: float = 0.0, height: float = 0.0) -> None:
-    """Make a figure that holds these axes alone at least as large as said, in inches, up to three times what figures have."""
+    """Make a figure that holds these axes alone at least as large as said, in inches, up to three times its usual size."""
     figure = ax.figure
     if len(figure.axes) == 1:
         wide, high = figure.get_size_inches()
         figure.set_size_inches(max(wide, min(width, 24.0)), max(high, min(height, 19.2)))
 
 
-def axes_without_display() -> Any:
-    """Axes of a figure that pyplot knows nothing of."""
+def figure_without_display(width: float, height: float, layout: str | None = "constrained") -> Any:
+    """A figure that pyplot does not know; sizes are in inches."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8.0, 6.4), layout="constrained")
+    figure = Figure(figsize=(width, height), layout=layout)  # type: ignore[arg-type]
     FigureCanvasAgg(figure)
-    return figure.add_subplot()
+    return figure
+
+
+def axes_without_display() -> Any:
+    """Axes of a figure that pyplot does not know."""
+    return figure_without_display(8.0, 6.4).add_subplot()
+
+
+def png_of(figure: Any, dpi: int) -> bytes:
+    """A figure as a PNG file."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=dpi)
+    return buffer.getvalue()
 
 
 def rounded(value: Any) -> str:
-    """Three decimals: a caption is for reading."""
+    """A number, or several, with three decimals for a caption."""
     if isinstance(value, list | tuple):
         return number([None if v is None else round(v, 3) for v in value])
     return number(round(value, 3))
@@ -86,7 +102,7 @@ def entitle(ax: Any, head: str, detail: str) -> None:
 
 
 def literal(ax: Any) -> None:
-    """Show every text as it is: names out of files are no formulas, though they may hold dollar signs, and leave room for the drawing."""
+    """Show every text as it is, at most ``SHOWN_TEXT`` characters a line: names out of files may hold dollar signs, but are no formulas."""
     from matplotlib.text import Text
 
     for text in ax.findobj(Text):
@@ -105,20 +121,34 @@ def bare(ax: Any) -> None:
 
 
 def entitled(ax: Any, problem: Problem, answer: Any, solution: Solution | None, title: str | None, what: str) -> Any:
-    """The axes, under the problem's name and solver (or ``title``), its figures, and ``what`` is shown."""
+    """Put the problem's name and solver (or ``title``), its figures and a line about what is shown above the axes, and return them."""
     by = "" if solution is None else f" by {solution.solver}"
     head = f"{problem.name}: {problem.problem}{by}" if title is None else title
     entitle(ax, head, f"{problem.sense} {figures_of(problem, answer, solution)}\n{what}" if title is None else "")
     return ax
 
 
+def plot_of(family: str) -> Callable[[Callable[[Any, Any, Any], str]], Plot]:
+    """Register a function that draws an answer on axes, and returns a line about it, as the plot of a family."""
+
+    def register(draw: Callable[[Any, Any, Any], str]) -> Plot:
+        @functools.wraps(draw)
+        def plot(problem: Any, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None) -> Any:
+            axes = new_axes() if ax is None else ax
+            return entitled(axes, problem, answer, solution, title, draw(axes, problem, answer))
+
+        return PLOTS.add(family, plot)
+
+    return register
+
+
 def bars(
     ax: Any, values: Floats, names: list[str], what: str, *, worst: float | None = None, colours: Any = COLOURS[0], ascending: bool = False,
     bound: tuple[float, str] | None = None,
 ) -> None:  # fmt: skip
-    """One bar each in the order of the instance while they can be named, else or where it is asked for from the least to the largest.
+    """One bar each, in the order of the instance while they can be named, else or if asked for from the least to the largest.
 
-    ``worst`` is a line across all bars, ``bound`` another above or below, with the kind of bound that it is.
+    ``worst`` is a line across all bars, ``bound`` another one, with the kind of the bound.
     """
     named = len(values) <= LABELLED_BARS
     order = np.arange(len(values)) if named and not ascending else np.argsort(values, kind="stable")
@@ -143,8 +173,8 @@ def bars(
         ax.set_xticks(np.arange(len(values)), [names[k] for k in order.tolist()], fontsize=7.5, rotation=90 if len(values) > 20 else 0)
     else:
         ax.set_xticks([])
-    told = f", {len(values)} of them in ascending order" if not named else ", in ascending order" if ascending else ""
-    ax.set_xlabel(f"{what}s{told}", fontsize=9, color="#555555")
+    remark = f", {len(values)} of them in ascending order" if not named else ", in ascending order" if ascending else ""
+    ax.set_xlabel(f"{what}s{remark}", fontsize=9, color="#555555")
     margin = max(0.6, (8 - len(values)) / 2)  # few bars stay slender
     ax.set_xlim(-margin, len(values) - 1 + margin)
     chart_axes(ax)
@@ -158,10 +188,15 @@ def legend_below(ax: Any, handles: Any, labels: Any, columns: int, lines: float 
     )  # fmt: skip
 
 
-def chart_axes(ax: Any) -> None:
-    """A chart: no frame above and to the right, quiet ticks."""
+def open_frame(ax: Any) -> None:
+    """No frame above and to the right."""
     for side in ("top", "right"):
         ax.spines[side].set_visible(False)
+
+
+def chart_axes(ax: Any) -> None:
+    """A chart: no frame above and to the right, quiet ticks."""
+    open_frame(ax)
     ax.tick_params(labelsize=8, colors="#555555")
     ax.grid(axis="y", color="#EEEEEE", zorder=0)
     ax.set_axisbelow(True)

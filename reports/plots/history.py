@@ -22,11 +22,11 @@ Floats = NDArray[np.float64]
 History = Solution | Comparison | Sequence[Solution] | Mapping[str, Solution]
 
 SPREAD, FAR = 3.0, 0.3
-"""A final value is shown where it is no farther from the best one than so many times the way to the bound, or such a part of the value;
-of others the picture says where they are."""
+"""A final value is shown if it is no farther from the best than so many times the way to the bound, or such a share of the value; others
+are named."""
 
 LEAST_SECONDS = 1e-2
-"""Where a logarithmic axis of time begins."""
+"""Start of a logarithmic axis of time."""
 
 
 def plot_history(history: History, *, ax: Any = None, title: str | None = None, level: int = 1) -> Any:
@@ -93,13 +93,13 @@ def _named(history: History) -> dict[str, Solution]:
         return {run.name: run.solution for run in history.runs if run.solution is not None}
     if isinstance(history, Mapping):
         return dict(history)
-    made: dict[str, Solution] = {}
+    named: dict[str, Solution] = {}
     for solution in history:
         name, k = solution.solver, 2
-        while name in made:
+        while name in named:
             name, k = f"{solution.solver} ({k})", k + 1
-        made[name] = solution
-    return made
+        named[name] = solution
+    return named
 
 
 def _steps(events: Sequence[Event], side: str, level: int) -> tuple[Floats, Floats]:
@@ -110,7 +110,7 @@ def _steps(events: Sequence[Event], side: str, level: int) -> tuple[Floats, Floa
 
 
 def _draw(ax: Any, name: str, solution: Solution, level: int, colour: str, ends: float, *, alone: bool) -> None:
-    """One run."""
+    """Draw one run."""
     seconds, values = _steps(solution.events, "objective", level)
     when, bounds = _steps(solution.events, "bound", level)
     label = "answer" if alone else name
@@ -120,8 +120,8 @@ def _draw(ax: Any, name: str, solution: Solution, level: int, colour: str, ends:
         if solution.evaluation is not None:
             ax.plot(end, solution.evaluation.values[level], "o", color=colour, markersize=6, zorder=5, label="_checked")
             if alone:
-                told = f"checked: {number(solution.evaluation.values[level])}"
-                ax.annotate(told, (end, values[-1]), xytext=(-4, 7), fontsize=8.5, textcoords="offset points", ha="right", color=colour)
+                text = f"checked: {number(solution.evaluation.values[level])}"
+                ax.annotate(text, (end, values[-1]), xytext=(-4, 7), fontsize=8.5, textcoords="offset points", ha="right", color=colour)
     else:
         ax.plot([], [], color=colour, linewidth=1.8, label=f"{label}: none")
     if len(bounds):
@@ -134,7 +134,7 @@ def _draw(ax: Any, name: str, solution: Solution, level: int, colour: str, ends:
 
 
 def _frame(ax: Any, named: Mapping[str, Solution], level: int, ends: float) -> None:
-    """Limits of the axes: late values decide the height, so that a bad first answer does not hide all that follows."""
+    """Set the limits of the axes by late values, so that a bad first answer does not hide all that follows."""
     sense = next(iter(named.values())).problem.senses[level]
     ends_at = {name: _steps(s.events, "objective", level)[1][-1:].tolist() for name, s in named.items()}
     limits = [v for s in named.values() for v in _steps(s.events, "bound", level)[1][-1:].tolist()]
@@ -152,9 +152,9 @@ def _frame(ax: Any, named: Mapping[str, Solution], level: int, ends: float) -> N
         beyond = [(k, name, values[0]) for k, (name, values) in enumerate(ends_at.items()) if values and not low <= values[0] <= high]
         for line, (k, name, value) in enumerate(beyond):
             above = value > high
-            told = f"{name} ends {'above' if above else 'below'} the picture, at {rounded(value)}"
+            text = f"{name} ends {'above' if above else 'below'} the picture, at {rounded(value)}"
             at, colour = (0.99, 0.985 - 0.04 * line if above else 0.02 + 0.04 * line), COLOURS[k % len(COLOURS)]
-            ax.annotate(told, at, xycoords="axes fraction", ha="right", va="top" if above else "bottom", fontsize=8.5, color=colour)
+            ax.annotate(text, at, xycoords="axes fraction", ha="right", va="top" if above else "bottom", fontsize=8.5, color=colour)
     times = [e.seconds for s in named.values() for e in s.events]
     if times and ends > 20.0 * max(min(times), LEAST_SECONDS):
         ax.set_xscale("log")

@@ -15,19 +15,10 @@ Make = Callable[[int, np.random.Generator], Case]
 
 @dataclass(frozen=True)
 class Family:
-    """A family of instances.
+    """A family of instances: ``make(k, rng)`` returns case number k; ``size`` is None for random ones, which there are as many of as asked
+    for.
 
-    Parameters
-    ----------
-    name : str
-    summary : str
-        One line.
-    make : callable
-        ``make(k, rng)`` returns case number k.
-    size : int, optional
-        How many there are; None for a random family, which has as many as are asked for.
-    effort : int
-        Guarantees in expectation are tested on this many times as many runs: few instances need many.
+    A guarantee in expectation is tested on ``effort`` times as many runs: few instances need many.
     """
 
     name: str
@@ -37,7 +28,7 @@ class Family:
     effort: int = 1
 
     def case(self, k: int, seed: int) -> Case:
-        """Case number ``k``; the same for the same seed, whatever else is drawn."""
+        """Case number ``k``; the same for the same seed, regardless of other draws."""
         return self.make(k, np.random.default_rng([seed, zlib.crc32(self.name.encode()), k]))
 
     def named(self, name: str) -> Family:
@@ -45,10 +36,10 @@ class Family:
         return replace(self, name=name)
 
     def count(self, wanted: int) -> int:
-        """How many cases to take where ``wanted`` random ones are asked for."""
+        """How many cases to take when ``wanted`` random ones are asked for."""
         return wanted if self.size is None else self.size
 
 
 def listed(name: str, summary: str, cases: Sequence[Callable[[], Case]]) -> Family:
-    """A family of few cases, each made when it is asked for."""
+    """A family of a few cases, each made on demand."""
     return Family(name, summary, lambda k, rng: cases[k](), len(cases))

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ..plots.drawing import COLOURS
+from ..plots.drawing import COLOURS, open_frame
 from .study import Figure
 
 SHOWN_POINTS = 600
-"""Points of one row of a strip plot; more would be one blot."""
+"""Points of a row of a strip plot; more would be one blot."""
 
 PANELS_ACROSS = 5
 
@@ -30,17 +30,17 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 def ratio_figure(name: str, summary: str, rows: Sequence[dict[str, Any]], observations: Sequence[dict[str, Any]]) -> Figure:
     """One panel a configuration, one line a family: every observed ratio, their mean, and the stated ratio.
 
-    Where the stated ratio differs from instance to instance, the share of the stated loss is shown in place of the ratio:
-    (ratio - 1) / (stated - 1), at most 1 unless the guarantee is broken.
+    Where the stated ratio differs between instances, the share of the stated loss, (ratio - 1) / (stated - 1), stands in its place; it is
+    at most 1 unless the guarantee is broken.
     """
     labels = list(dict.fromkeys(row["heuristic"] for row in rows))
     families = list(dict.fromkeys(row["family"] for row in rows))
     varies = any(row["stated_min"] is not None and row["stated_max"] > row["stated_min"] * (1 + 1e-9) for row in rows)
-    found: dict[tuple[str, str], list[float]] = {}
+    values: dict[tuple[str, str], list[float]] = {}
     for one in observations:
         value = one["ratio"] if not varies else _used(one["ratio"], one["stated"])
         if value is not None:
-            found.setdefault((one["heuristic"], one["family"]), []).append(value)
+            values.setdefault((one["heuristic"], one["family"]), []).append(value)
     across = min(len(labels), PANELS_ACROSS)
     down = math.ceil(len(labels) / across)
     size = (7.5 if across == 1 else 2.4 + 2.5 * across, 1.2 + (0.7 + 0.3 * len(families)) * down)
@@ -52,9 +52,9 @@ def ratio_figure(name: str, summary: str, rows: Sequence[dict[str, Any]], observ
         for panel, label in zip(grid, labels, strict=False):
             own = {row["family"]: row for row in rows if row["heuristic"] == label}
             for place, family in enumerate(families):
-                if (label, family) in found:
+                if (label, family) in values:
                     stated = 1.0 if varies else own[family]["stated_min"]
-                    _strip(panel, place, np.array(found[label, family]), stated)
+                    _strip(panel, place, np.array(values[label, family]), stated)
             panel.set_title(label, fontsize=9.5, color=INK)
             panel.set_yticks(range(len(families)), families, fontsize=8.5)
             panel.set_ylim(len(families) - 0.4, -0.6)
@@ -98,12 +98,8 @@ def sweep_figure(
 ) -> Figure:
     """One panel a parameter that is varied: the mean of each method with its range from least to most.
 
-    Parameters
-    ----------
-    panels : sequence of (axis label, title, methods, rows)
-        Rows have ``x``, ``method``, ``min``, ``mean`` and ``max``.
-    quantity : str
-        Label of the vertical axis.
+    ``panels`` are (axis label, title, methods, rows); rows have ``x``, ``method``, ``min``, ``mean`` and ``max``. ``quantity`` labels the
+    vertical axis.
     """
 
     def draw(figure: Any) -> None:
@@ -149,5 +145,4 @@ def _plain(panel: Any) -> None:
     panel.grid(axis="both", color="#dddddd", linewidth=0.5, zorder=0)
     panel.set_axisbelow(True)
     panel.tick_params(labelsize=8.5)
-    for side in ("top", "right"):
-        panel.spines[side].set_visible(False)
+    open_frame(panel)

@@ -25,18 +25,12 @@ AUDIT_EVERY = 250
 """Every so many instances of a family also go through ``solve``, and their certificates through the checker; the first always does."""
 
 FALSE_ALARM = 1e-9
-"""Probability with which a true guarantee in expectation would be reported as broken, for each test that is made of it."""
+"""Probability with which one test reports a true guarantee in expectation as broken."""
 
 
 @dataclass(frozen=True)
 class GuaranteePlan:
-    """What a study of guarantees works through.
-
-    Parameters
-    ----------
-    configurations : sequence of Configuration
-    families : sequence of Family
-    """
+    """The configurations of a study of guarantees, and the families that they run on."""
 
     configurations: tuple[Configuration, ...]
     families: tuple[Family, ...]
@@ -44,7 +38,7 @@ class GuaranteePlan:
 
 @dataclass
 class Chunk:
-    """What came of some instances of one family: runs by configuration, as (index, value, optimum, ratio, stated, bound) each."""
+    """The runs on some instances of one family, by configuration: (index, value, optimum, ratio, stated, bound) each."""
 
     family: int
     runs: dict[int, list[tuple[int, float, float, float, float | None, float | None]]] = field(default_factory=dict)
@@ -113,7 +107,7 @@ def measure(plan: GuaranteePlan, family: int, first: int, count: int, seed: int)
 def measure_one(
     problem: Problem, best: Any, configuration: Configuration, seed: Sequence[int], repeats: int = 1, *, audited: bool = False
 ) -> tuple[Run | None, tuple[tuple[str, str], ...]]:
-    """One configuration on one instance: its run (of ``repeats`` the mean value), None if it fails, and everything that must not be."""
+    """One configuration on one instance: its run (the mean of ``repeats``), None if it fails, and its faults."""
     rng = np.random.default_rng(list(seed))
     options, expected = configuration.chosen(problem, rng), configuration.expected(problem)
     seeds = rng.integers(0, 2**31, repeats).tolist()
@@ -138,7 +132,7 @@ def measure_one(
 
 
 def _mean_fault(run: Run, repeats: int) -> tuple[str, str] | None:
-    """Hoeffding's bound for the mean of ``repeats`` values in [0, optimum]."""
+    """The fault of a mean of ``repeats`` values in [0, optimum] that breaks its guarantee, by Hoeffding's bound."""
     if run.stated is None or run.optimum <= 0:
         return None
     share, margin = run.value / run.optimum, hoeffding_margin(repeats)
@@ -151,7 +145,7 @@ def _mean_fault(run: Run, repeats: int) -> tuple[str, str] | None:
 
 
 def hoeffding_margin(count: int) -> float:
-    """What the mean of ``count`` independent numbers of [0, 1] may lie below its expectation, but for ``FALSE_ALARM``."""
+    """Shortfall of a mean of ``count`` independent numbers of [0, 1] that is passed with probability ``FALSE_ALARM`` at most."""
     return math.sqrt(math.log(1.0 / FALSE_ALARM) / (2.0 * count))
 
 
@@ -197,9 +191,9 @@ def _report(
 
 
 def _row(configuration: Configuration, family: Family, runs: Sequence[Any], broken: int) -> dict[str, Any]:
-    """Summary of the runs of one configuration on one family; infinite ratios (value 0) are kept as such.
+    """Summary of the runs of one configuration on one family; ratios may be infinite, for a value of 0.
 
-    ``used`` is the largest share of the loss that the statement allows: (ratio - 1) / (stated - 1), 1 where it is attained.
+    ``used`` is the largest share of the stated loss: (ratio - 1) / (stated - 1), 1 where it is attained.
     """
     ratios = np.array([run[3] for run in runs] or [math.nan])
     stated = np.array([run[4] for run in runs if run[4] is not None])
@@ -223,7 +217,7 @@ def _row(configuration: Configuration, family: Family, runs: Sequence[Any], brok
 
 
 def _pooled_fault(configuration: Configuration, family: Family, runs: Sequence[Any]) -> Fault | None:
-    """For guarantees in expectation: the mean share over all instances and runs against the mean of the stated shares."""
+    """The fault of a guarantee in expectation whose mean share over all instances is below the mean of the stated shares."""
     if configuration.repeats == 1:
         return None
     pairs = [(run[1] / run[2], 1.0 / run[4]) for run in runs if run[4] is not None and run[2] > 0]
@@ -239,7 +233,7 @@ def _pooled_fault(configuration: Configuration, family: Family, runs: Sequence[A
 
 
 def ratio_table(name: str, rows: Sequence[dict[str, Any]]) -> Table:
-    """Observed ratios beside stated ones, OPT/ALG; a single stated one with its share ALG/OPT, as papers write it."""
+    """Observed ratios OPT/ALG beside stated ones; a single stated one also as its share ALG/OPT, as in papers."""
     columns = (
         Column("heuristic"), Column("family"), Column("cases", right=True), Column("min", right=True), Column("mean", right=True),
         Column("max", right=True), Column("stated", right=True), Column("used", right=True), Column("ALG/OPT", right=True),

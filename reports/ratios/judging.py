@@ -1,4 +1,4 @@
-"""One run of a heuristic, judged: its value from the data alone, its ratio to the optimum, its stated guarantee and its bounds."""
+"""Runs of heuristics, judged: their values from the data alone, ratios to the optimum, stated guarantees and bounds."""
 
 from __future__ import annotations
 
@@ -24,21 +24,14 @@ TOLERANCE = 1e-6
 """Relative difference up to which two values count as the same."""
 
 SECONDS = 60.0
-"""Wall time of one run of a heuristic; the small instances of a study need a fraction of it."""
+"""Time limit of one run of a heuristic; the small instances of a study need a fraction of it."""
 
 Options = Mapping[str, Any] | Callable[[Problem, np.random.Generator], Mapping[str, Any]]
 
 
 @dataclass(frozen=True)
 class Case:
-    """A problem whose optimum is known, or can be found.
-
-    Parameters
-    ----------
-    problem : Problem
-    optimum : Optimum, optional
-        By construction; found by ``optimum.optimum`` otherwise.
-    """
+    """A problem with its optimum, by construction or to be found by ``optimum``."""
 
     problem: Problem
     optimum: Optimum | None = None
@@ -52,19 +45,9 @@ class Case:
 class Configuration:
     """A heuristic with its options, and the ratio that the literature states for it.
 
-    Parameters
-    ----------
-    label : str
-    heuristic : str
-        A name of ``HEURISTICS``.
-    expected : callable
-        From a problem to the ratio (>= 1) that must be stated at least, or None where no guarantee is owed. It knows nothing of the
-        heuristic.
-    options : mapping, or callable of problem and random generator
-    repeats : int
-        More than 1 for a guarantee in expectation: runs with different seeds, whose mean is tested.
-    takes : callable
-        Problems outside are left out.
+    ``expected`` gives the ratio (>= 1) that must be stated at least on a problem, or None where no guarantee is owed; it knows nothing of
+    the heuristic. More than one of ``repeats`` stands for a guarantee in expectation, which the mean of that many runs tests. Problems that
+    it does not take are left out.
     """
 
     label: str
@@ -75,25 +58,13 @@ class Configuration:
     takes: Callable[[Any], bool] = lambda problem: True
 
     def chosen(self, problem: Problem, rng: np.random.Generator) -> dict[str, Any]:
-        """Its options for ``problem``."""
+        """The options for a problem."""
         return dict(self.options(problem, rng) if callable(self.options) else self.options)
 
 
 @dataclass(frozen=True)
 class Run:
-    """One run, judged.
-
-    Attributes
-    ----------
-    value, optimum : float
-    ratio : float
-        >= 1, worse over better.
-    stated : float or None
-        The ratio that the heuristic stated on this instance; None if it stated none.
-    bound : float or None
-        The best bound that the checker derived from its evidence.
-    faults : tuple of (kind, message)
-    """
+    """One run, judged: ``ratio`` is worse over better, ``stated`` that of the heuristic, ``bound`` the best that the checker proved."""
 
     value: float
     optimum: float
@@ -104,7 +75,7 @@ class Run:
 
 
 def ratio_of(sense: str, value: float, best: float) -> float:
-    """Worse over better: optimum over value for ``max``; 1 where both are 0, infinite where only the worse one vanishes or is negative."""
+    """Worse over better: optimum over value for ``max``; 1 where both are 0, infinite where the worse one is 0 or negative."""
     better, worse = (best, value) if sense == "max" else (value, best)
     if abs(better - worse) <= 1e-12 * max(1.0, abs(better)):
         return 1.0
@@ -112,7 +83,7 @@ def ratio_of(sense: str, value: float, best: float) -> float:
 
 
 def run_heuristic(problem: Problem, name: str, options: Mapping[str, Any], seed: int) -> Outcome:
-    """The heuristic alone, without the search around it: what ``solve`` runs, with the same random draws."""
+    """The heuristic alone, without the search around it: the same as in ``solve``, with the same random draws."""
     context = Context(
         rng=np.random.default_rng(seed), time_limit=SECONDS, start=None, publish=lambda answer: None, stop=NEVER,
         linear=LinearPrograms(seed=seed),
@@ -129,18 +100,9 @@ def judge(
     in_expectation: bool = False,
     tolerance: float = TOLERANCE,
 ) -> Run:
-    """Judge what a heuristic brought back.
+    """Judge the outcome of a heuristic, which must state the ratio ``expected`` at least; None if it owes no guarantee.
 
-    Parameters
-    ----------
-    problem : Problem
-    best : Optimum
-    outcome : Outcome
-    expected : float, optional
-        Ratio that it must state at least; None if it owes no guarantee.
-    in_expectation : bool
-        Leave the ratio of this single run alone: only a mean can break the guarantee.
-    tolerance : float
+    With ``in_expectation`` the ratio of this single run is no fault: only a mean can break the guarantee.
     """
     judged = problem.evaluate(outcome.answer)
     value, faults = judged.values[0], []
@@ -185,10 +147,9 @@ def _guarantee_faults(guarantee: Guarantee | None, expected: float | None) -> li
 def audit(
     problem: Problem, name: str, options: Mapping[str, Any], seed: int, best: Optimum, direct: Outcome
 ) -> tuple[tuple[str, str], ...]:
-    """The same run through ``solve``, its certificate written, read back and verified; whatever does not hold up.
+    """Faults of the same run through ``solve``, its certificate written, read back and verified.
 
-    The answer must have the value of the ``direct`` run, the guarantee must be that of the direct run, and no bound may be below the
-    optimum.
+    The answer must have the value of the ``direct`` run and the guarantee must be the same, and no bound may contradict the optimum.
     """
     from ...solving.request import Request
     from ...solving.solve import solve
@@ -199,7 +160,7 @@ def audit(
         if solution.answer is None:
             return (("certificate", f"solve brought no answer: {solution.message}"),)
         again = problem.evaluate(solution.answer)
-        made = check_certificate(problem, json.loads(json_text(solution.certificate.to_json(with_evidence=True))), again)
+        verified = check_certificate(problem, json.loads(json_text(solution.certificate.to_json(with_evidence=True))), again)
     except (CheckFailedError, InputError) as error:
         return (("certificate", str(error)),)
     faults.extend(("certificate", fault) for fault in solution.faults)
@@ -211,6 +172,6 @@ def audit(
     if stated != own:
         faults.append(("certificate", f"the certificate states the ratio {stated}, the run by itself {own}"))
     slack = TOLERANCE * max(1e-9, abs(best.value))
-    if made.bound is not None and (best.value - made.bound if problem.sense == "max" else made.bound - best.value) > slack:
-        faults.append(("bound", f"the certificate proves {made.bound!r} by {made.bound_source}, and the optimum is {best.value!r}"))
+    if verified.bound is not None and (best.value - verified.bound if problem.sense == "max" else verified.bound - best.value) > slack:
+        faults.append(("bound", f"the certificate proves {verified.bound!r} by {verified.bound_source}, and the optimum is {best.value!r}"))
     return tuple(faults)

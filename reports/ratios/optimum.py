@@ -30,10 +30,10 @@ MOST_ELEMENTS = 16
 """Ground sets up to this size are enumerated: 65536 sets."""
 
 MOST_SELECTIONS = 200_000
-"""Ways to give every robot an action, up to which they are enumerated."""
+"""Combinations of robots' actions up to which they are enumerated."""
 
 AGREE = 1e-6
-"""Relative difference between the two sides of an LP's optimum that is let pass."""
+"""Relative difference allowed between the primal and dual value of a linear program."""
 
 
 MOST_CUSTOMERS = 10
@@ -42,7 +42,7 @@ MOST_CUSTOMERS = 10
 
 @dataclass(frozen=True)
 class Optimum:
-    """The optimum, recomputed from an answer by ``problem.evaluate``, and how it is known."""
+    """The optimum, recomputed from an answer by ``problem.evaluate``, and its source."""
 
     value: float
     answer: Any
@@ -50,13 +50,7 @@ class Optimum:
 
 
 def attained(problem: Problem, answer: Any, source: str) -> Optimum:
-    """The value of ``answer``, which is said to be optimal.
-
-    Raises
-    ------
-    CheckFailedError
-        If it fails its check.
-    """
+    """The value of ``answer``, which is said to be optimal. Raises CheckFailedError if it fails its check."""
     judged = problem.evaluate(answer)
     if not judged.feasible:
         raise CheckFailedError(f"the answer of {source} to {problem.name} fails its check: {judged.violations[0].message}")
@@ -66,12 +60,7 @@ def attained(problem: Problem, answer: Any, source: str) -> Optimum:
 def optimum(problem: Problem) -> Optimum:
     """The optimum of a small problem: by enumeration, or by a linear program whose duals are multiplied out.
 
-    Raises
-    ------
-    UsageError
-        If it is too large, or of another family.
-    CheckFailedError
-        If the two sides of a linear program disagree.
+    Raises UsageError if the problem is too large or of another family, CheckFailedError if the two sides of a linear program disagree.
     """
     if isinstance(problem, SubmodularSelection):
         return best_selection(problem)
@@ -103,12 +92,12 @@ def set_values(problem: SubmodularSelection) -> Floats:
 
 
 def allowed_sets(problem: SubmodularSelection) -> NDArray[np.bool_]:
-    """Which subsets the constraint allows, in the order of ``set_values``."""
+    """Whether the constraint allows each subset, in the order of ``set_values``."""
     return allowed(problem.constraint, _members(problem.num_elements))
 
 
 def best_selection(problem: SubmodularSelection) -> Optimum:
-    """The best of all subsets that the constraint allows."""
+    """The best subset that the constraint allows."""
     if problem.num_elements > MOST_ELEMENTS:
         raise UsageError(f"{problem.num_elements} elements are too many to enumerate; at most {MOST_ELEMENTS} are")
     values = np.where(allowed_sets(problem), set_values(problem), -math.inf)
@@ -118,9 +107,9 @@ def best_selection(problem: SubmodularSelection) -> Optimum:
 
 @functools.lru_cache(maxsize=MOST_ELEMENTS + 1)
 def _members(n: int) -> NDArray[np.bool_]:
-    found: NDArray[np.bool_] = (np.arange(1 << n)[:, None] >> np.arange(n)) & 1 == 1
-    found.setflags(write=False)
-    return found
+    members: NDArray[np.bool_] = (np.arange(1 << n)[:, None] >> np.arange(n)) & 1 == 1
+    members.setflags(write=False)
+    return members
 
 
 # -- robots and targets -----------------------------------------------------------------------------------------------
@@ -151,7 +140,9 @@ def best_shares(problem: BottleneckSATA) -> Optimum:
     x, y = _max_min(packing, covering)
     shares = x / np.maximum(packing @ x, 1.0)[g.robot_of_action]  # the solver keeps rows up to a tolerance only
     evidence = {"targets": list(range(g.num_targets)), "weights": y.tolist()}
-    return _two_sided(problem, shares, Evidence("target-weights", "linear program", math.nan, evidence))
+    best = attained(problem, shares, "linear program")
+    _agree(problem, best.value, verified_bound(problem, Evidence("target-weights", "linear program", math.nan, evidence)))
+    return best
 
 
 def best_vector(problem: MaxMinLP) -> Optimum:
@@ -181,37 +172,42 @@ def _max_min(packing: Floats, covering: Floats) -> tuple[Floats, Floats]:
     cost = np.zeros(n + 1)
     cost[n] = -1.0
     options: Any = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
-    found: Any = linprog(cost, A_ub=rows, b_ub=right, method="highs-ds", options=options)
-    if found.status != 0:
-        raise CheckFailedError(f"the linear program of the optimum was not solved: {found.message}")
-    return np.maximum(found.x[:n], 0.0), np.maximum(-found.ineqlin.marginals[len(packing) :], 0.0)
-
-
-def _two_sided(problem: Problem, answer: Any, evidence: Evidence) -> Optimum:
-    best = attained(problem, answer, "linear program")
-    _agree(problem, best.value, verified_bound(problem, evidence))
-    return best
+    solved: Any = linprog(cost, A_ub=rows, b_ub=right, method="highs-ds", options=options)
+    if solved.status != 0:
+        raise CheckFailedError(f"the linear program of the optimum was not solved: {solved.message}")
+    return np.maximum(solved.x[:n], 0.0), np.maximum(-solved.ineqlin.marginals[len(packing) :], 0.0)
 
 
 def _agree(problem: Problem, value: float, bound: float) -> None:
-    """A value that some answer attains, and a bound, must meet; where nothing is covered there are no weights to bound by."""
+    """Raise CheckFailedError unless a value that some answer attains meets a bound; where nothing is covered, no weights bound it."""
     if not (value == 0.0 and math.isinf(bound)) and abs(bound - value) > AGREE * max(abs(value), abs(bound), 1e-9):
         raise CheckFailedError(f"the linear program of {problem.name} has an answer of {value!r} and a bound of {bound!r}")
+
+
+def _shortest_paths(moves: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    """Lengths of shortest paths from stop 0 through every set of the others to each of them, and the stop before; shape (2^n, n)."""
+    n = len(moves) - 1
+    ends, before = np.full((1 << n, n), math.inf), np.full((1 << n, n), -1)
+    for k in range(n):
+        ends[1 << k, k] = moves[0, k + 1]
+    for chosen in range(1, 1 << n):
+        for k in range(n):
+            if chosen >> k & 1 and chosen != 1 << k:
+                ways = ends[chosen ^ 1 << k] + moves[1:, k + 1]
+                before[chosen, k] = ways.argmin()
+                ends[chosen, k] = ways.min()
+    return ends, before
 
 
 # -- routes -----------------------------------------------------------------------------------------------------------
 
 
 def best_routes(problem: RoutingProblem) -> Optimum:
-    """The best routes of vehicles of one type that have no limit but capacity and distance: the shortest tour of every set of customers
-    (Held and Karp 1962), and the best way to share all customers, or where rewards are collected some of them, among such sets.
+    """The best routes of vehicles of one type whose only limits are capacity and distance.
 
-    Raises
-    ------
-    UsageError
-        If there are other limits, another objective, or too many customers.
-    CheckFailedError
-        If there is no answer.
+    The shortest tour of every set of customers (Held and Karp 1962), and the best way to share all customers among such sets, or some of
+    them where rewards are collected. Raises UsageError for other limits or objectives and too many customers, CheckFailedError if there is
+    no answer.
     """
     longest = problem.objective.is_only(LongestRoute) or problem.objective.is_only(Makespan)
     rewarded = problem.objective.is_only(Reward)
@@ -230,15 +226,7 @@ def best_routes(problem: RoutingProblem) -> Optimum:
     timed = problem.objective.is_only(Makespan)
     moves = (problem.travel.durations if timed else problem.travel.distances)[np.ix_(stops, stops)]
     every = 1 << n
-    ends, before = np.full((every, n), math.inf), np.full((every, n), -1)
-    for k in range(n):
-        ends[1 << k, k] = moves[0, k + 1]
-    for chosen in range(1, every):
-        for k in range(n):
-            if chosen >> k & 1 and chosen != 1 << k:
-                ways = ends[chosen ^ 1 << k] + moves[1:, k + 1]
-                before[chosen, k] = ways.argmin()
-                ends[chosen, k] = ways.min()
+    ends, before = _shortest_paths(moves)
     tour = (ends + moves[1:, 0]).min(axis=1)
     members = _members(n)
     cost = tour + members @ sites.service[customers] if timed else tour if longest else vehicle.fixed_cost + vehicle.unit_cost * tour
@@ -263,13 +251,13 @@ def best_routes(problem: RoutingProblem) -> Optimum:
         served = int(np.where(np.isfinite(best[most]), members @ sites.reward[customers], -math.inf).argmax())
     if not math.isfinite(best[most, served]):
         raise CheckFailedError(f"no {most} routes serve all customers of {problem.name}")
-    routes, left, k = [], served, most
-    while left:
-        route = int(first[k, left])
+    routes, unserved, k = [], served, most
+    while unserved:
+        route = int(first[k, unserved])
         chosen, at, visits = route, int((ends[route] + moves[1:, 0]).argmin()), []
         while at >= 0:
             visits.append(int(customers[at]))
             chosen, at = chosen ^ 1 << at, int(before[chosen, at])
         routes.append(visits[::-1])
-        left, k = left ^ route, k - 1
+        unserved, k = unserved ^ route, k - 1
     return attained(problem, Routes.of(routes), "enumeration")

@@ -11,7 +11,7 @@ from ...instances.registry import Registry
 from ..tables.table import Table
 
 Told = Callable[[int, int, str], None]
-"""``told(done, total, what)`` hears how far a study is."""
+"""``told(done, total, what)`` receives the progress of a study."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from .study import Fault, Report
 
 
 def instance_of(problem: Problem, note: str = "") -> Instance | None:
-    """The instance of a problem, told what is wrong with it; None for what no file can hold."""
+    """The instance of a problem with a note; None where no file can hold it."""
     notes = (note,) if note else ()
     if isinstance(problem, WinnerTakesAllSATA | BottleneckSATA):
         return replace(problem.graph, problem=problem.problem, notes=(*problem.graph.notes, *notes))
@@ -53,13 +53,7 @@ def instance_text(problem: Problem, note: str = "") -> str:
 
 
 def write_faults(report: Report, folder: Path) -> tuple[str | None, ...]:
-    """Write the instance of each fault into ``folder``; returns the paths, None where there is no instance.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be written; those before it stand.
-    """
+    """Write the instance of each fault into ``folder``; returns the paths, None where there is no instance. Raises InputError."""
     from ...instances.writing import write_instance
 
     written: list[str | None] = []
@@ -76,7 +70,7 @@ def write_faults(report: Report, folder: Path) -> tuple[str | None, ...]:
 
 
 def summary_lines(faults: Sequence[Fault], files: Sequence[str | None], total: int, most: int = 20) -> list[str]:
-    """One line a fault, the first ``most`` of them, and how many more there are."""
+    """The first ``most`` faults, one line each, and how many more there are."""
     lines = [f"{f.kind}: {f.message}" + (f"; instance in {file}" if file else "") for f, file in zip(faults, files, strict=True)][:most]
     if total > len(lines):
         lines.append(f"and {total - len(lines)} more")

@@ -1,4 +1,4 @@
-"""Work spread over processes, whose results so far outlive a Ctrl-C."""
+"""Tasks spread over processes; results so far survive a Ctrl-C."""
 
 from __future__ import annotations
 
@@ -22,49 +22,34 @@ class Done:
     interrupted: bool
 
 
-def spread(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], jobs: int, told: Told, what: Callable[[Any], str]) -> Done:
-    """``function(*task)`` for every task.
+def spread(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], jobs: int, progress: Told, what: Callable[[Any], str]) -> Done:
+    """``function(*task)`` for every task, in ``jobs`` processes (1: this one); after Ctrl-C the results so far.
 
-    Parameters
-    ----------
-    function : callable
-        A function of a module, so that other processes find it.
-    tasks : sequence of tuple
-        Of plain values.
-    jobs : int
-        Processes; 1 works in this one.
-    told : callable
-        Hears after each task how many are done.
-    what : callable
-        From a task to what it is called.
-
-    Returns
-    -------
-    Done
-        After Ctrl-C, with what was done until then.
-
-    Raises
-    ------
-    WayboundError
-        If a process ended abruptly.
+    ``function`` is one of a module, so that other processes find it; ``progress`` receives how far it is, and ``what`` names a task. Raises
+    WayboundError if a process ended abruptly.
     """
     results: list[Any] = [None] * len(tasks)
     jobs = min(jobs, len(tasks))
     try:
         if jobs <= 1:
             for k, task in enumerate(tasks):
-                told(k, len(tasks), what(task))
+                progress(k, len(tasks), what(task))
                 results[k] = function(*task)
-            told(len(tasks), len(tasks), "")
+            progress(len(tasks), len(tasks), "")
         else:
-            _in_processes(function, tasks, jobs, results, told, what)
+            _in_processes(function, tasks, jobs, results, progress, what)
     except KeyboardInterrupt:
         return Done(results, True)
     return Done(results, False)
 
 
 def _in_processes(
-    function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], jobs: int, results: list[Any], told: Told, what: Callable[[Any], str]
+    function: Callable[..., Any],
+    tasks: Sequence[tuple[Any, ...]],
+    jobs: int,
+    results: list[Any],
+    progress: Told,
+    what: Callable[[Any], str],
 ) -> None:
     from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
     from concurrent.futures.process import BrokenProcessPool
@@ -81,7 +66,7 @@ def _in_processes(
                 k = waiting.pop(future)
                 results[k] = future.result()
                 done += 1
-                told(done, len(tasks), what(tasks[k]))
+                progress(done, len(tasks), what(tasks[k]))
         finished = True
     except KeyboardInterrupt:
         for future, k in waiting.items():
@@ -98,7 +83,7 @@ def _in_processes(
 
 
 def _prepare() -> None:
-    """A Ctrl-C reaches every process of the terminal's group; the parent alone decides what it means, and is not outlived."""
+    """Ignore Ctrl-C, which reaches every process of the terminal's group: the parent decides what it means. End with the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

@@ -1,4 +1,4 @@
-"""A report as files: tables as CSV and Markdown, figures as PNG, each whole or not at all."""
+"""Reports as files: tables as CSV and Markdown, figures as PNG, each whole or not at all."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 
 from ...instances.atomic import atomic_write
 from ...instances.errors import UsageError
+from ..plots.drawing import figure_without_display, png_of
 from ..tables.table import Table
 from .study import Figure, Report
 
@@ -33,14 +34,7 @@ def check_folder(folder: Path) -> None:
 def write_report(report: Report, folder: Path) -> tuple[Path, ...]:
     """Write ``STUDY.csv`` (the table), ``STUDY-observations.csv``, ``STUDY.md`` and the figures into ``folder``, which is made if needed.
 
-    Returns
-    -------
-    tuple of Path
-
-    Raises
-    ------
-    InputError
-        If a file cannot be written; those before it stand.
+    Raises InputError if a file cannot be written; those before it remain.
     """
     folder.mkdir(parents=True, exist_ok=True)
     written = []
@@ -57,7 +51,7 @@ def write_report(report: Report, folder: Path) -> tuple[Path, ...]:
 
 
 def csv_text(rows: Sequence[dict[str, Any]]) -> str:
-    """Rows with a heading, numbers in full, nothing where there is no value."""
+    """Rows with a heading, numbers in full, empty where there is no value."""
     columns = list(dict.fromkeys(key for row in rows for key in row))
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
@@ -68,7 +62,7 @@ def csv_text(rows: Sequence[dict[str, Any]]) -> str:
 
 
 def markdown(report: Report) -> str:
-    """The table, what is to be said of it, and the figures."""
+    """The table, notes and faults of a report, and its figures."""
     lines = [f"# {report.study}", "", report.title, "", *markdown_table(report.table), ""]
     lines += [f"- {note}" for note in report.notes]
     if report.interrupted:
@@ -90,12 +84,6 @@ def markdown_table(table: Table) -> list[str]:
 
 def png(figure: Figure) -> bytes:
     """A figure, drawn without a display; the same report gives the same bytes."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure as Canvas
-
-    canvas = Canvas(figsize=figure.size, layout="constrained")
-    FigureCanvasAgg(canvas)
+    canvas = figure_without_display(*figure.size)
     figure.draw(canvas)
-    buffer = io.BytesIO()
-    canvas.savefig(buffer, format="png", dpi=150)
-    return buffer.getvalue()
+    return png_of(canvas, 150)

@@ -1,4 +1,4 @@
-"""Tables that people read, as plain rows. What a family tells in its own way it registers in ``TABLES``; all else is told as it is."""
+"""Tables for people, as plain rows. A family registers its own rows in ``TABLES``; other facts are shown as they are."""
 
 from __future__ import annotations
 
@@ -15,14 +15,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Tables:
-    """How problems of a family, and their answers, are told.
+    """Rows of facts and tables of answers of one family.
 
-    Parameters
-    ----------
-    facts : mapping
-        From a name in ``problem.facts()`` to what makes rows of its value.
-    answer : callable, optional
-        From a problem and its answer, or None where there is none, to tables; by default one of the first rows of the answer's frame.
+    ``facts`` maps a name in ``problem.facts()`` to a function that makes rows of its value. ``answer`` makes tables of a problem and its
+    answer, or None; by default one of the first rows of the answer's frame.
     """
 
     facts: Mapping[str, Callable[[Any], list[Row]]] = field(default_factory=dict)
@@ -30,4 +26,4 @@ class Tables:
 
 
 TABLES: Registry[Tables] = Registry("family of tables", "waybound.reports.tables.*", group="waybound.tables")
-"""By family of problems."""
+"""Tables by family of problems."""

@@ -1,4 +1,4 @@
-"""What a problem holds, as data and as a table."""
+"""Facts of a problem, as data and as a table."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from . import TABLES
 from .table import Column, Table
 
 SHOWN_NAMES = 10
-"""Names that a row of the table holds; the facts hold them all."""
+"""Names in a row of the table; the facts hold them all."""
 
 
 def facts(problem: Problem) -> dict[str, Any]:
-    """What a problem holds, as plain JSON values."""
+    """The facts of a problem as plain JSON values."""
     return {
         "name": problem.name,
         "problem": problem.problem,
@@ -30,17 +30,17 @@ def facts(problem: Problem) -> dict[str, Any]:
 
 
 COMMON = ("name", "problem", "family", "senses", "convention", "instance_hash", "features", "forms", "notes", "objective")
-"""Facts that ``facts_table`` tells of every problem; the others are the problem's own."""
+"""Facts that ``facts_table`` shows of every problem; the others are the problem's own."""
 
 
 def facts_table(data: dict[str, Any]) -> Table:
     """The facts of a problem, one a row."""
-    told = TABLES[data["family"]].facts if data["family"] in TABLES else {}
+    rows_of = TABLES[data["family"]].facts if data["family"] in TABLES else {}
     aim = f" {data['objective']}" if "objective" in data else ""
     rows = [("problem", f"{data['problem']}, {' then '.join(data['senses'])}{aim}"), ("convention", data["convention"])]
     for name, value in data.items():
         if name not in COMMON:
-            rows += told[name](value) if name in told else [(name.replace("_", " "), plain_text(value))]
+            rows += rows_of[name](value) if name in rows_of else [(name.replace("_", " "), plain_text(value))]
     rows += [("features", ", ".join(data["features"])), ("forms", ", ".join(data["forms"]) or "none"), ("hash", data["instance_hash"])]
     rows += [("note", note) for note in data["notes"]]
     return Table(data["name"], (Column(""), Column("", wide=True)), tuple(rows))

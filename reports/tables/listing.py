@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 from ...formulations.problem import Problem
 from ...solving.listing import HeuristicInfo, SolverInfo, heuristic_table, solver_table
-from .display import Listing
-from .table import Column, Table
+from .table import Column, Listing, Table
 
 
 def list_solvers(problem: Problem | None = None) -> Listing[SolverInfo]:
@@ -55,7 +54,7 @@ def solvers_table(infos: Sequence[SolverInfo], *, asked: bool) -> Table:
 
 
 def heuristics_table(infos: Sequence[HeuristicInfo], *, asked: bool) -> Table:
-    """Heuristics with what they guarantee; with ``asked``, whether each takes the problem asked about."""
+    """Heuristics and their guarantees; with ``asked``, whether each takes the problem asked about."""
     columns = [Column("heuristic"), Column("guarantee"), Column("options"), Column("summary", wide=True)]
     rows = [[i.name, i.guarantee, ", ".join(i.parameters) or "-", i.summary] for i in infos]
     if asked:

@@ -1,10 +1,6 @@
 """The command ``python -m waybound.reports.tables.routing_features``, whose module is in a wing."""
 
-from __future__ import annotations
-
-import sys
-
 from .routing.routing_features import main
 
 if __name__ == "__main__":
-    sys.exit(main())
+    raise SystemExit(main())

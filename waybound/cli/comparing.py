@@ -83,7 +83,7 @@ def compare(
             raise MissingPackageError("--plot needs the package matplotlib: pip install matplotlib")
 
     from ..formulations.json_text import json_text
-    from ..reports.comparing import compare as by_all
+    from ..reports.comparison import compare as by_all
     from .output import stdout_is_ours
     from .progress import Progress
 
@@ -107,7 +107,7 @@ def _nothing(comparison: Comparison) -> int:
 
 
 def _shown(comparison: Comparison) -> str:
-    from ..reports.tables.comparing import comparison_lines, comparison_table
+    from ..reports.tables.comparison import comparison_lines, comparison_table
     from .output import lines_text, table_text
 
     return table_text(comparison_table(comparison)) + lines_text("", comparison_lines(comparison)).lstrip("\n")

@@ -69,7 +69,7 @@ def print_json(data: Any) -> None:
 
 def table_text(table: Table, every: bool = False) -> str:
     """A table, its title above it; ``every`` row where it says itself how many come first."""
-    from ..reports.tables.display import SHOWN_ROWS, table_rich
+    from ..reports.tables.table import SHOWN_ROWS, table_rich
 
     shown = SHOWN_ROWS if table.most is None else len(table.rows) if every else table.most
     more, where = len(table.rows) - shown, "--json has all" if table.most is None else "-v shows all"

@@ -5,7 +5,7 @@ With prices p, and K pairs asked for, n robots and m bins, every assignment of K
     sum_i min_j (c_ij + p_j) - sum_j p_j                                      where K = n
     K s - sum_j p_j - sum_i max(0, max_j (s - p_j - c_ij))                    for any level s
 
-since it pays at most the prices of all bins. Prices are not negative, but where K = m, so that each is paid: then they are free.
+since it pays at most the prices of all bins. Prices are at least 0, unless K = m: then each is paid, and prices are free.
 """
 
 from __future__ import annotations
@@ -23,47 +23,31 @@ from ...evidence import CHECKERS
 Floats = NDArray[np.float64]
 
 BLOCK = 1 << 17
-"""Pairs that are looked at together: few enough to stay in a processor's memory."""
+"""Pairs that are looked at together: few enough to stay in a processor's cache."""
 
 _LARGEST = 1e300
 
 _WHOLE = 2.0**53
-"""Whole numbers below it have their own doubles."""
+"""Whole numbers below it are doubles."""
 
 
 @CHECKERS.register("assignment-prices")
 def check_assignment_prices(problem: Any, data: Mapping[str, Any]) -> float:
-    """Lower bound on the sum of the costs that any prices prove.
+    """Lower bound on the sum of the costs that any prices prove; sums are rounded down, so that it holds at any scale of the data.
 
-    Parameters
-    ----------
-    problem : BinAssignment
-    data : dict
-        ``prices``: one number a bin, negative ones counting as 0 unless every bin is asked for; ``level``: a number, 0 by default, not
-        needed where every robot is asked for.
+    ``data`` holds ``prices``, one number a bin (negative ones count as 0 unless every bin is asked for), and ``level``, 0 by default, which
+    is not needed where every robot is asked for.
 
-    Returns
-    -------
-    float
-        Every sum is rounded towards minus infinity, so that it holds at any scale of the data.
-
-    Raises
-    ------
-    InputError
-        If there is not one finite number a bin.
-
-    Notes
-    -----
     Source: linear programming duality (Kuhn 1955; Bertsekas 1981); docs/formulations/bin-assignment.md#evidence.
     """
     if problem.family != "bin-assignment":
         raise InputError("prices of bins are evidence for bin-assignment problems", found=problem.problem)
     if problem.objective != "sum":
         return -math.inf
-    given, level = data.get("prices"), data.get("level", 0.0)
-    if not isinstance(given, list) or len(given) != problem.num_bins or not _all_finite(given) or not _finite(level):
+    listed, level = data.get("prices"), data.get("level", 0.0)
+    if not isinstance(listed, list) or len(listed) != problem.num_bins or not _all_finite(listed) or not _finite(level):
         raise InputError("evidence needs a list of prices, one finite number a bin", expected=str(problem.num_bins))
-    prices, asked = np.array(given, dtype=np.float64), problem.pairs
+    prices, asked = np.array(listed, dtype=np.float64), problem.pairs
     if asked != problem.num_bins:
         prices = np.maximum(prices, 0.0)
     if problem.complete:
@@ -103,14 +87,14 @@ def _least_of_all(costs: Floats, prices: Floats, whole: bool) -> Floats:
     for first in range(0, len(costs), many):
         own = costs[first : first + many]
         sums = np.add(own, prices, out=paid[: len(own)])
-        found = sums.min(axis=1)
-        if not whole or (np.abs(found) >= _WHOLE).any():
-            above = np.nextafter(found, math.inf)[:, None]
+        lowest = sums.min(axis=1)
+        if not whole or (np.abs(lowest) >= _WHOLE).any():
+            above = np.nextafter(lowest, math.inf)[:, None]
             close = np.less_equal(sums, above, out=near[: len(own)])  # what is dearer is no less, exactly summed
             row, column = np.divmod(np.flatnonzero(close), len(prices))
             below = row[_lost(own[row, column], prices[column], sums[row, column]) < 0.0]
-            found[below] = np.nextafter(found[below], -math.inf)
-        least[first : first + many] = found
+            lowest[below] = np.nextafter(lowest[below], -math.inf)
+        least[first : first + many] = lowest
     return least
 
 
@@ -121,7 +105,7 @@ def _lost(a: Floats, b: Floats, total: Floats) -> Floats:
 
 
 def _least_to_pay(indptr: NDArray[Any], bins: NDArray[Any], cost: Floats, prices: Floats) -> Floats:
-    """At most min_j (c_ij + p_j) of each robot, and that itself where the sum is a double; infinite where it has no pair."""
+    """A lower bound on min_j (c_ij + p_j) of each robot, equal to it where the sum is a double; infinite for robots without a pair."""
     least = np.full(len(indptr) - 1, math.inf)
     first = 0
     while first < len(least):
@@ -134,11 +118,11 @@ def _least_to_pay(indptr: NDArray[Any], bins: NDArray[Any], cost: Floats, prices
         own = np.nonzero(many > 0)[0]
         if len(own):
             starts = indptr[first + own] - begin
-            found = np.minimum.reduceat(paid, starts)
-            near = np.nonzero(paid <= np.repeat(np.nextafter(found, math.inf), many[own]))[0]  # what is dearer is no less, exactly summed
+            sums = np.minimum.reduceat(paid, starts)
+            near = np.nonzero(paid <= np.repeat(np.nextafter(sums, math.inf), many[own]))[0]  # what is dearer is no less, exactly summed
             lost = _lost(cost[begin:end][near], price[near], paid[near])
             below = np.zeros(len(own), dtype=bool)
             below[np.searchsorted(starts, near[lost < 0.0], side="right") - 1] = True
-            least[first + own] = np.where(below, np.nextafter(found, -math.inf), found)
+            least[first + own] = np.where(below, np.nextafter(sums, -math.inf), sums)
         first = last
     return least

@@ -1,12 +1,12 @@
 """Evidence ``average-part``: no partition makes its largest part smaller than the mean of what all parts must cost.
 
-All m parts together cost the sum of all weights, and distances: spanning trees of all parts are a spanning forest of at most m trees, no
-shorter than a minimum spanning tree of all tasks without its m - 1 longest edges; pairs within parts are at least as many as in parts of
-equal size, and no shorter than the shortest of all pairs. And whatever part a task is in costs its weight, and the negative ones.
+All m parts together cost the sum of all weights, and distances. Spanning trees of the parts are a forest of at most m trees, no shorter
+than a minimum spanning tree of all tasks without its m - 1 longest edges. Pairs within parts are at least as many as in parts of equal
+size, and no shorter than the shortest of all pairs. Besides, a part costs at least the weight of any task in it and all negative weights.
 
-Of the difference of two parts, with fewer tasks than parts one is empty, so that it is at least the largest part. Without distances, where
-all weights are multiples of g and their sum is none of m g, not all parts are equal, and the difference is g at least; and with weights of
-0 at least it is that of the heaviest task and the mean of what is left for the other parts.
+The difference of two parts: with fewer tasks than parts one part is empty, so it is at least the largest part. Without distances, where all
+weights are multiples of g and their sum is no multiple of m g, not all parts are equal, and it is at least g. With weights of at least 0 it
+is at least the heaviest task less the mean of what remains for the other parts.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...checking.granularity import grain
 from ...evidence import CHECKERS
+from .task_allocation import smallest_forest
 
 Floats = NDArray[np.float64]
 
@@ -29,20 +30,8 @@ _EPS = float(np.finfo(np.float64).eps)
 
 @CHECKERS.register("average-part")
 def check_average_part(problem: Any, data: Mapping[str, Any]) -> float:
-    """Lower bound on the largest part, or on the difference of two; the data of the problem suffice, and none are read.
+    """Lower bound on the largest part, or on the difference of two, rounded downwards; it reads no evidence data.
 
-    Returns
-    -------
-    float
-        Rounded downwards.
-
-    Raises
-    ------
-    InputError
-        For problems of another family.
-
-    Notes
-    -----
     Source: docs/formulations/balanced-partition.md#evidence.
     """
     if problem.family != "balanced-partition":
@@ -57,7 +46,7 @@ def check_average_part(problem: Any, data: Mapping[str, Any]) -> float:
 
 
 def _difference(weights: Floats, parts: int) -> float:
-    """At least the largest part less the smallest, without distances."""
+    """A lower bound on the largest part less the smallest, without distances."""
     size = math.fsum(np.abs(weights))
     exact = bool((np.floor(weights) == weights).all()) and size < 2.0**53
     bound, unit = 0.0, grain(weights)
@@ -65,13 +54,13 @@ def _difference(weights: Floats, parts: int) -> float:
         bound = unit.size
     if (weights >= 0.0).all():
         heaviest = float(weights.max())
-        left = math.fsum([*weights.tolist(), -heaviest]) * (1.0 + 4.0 * _EPS) / (parts - 1)
-        bound = max(bound, math.nextafter(heaviest - left * (1.0 + 4.0 * _EPS), -math.inf))
+        others = math.fsum([*weights.tolist(), -heaviest]) * (1.0 + 4.0 * _EPS) / (parts - 1)
+        bound = max(bound, math.nextafter(heaviest - others * (1.0 + 4.0 * _EPS), -math.inf))
     return max(0.0, bound if exact else bound - 16.0 * _EPS * size)
 
 
 def _largest_part(problem: Any, weights: Floats, parts: int) -> float:
-    """At least the largest part."""
+    """A lower bound on the largest part."""
     instance = problem.instance
     between = np.asarray(instance.distances)[parts:]
     edges: list[float] = []
@@ -87,15 +76,8 @@ def _largest_part(problem: Any, weights: Floats, parts: int) -> float:
 
 
 def _forest(between: Floats, trees: int) -> list[float]:
-    """Edges of a minimum spanning tree of all tasks (Prim 1957) but the longest, so many that ``trees`` trees are left."""
-    near, left = between[0].copy(), np.arange(len(between)) > 0
-    taken = []
-    for _ in range(len(between) - 1):
-        node = int(np.where(left, near, math.inf).argmin())
-        taken.append(float(near[node]))
-        left[node] = False
-        near = np.minimum(near, between[node])
-    return sorted(taken)[: max(0, len(between) - trees)]
+    """The edges of a minimum spanning tree of all tasks without its longest ones, so that ``trees`` trees remain."""
+    return sorted(smallest_forest(between[0, 1:], between[1:, 1:]))[: max(0, len(between) - trees)]
 
 
 def _pairs(between: Floats, parts: int) -> list[float]:

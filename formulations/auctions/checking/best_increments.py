@@ -1,8 +1,8 @@
-"""Evidence ``best-increments``: no robots gain more than by the best visits and observations, one a step, each in a room in reach by then.
+"""Evidence ``best-increments``: robots gain at most by the best visits and observations, one a robot and step, each in a room within reach.
 
-It holds for every instance, so that the evidence holds no data. A visit that gains is a step, and so is an observation; a room at a
-distance of d doors from the nearest start is entered in step d at the earliest, and observed in the step after. Which gains can be had one
-a robot and step, contact set aside, is a matroid, so that taking the largest first is best (Edmonds 1971).
+It holds for every instance, and has no data. A visit that gains takes a step, and so does an observation. A room d doors from the nearest
+start is entered in step d at the earliest, and observed in the step after. Without regard to contact, the sets of gains that can be had,
+one a robot and step, are a matroid, so that taking the largest first is best (Edmonds 1971).
 """
 
 from __future__ import annotations
@@ -19,48 +19,30 @@ from ...evidence import CHECKERS
 
 @CHECKERS.register("best-increments")
 def check_best_increments(problem: Any, data: Mapping[str, Any]) -> float:
-    """Upper bound on the gain.
+    """Upper bound on the gain, rounded upwards; the evidence must have no data.
 
-    Parameters
-    ----------
-    problem : RoomExploration
-    data : dict
-        Empty.
-
-    Returns
-    -------
-    float
-        Rounded upwards.
-
-    Raises
-    ------
-    InputError
-        For another problem, or data.
-
-    Notes
-    -----
-    docs/formulations/room-exploration.md#evidence.
+    Source: docs/formulations/room-exploration.md#evidence.
     """
     if problem.family != "room-exploration":
         raise InputError("best increments are evidence for room-exploration problems", found=problem.problem)
     if data:
         raise InputError("evidence best-increments holds no data", found=str(data)[:40])
-    given = problem.instance
-    robots, steps = given.num_robots, given.steps
-    first = np.full(given.num_rooms, -1)
-    here, count = np.zeros(given.num_rooms, dtype=bool), 0
-    here[given.starts] = True
+    instance = problem.instance
+    robots, steps = instance.num_robots, instance.steps
+    first = np.full(instance.num_rooms, -1)
+    here, count = np.zeros(instance.num_rooms, dtype=bool), 0
+    here[instance.starts] = True
     while here.any():
         first[here] = count
-        here = given.adjacent[here].any(axis=0) & (first < 0)
+        here = instance.adjacent[here].any(axis=0) & (first < 0)
         count += 1
     entered = np.where(first == 0, 2, first)  # out of a start, and back; sooner by who comes from another
     if robots > 1:
         for room in np.nonzero(first == 0)[0].tolist():
-            others = given.starts[given.starts != room]
-            entered[room] = 1 if given.adjacent[room][others].any() else 2
+            others = instance.starts[instance.starts != room]
+            entered[room] = 1 if instance.adjacent[room][others].any() else 2
     gains: list[tuple[float, int]] = []  # and the first step in which each can be had
-    for table, soonest in ((given.exploring, entered), (given.mapping, first + 1), (given.searching, first + 1)):
+    for table, soonest in ((instance.exploring, entered), (instance.mapping, first + 1), (instance.searching, first + 1)):
         for room, row in enumerate(table.tolist()):
             if first[room] >= 0 and soonest[room] <= steps:
                 gains += [(value, int(soonest[room])) for value in row if value > 0.0]

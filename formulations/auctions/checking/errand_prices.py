@@ -1,4 +1,4 @@
-"""Evidence ``errand-prices``: prices of bins and requests, and what a bin fetched and a request served are worth.
+"""Evidence ``errand-prices``: prices of bins and requests, and what fetching a bin and serving a request are worth.
 
 With prices p_j, r_q >= 0, any worths s, t, and c_ijq the time of an errand (p_j and s missing without a bin, r_q and t without a request),
 K bins fetched and D requests served take
@@ -15,62 +15,46 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...checking.granularity import grain, lift
 from ...evidence import CHECKERS
-
-Floats = NDArray[np.float64]
+from .job_prices import finite_numbers, is_finite
 
 _EPS = float(np.finfo(np.float64).eps)
-_LARGEST = 1e300
 
 
 @CHECKERS.register("errand-prices")
 def check_errand_prices(problem: Any, data: Mapping[str, Any]) -> float:
-    """Lower bound on the sum of times that any prices prove.
+    """Lower bound on the sum of times that any prices prove, rounded up to the next sum of times that there can be.
 
-    Parameters
-    ----------
-    problem : JointAssignment
-    data : dict
-        ``bins``, ``requests``: one number each, negative ones counting as 0; ``pickup``, ``delivery``: the worths.
+    ``data`` holds ``bins`` and ``requests``, one price each (negative ones count as 0), and the worths ``pickup`` and ``delivery``.
 
-    Returns
-    -------
-    float
-        Rounded downwards, and up to the next sum of times that there can be.
-
-    Raises
-    ------
-    InputError
-        If a number is missing or not finite.
-
-    Notes
-    -----
     Source: Lagrangean duality, Burkard, Dell'Amico and Martello (2009), section 10.2; docs/formulations/joint-assignment.md#evidence.
     """
     if problem.family != "joint-assignment":
         raise InputError("prices of errands are evidence for joint-assignment problems", found=problem.problem)
-    given = problem.instance
-    bins, requests = (_prices(data, key, count) for key, count in (("bins", given.num_bins), ("requests", given.num_requests)))
+    instance = problem.instance
+    bins, requests = (
+        np.maximum(finite_numbers(data, key, count, f"prices of {key}"), 0.0)
+        for key, count in (("bins", instance.num_bins), ("requests", instance.num_requests))
+    )
     worths = [data.get("pickup"), data.get("delivery")]
-    if not all(map(_finite, worths)):
+    if not all(map(is_finite, worths)):
         raise InputError("evidence needs the numbers pickup and delivery")
     s, t = (float(worth) for worth in worths)  # type: ignore[arg-type]
     least: list[float] = []
     with np.errstate(over="ignore", invalid="ignore"):
         size = abs(s) + abs(t) + float(bins.max(initial=0.0)) + float(requests.max(initial=0.0))
-        for to_bin, to_request in zip(given.to_bin, given.to_request, strict=True):
-            usable = np.where(np.isfinite(to_bin) & np.isfinite(given.filled), 0.0, math.inf)
-            alone = np.maximum(to_bin, given.filled) + usable + (bins - s)
+        for to_bin, to_request in zip(instance.to_bin, instance.to_request, strict=True):
+            usable = np.where(np.isfinite(to_bin) & np.isfinite(instance.filled), 0.0, math.inf)
+            alone = np.maximum(to_bin, instance.filled) + usable + (bins - s)
             some = [0.0, alone.min(), (to_request + (requests - t)).min(initial=math.inf)]
-            if given.num_requests:
-                both = np.maximum(to_request[:, None] + given.between, given.filled) + usable + (requests - t)[:, None] + (bins - s)
+            if instance.num_requests:
+                both = np.maximum(to_request[:, None] + instance.between, instance.filled) + usable + (requests - t)[:, None] + (bins - s)
                 some.append(both.min())
             least.append(float(min(some)))
-        parts = [given.to_bin, given.to_request, given.between, given.filled]
+        parts = [instance.to_bin, instance.to_request, instance.between, instance.filled]
         finite = [part[np.isfinite(part)] for part in parts]
         size += sum(float(part.max(initial=0.0)) for part in finite)
         terms = [problem.pickups * s, problem.deliveries * t, *(-bins).tolist(), *(-requests).tolist(), *least]
@@ -79,14 +63,3 @@ def check_errand_prices(problem: Any, data: Mapping[str, Any]) -> float:
         except (OverflowError, ValueError):
             return -math.inf
     return lift(total, "min", grain(np.concatenate(finite))) if math.isfinite(total) else -math.inf
-
-
-def _prices(data: Mapping[str, Any], key: str, count: int) -> Floats:
-    given = data.get(key)
-    if not isinstance(given, list) or len(given) != count or not all(map(_finite, given)):
-        raise InputError(f"evidence needs a list of prices of {key}", expected=f"{count} finite numbers")
-    return np.maximum(np.array(given, dtype=np.float64), 0.0)
-
-
-def _finite(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < _LARGEST

@@ -1,14 +1,14 @@
 """Evidence ``job-prices`` and ``capacity-need`` of generalised assignments.
 
-With a price u_j a job, an agent gains u_j - c_ij (of costs) or v_ij - u_j (of profits) by doing it, and no more altogether than K_i, the
-most that fits its capacity. Whoever does the jobs,
+With a price u_j a job, an agent gains u_j - c_ij (of costs) or v_ij - u_j (of profits) by doing it, and altogether no more than K_i, the
+largest gain of jobs that fit its capacity. Whoever does the jobs,
 
     cost  >=  sum_j u_j - sum_i K_i             profit  <=  sum_j u_j + sum_i K_i     (u >= 0)
 
-where K_i is exact for whole consumption of moderate size, in whichever power of two it is counted (Bellman 1957), and elsewhere that of
-jobs done in part (Dantzig 1957).
+K_i is exact where consumption is a whole number of moderately many steps of some power of two (Bellman 1957); elsewhere jobs may be done in
+part (Dantzig 1957).
 
-With a weight y_i >= 0 an agent, there is no way to do all jobs if sum_j min_i y_i a_ij > sum_i y_i b_i.
+With a weight y_i >= 0 an agent, not all jobs can be done if sum_j min_i y_i a_ij > sum_i y_i b_i.
 """
 
 from __future__ import annotations
@@ -36,35 +36,17 @@ _LARGEST, _TINY, _WHOLE = 1e300, 1e-290, 2.0**53
 
 @CHECKERS.register("job-prices")
 def check_job_prices(problem: Any, data: Mapping[str, Any]) -> float:
-    """Bound on the cost or profit that any prices prove.
+    """Bound on the cost (rounded downwards) or profit (upwards) that any prices prove; ``data`` holds ``prices``, one number a job.
 
-    Parameters
-    ----------
-    problem : GeneralisedAssignment
-    data : dict
-        ``prices``: one number a job; of profits negative ones count as 0.
-
-    Returns
-    -------
-    float
-        Rounded downwards for costs, upwards for profits.
-
-    Raises
-    ------
-    InputError
-        If there is not one finite number a job.
-
-    Notes
-    -----
     Source: Lagrangean duality, Fisher, Jaikumar and Van Wassenhove (1986); docs/formulations/generalised-assignment.md#evidence.
     """
-    given, prices = _instance(problem, "prices of jobs"), _numbers(data, "prices", problem.num_jobs)
+    instance, prices = _instance(problem, "prices of jobs"), finite_numbers(data, "prices", problem.num_jobs)
     costs = problem.objective == "cost"
     if not costs:
         prices = np.maximum(prices, 0.0)
-    rooms = [room(row, b) for row, b in zip(given.consumption, given.capacity.tolist(), strict=True)]
+    rooms = [room(row, b) for row, b in zip(instance.consumption, instance.capacity.tolist(), strict=True)]
     gains, steps = [], MOST_STEPS
-    for values, used, most in zip(given.values, given.consumption, rooms, strict=True):
+    for values, used, most in zip(instance.values, instance.consumption, rooms, strict=True):
         fits = np.nonzero(np.isfinite(values) & (used <= most))[0]
         gain = prices[fits] - values[fits] if costs else values[fits] - prices[fits]
         kept = gain > 0.0
@@ -73,8 +55,8 @@ def check_job_prices(problem: Any, data: Mapping[str, Any]) -> float:
         steps -= len(part) * size
         gains.append(_in_part(gain, part, most) if whole is None or steps < 0.0 else _knapsack(gain, whole, int(size)))
     with np.errstate(over="ignore"):
-        gains = [gain * (1.0 + (2 * given.num_jobs + 16) * _EPS) for gain in gains]
-    values = given.values[np.isfinite(given.values)]
+        gains = [gain * (1.0 + (2 * instance.num_jobs + 16) * _EPS) for gain in gains]
+    values = instance.values[np.isfinite(instance.values)]
     sign = 1.0 if costs else -1.0
     try:
         total = math.fsum([*(sign * prices).tolist(), *(-gain for gain in gains)])
@@ -85,7 +67,7 @@ def check_job_prices(problem: Any, data: Mapping[str, Any]) -> float:
 
 
 def _whole(used: Floats, most: float) -> tuple[NDArray[np.int64] | None, float]:
-    """Consumption, and the most that there is of use, in the largest power of two of which all are multiples; None for too many."""
+    """Consumption and useful capacity, counted in the largest power of two that divides all consumption; None for too many steps."""
     mantissa, exponent = np.frexp(used[used > 0.0])
     digits = np.ldexp(mantissa, 53).astype(np.int64)
     unit = int((exponent - 53 + np.log2(digits & -digits).astype(np.int64)).min(initial=2000))
@@ -96,7 +78,7 @@ def _whole(used: Floats, most: float) -> tuple[NDArray[np.int64] | None, float]:
 
 
 def _knapsack(gain: Floats, used: NDArray[np.int64], most: int) -> float:
-    """The most gain of jobs that take no more than ``most``, all whole."""
+    """The most gain of jobs that together take at most ``most``, in whole numbers."""
     best = np.zeros(most + 1)
     for each, part in zip(gain.tolist(), used.tolist(), strict=True):
         if part == 0:
@@ -107,7 +89,8 @@ def _knapsack(gain: Floats, used: NDArray[np.int64], most: int) -> float:
 
 
 def _in_part(gain: Floats, used: Floats, most: float) -> float:
-    """At least the most gain: for any rate q >= 0, q most and what jobs gain beyond q times their part; the best q is where room ends."""
+    """An upper bound on the most gain: at any rate q >= 0, q most and what jobs gain beyond q times their part; best where the capacity
+    ends."""
     with np.errstate(over="ignore", under="ignore", divide="ignore", invalid="ignore"):
         unit = -math.frexp(most)[1] if most > 0.0 else 0
         used, most = np.ldexp(used, unit), math.ldexp(most, unit)
@@ -124,21 +107,15 @@ def _in_part(gain: Floats, used: Floats, most: float) -> float:
 
 @CHECKERS.register("capacity-need")
 def check_capacity_need(problem: Any, data: Mapping[str, Any]) -> float:
-    """Infinite where weights of agents prove that not all jobs can be done, else minus infinity.
-
-    Parameters
-    ----------
-    problem : GeneralisedAssignment
-    data : dict
-        ``weights``: one number an agent; negative ones count as 0.
-    """
-    given, weights = _instance(problem, "weights of agents"), np.maximum(_numbers(data, "weights", problem.num_agents), 0.0)
+    """Infinity where weights of agents prove that not all jobs can be done, else minus infinity; ``data`` holds ``weights``, one number an
+    agent."""
+    instance, weights = _instance(problem, "weights of agents"), np.maximum(finite_numbers(data, "weights", problem.num_agents), 0.0)
     if problem.objective != "cost":
         return math.inf  # nothing has to be done
-    rooms = np.array([room(row, b) for row, b in zip(given.consumption, given.capacity.tolist(), strict=True)])
+    rooms = np.array([room(row, b) for row, b in zip(instance.consumption, instance.capacity.tolist(), strict=True)])
     with np.errstate(over="ignore", invalid="ignore"):
-        fits = np.isfinite(given.values) & (given.consumption <= rooms[:, None])
-        need = np.where(fits, weights[:, None] * given.consumption, math.inf).min(axis=0) * (1.0 - 2.0 * _EPS)
+        fits = np.isfinite(instance.values) & (instance.consumption <= rooms[:, None])
+        need = np.where(fits, weights[:, None] * instance.consumption, math.inf).min(axis=0) * (1.0 - 2.0 * _EPS)
         need = np.where(need < _TINY, 0.0, need)
         there = weights * rooms * (1.0 + 2.0 * _EPS) + _TINY
     if np.isinf(need).any():
@@ -156,12 +133,14 @@ def _instance(problem: Any, what: str) -> Any:
     return problem.instance
 
 
-def _numbers(data: Mapping[str, Any], key: str, count: int) -> Floats:
-    given = data.get(key)
-    if not isinstance(given, list) or len(given) != count or not all(map(_finite, given)):
-        raise InputError(f"evidence needs a list of {key}", expected=f"{count} finite numbers")
-    return np.array(given, dtype=np.float64)
+def finite_numbers(data: Mapping[str, Any], key: str, count: int, what: str = "") -> Floats:
+    """A list of finite numbers from evidence; ``what`` names it in the error."""
+    listed = data.get(key)
+    if not isinstance(listed, list) or len(listed) != count or not all(map(is_finite, listed)):
+        raise InputError(f"evidence needs a list of {what or key}", expected=f"{count} finite numbers")
+    return np.array(listed, dtype=np.float64)
 
 
-def _finite(value: object) -> bool:
+def is_finite(value: object) -> bool:
+    """Whether a value is a number of moderate size."""
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < _LARGEST

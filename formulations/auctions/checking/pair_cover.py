@@ -1,8 +1,7 @@
-"""Evidence ``pair-cover``: robots and bins that meet all cheap pairs.
+"""Evidence ``pair-cover``: robots and bins that cover all cheap pairs.
 
-Every assignment has at most one pair for each of them among the pairs that they meet. Where they are fewer than the pairs asked for, one
-pair at least is none of these, and the largest cost is that of the cheapest of the others at least; where there are no others, there is
-no answer.
+An assignment has at most one pair for each of them among the pairs that they cover. Where they are fewer than the pairs asked for, at least
+one pair is not covered, and the largest cost is at least that of the cheapest such pair; where there are no such pairs, there is no answer.
 """
 
 from __future__ import annotations
@@ -20,21 +19,8 @@ from ...evidence import CHECKERS
 
 @CHECKERS.register("pair-cover")
 def check_pair_cover(problem: Any, data: Mapping[str, Any]) -> float:
-    """Lower bound on the largest cost that any robots and bins prove; infinite where they prove that there is no answer.
+    """Lower bound on the largest cost, infinite where there is no answer; ``data`` lists ``robots`` and ``bins`` as numbers from 0.
 
-    Parameters
-    ----------
-    problem : BinAssignment
-    data : dict
-        ``robots``, ``bins``: lists of numbers from 0.
-
-    Raises
-    ------
-    InputError
-        If the lists hold anything else.
-
-    Notes
-    -----
     Source: König (1931); docs/formulations/bin-assignment.md#evidence. Nothing is added up, so nothing is rounded.
     """
     if problem.family != "bin-assignment":
@@ -52,6 +38,6 @@ def _marked(data: Mapping[str, Any], key: str, count: int) -> NDArray[np.bool_]:
     listed = data.get(key)
     if not isinstance(listed, list) or not all(type(k) is int and 0 <= k < count for k in listed):
         raise InputError(f"evidence needs a list of {key} as numbers from 0", expected=f"0 to {count - 1}")
-    made = np.zeros(count, dtype=bool)
-    made[listed] = True
-    return made
+    marks = np.zeros(count, dtype=bool)
+    marks[listed] = True
+    return marks

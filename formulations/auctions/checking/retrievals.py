@@ -1,14 +1,13 @@
-"""Evidence ``retrievals``: no day in the orchard is over sooner than robots' steps suffice for all retrievals, and each bin can be home.
+"""Evidence ``retrievals``: a day in the orchard lasts until robots have made all retrievals, and until each bin can be home.
 
-It holds for every instance, so that the evidence holds no data. A trip that fetches bin b takes a robot at least
-p_b = (way out) + (way home) steps, or less by the way that it saves on its first trip where it does not begin at the repository. Hence
-the last step C has
+It holds for every instance, and has no data. A trip that fetches bin b takes a robot at least p_b = (way out) + (way home) steps, less what
+it saves on its first trip if it does not begin at the repository. Hence the last step C has
 
     sum over robots of max(0, C - free_r)  >=  sum_b p_b - (what first trips save),
 
-and the sum of all bins' steps is at least that of the shortest first on as many machines (Conway, Maxwell and Miller 1967). A bin is home
-no sooner than it can be full, the bins before it included, and than a robot can have reached it: straight, or by the repository, which it
-reaches at the faster of both speeds at best. All numbers are whole.
+and the sum of all bins' steps is at least that of the shortest first on as many machines (Conway, Maxwell and Miller 1967). A bin comes
+home no sooner than it and the bins before it can be full, and no sooner than a robot can have reached it: straight, or by the repository at
+the faster of both speeds. All numbers are whole.
 """
 
 from __future__ import annotations
@@ -22,22 +21,9 @@ from ...evidence import CHECKERS
 
 @CHECKERS.register("retrievals")
 def check_retrievals(problem: Any, data: Mapping[str, Any]) -> float:
-    """Lower bound on the last bin's step, or on the sum of all.
+    """Lower bound on the last bin's step, or on the sum of all; the evidence must have no data.
 
-    Parameters
-    ----------
-    problem : OrchardDay
-    data : dict
-        Empty.
-
-    Raises
-    ------
-    InputError
-        For another problem, or data.
-
-    Notes
-    -----
-    docs/formulations/orchard-day.md#bounds.
+    Source: docs/formulations/orchard-day.md#bounds.
     """
     jobs = getattr(problem, "jobs", None)
     if problem.family != "orchard-day" or jobs is None:

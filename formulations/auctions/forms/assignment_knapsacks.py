@@ -42,9 +42,9 @@ def build(problem: GeneralisedAssignment) -> Compiled:
 
     def decode(vector: Floats) -> AgentOfJob:
         chosen = np.nonzero(vector[: len(column)] > 0.5)[0]
-        made = np.full(n, -1)
-        made[jobs[chosen]] = agents[chosen]
-        return tuple(made.tolist())
+        agent_of_job = np.full(n, -1)
+        agent_of_job[jobs[chosen]] = agents[chosen]
+        return tuple(agent_of_job.tolist())
 
     def encode(answer: Any) -> Floats:
         chosen = np.asarray(np.array(answer)[jobs] == agents)

@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 
 def build(problem: JointAssignment) -> Compiled:
-    """Robot i fetches bin j and serves request q on the way (y_ijq), j or q, not both, being none::
+    """Robot i fetches bin j and serves request q on the way (y_ijq); j or q may be none, but not both::
 
         min  sum c_ijq y_ijq,   y binary
         robot[i]     sum_jq y_ijq <= 1
@@ -31,14 +31,14 @@ def build(problem: JointAssignment) -> Compiled:
 
     An axial three-index assignment (Pierskalla 1968). Duals of bins, requests and the last two rows are evidence.
     """
-    told, n, m, q = problem.instance, problem.num_robots, problem.num_bins, problem.num_requests
+    instance, n, m, q = problem.instance, problem.num_robots, problem.num_bins, problem.num_requests
     there = np.isfinite(problem.costs)
     there[:, -1, -1] = False
     i, j, k = np.nonzero(there)
     column = np.arange(len(i))
     names = [
-        [told.name_of("robot", r) for r in range(n)], [*(told.name_of("bin", b) for b in range(m)), "none"],
-        [*(told.name_of("request", r) for r in range(q)), "none"],
+        [instance.name_of("robot", r) for r in range(n)], [*(instance.name_of("bin", b) for b in range(m)), "none"],
+        [*(instance.name_of("request", r) for r in range(q)), "none"],
     ]  # fmt: skip
     y = Variables("y", (i, j, k), tuple(names), np.zeros(len(i)), np.ones(len(i)), problem.costs[i, j, k], integer=True)
     fetch, bring = j < m, k < q
@@ -51,10 +51,10 @@ def build(problem: JointAssignment) -> Compiled:
     ]
 
     def decode(vector: Floats) -> Errands:
-        made = [(-1, -1)] * n
+        errands = [(-1, -1)] * n
         for at in np.nonzero(vector[: len(column)] > 0.5)[0].tolist():
-            made[int(i[at])] = (int(j[at]) if fetch[at] else -1, int(k[at]) if bring[at] else -1)
-        return tuple(made)
+            errands[int(i[at])] = (int(j[at]) if fetch[at] else -1, int(k[at]) if bring[at] else -1)
+        return tuple(errands)
 
     def encode(answer: Any) -> Floats:
         errands = np.array(answer).reshape(n, 2)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
-from ...programs.program import Program, Variables
+from ...programs.program import Program, Rows, Variables
 from ...programs.rows import rows
 from ...programs.size import ProgramSize
 from ..task_allocation import OBJECTIVES, Paths, TaskAllocation
@@ -38,93 +38,96 @@ def build(problem: TaskAllocation) -> Compiled:
     g and z count in a power of two near the longest arc. Source: Gavish and Graves (1978) for the flow;
     docs/formulations/task-allocation.md#form.
     """
-    instance, longest = problem.instance, problem.objective == "mini-max"
-    robots, tasks, d = instance.num_robots, instance.num_tasks, np.asarray(instance.distances)
-    tail, head = np.nonzero(np.arange(robots + tasks)[:, None] != robots + np.arange(tasks))
-    length = d[tail, head]
-    # About the longest arc, which fits all solvers' tolerances; a power of two leaves whole numbers countable.
-    unit = 2.0 ** (math.frexp(float(d.max()))[1] - 1) if d.any() else 1.0
-    arcs, every, ones = np.arange(len(tail)), np.arange(tasks), np.ones(len(tail))
-    names = [instance.row_name(k) for k in range(robots + tasks)]
-    labels = (names, names[robots:])
-    inner = tail >= robots
-    most = np.where(inner, tasks - 1.0, float(tasks))
-    cost = {"mini-sum": (length, 0.0 * length), "mini-ave": (0.0 * length, length / tasks), "mini-max": (0.0 * length,) * 2}[
-        problem.objective
-    ]
-    size = len(arcs)
-    variables = [
-        Variables("x", (tail, head), labels, 0.0 * ones, ones, cost[0], integer=True),
-        Variables("f", (tail, head), labels, 0.0 * ones, most, cost[1]),
-    ]
-    blocks = [
-        rows("enter", tasks, [(head, arcs, 1.0)], 1.0, 1.0, (every,), (names[robots:],)),
-        rows("leave", robots + tasks, [(tail, arcs, 1.0)], upper=1.0, keys=(np.arange(robots + tasks),), labels=(names,)),
-        rows(
-            "flow",
-            tasks,
-            [(head, size + arcs, 1.0), (tail[inner] - robots, size + arcs[inner], -1.0)],
-            1.0,
-            1.0,
-            (every,),
-            (names[robots:],),
-        ),
-        rows("link", size, [(arcs, size + arcs, 1.0), (arcs, arcs, -most)], upper=0.0, keys=(tail, head), labels=labels),
-    ]
-    far = float(d.max(axis=0).sum())
-    scaled = length / unit
-    if longest:
-        reach = far / unit
-        variables += [
-            Variables("g", (tail, head), labels, 0.0 * ones, reach * ones, 0.0 * ones),
-            Variables("z", (), (), np.zeros(1), np.full(1, reach), np.full(1, unit)),
-        ]
-        left, z = 2 * size + arcs, np.full(robots, 3 * size)
-        here = ~inner
-        blocks += [
-            rows(
-                "remaining", tasks, [(head, left, 1.0), (tail[inner] - robots, left[inner], -1.0), (head, arcs, -scaled)], 0.0, 0.0,
-                (every,), (names[robots:],),
-            ),
-            rows("reach", size, [(arcs, left, 1.0), (arcs, arcs, -reach)], upper=0.0, keys=(tail, head), labels=labels),
-            rows(
-                "longest", robots, [(tail[here], left[here], 1.0), (np.arange(robots), z, -1.0)], upper=0.0, keys=(np.arange(robots),),
-                labels=(names[:robots],),
-            ),
-        ]  # fmt: skip
+    arcs = _Arcs(problem)
+    program = Program("path-flow", "min", tuple(arcs.variables()), tuple(arcs.constraints()))
+    return Compiled(program, problem, arcs.decode, arcs.encode)
 
-    def decode(vector: Floats) -> Paths:
-        used = vector[:size] > 0.5
-        after = {int(i): int(j) for i, j in zip(tail[used], head[used], strict=True)}
+
+class _Arcs:
+    """The arcs, the columns and rows about them, and how paths and points of the program become each other."""
+
+    def __init__(self, problem: TaskAllocation) -> None:
+        self.problem, self.longest = problem, problem.objective == "mini-max"
+        self.robots, self.tasks = problem.instance.num_robots, problem.instance.num_tasks
+        d = np.asarray(problem.instance.distances)
+        self.tail, self.head = np.nonzero(np.arange(self.robots + self.tasks)[:, None] != self.robots + np.arange(self.tasks))
+        self.inner, self.size = self.tail >= self.robots, len(self.tail)
+        self.most = np.where(self.inner, self.tasks - 1.0, float(self.tasks))
+        self.length = d[self.tail, self.head]
+        # About the longest arc, which fits all solvers' tolerances; a power of two leaves whole numbers countable.
+        self.unit = 2.0 ** (math.frexp(float(d.max()))[1] - 1) if d.any() else 1.0
+        self.reach = float(d.max(axis=0).sum()) / self.unit
+        self.names = [problem.instance.row_name(k) for k in range(self.robots + self.tasks)]
+        self.labels = (self.names, self.names[self.robots :])
+
+    def variables(self) -> list[Variables]:
+        keys, labels, zeros, ones = (self.tail, self.head), self.labels, np.zeros(self.size), np.ones(self.size)
+        used = self.length if self.problem.objective == "mini-sum" else zeros
+        carried = self.length / self.tasks if self.problem.objective == "mini-ave" else zeros
+        blocks = [Variables("x", keys, labels, zeros, ones, used, integer=True), Variables("f", keys, labels, zeros, self.most, carried)]
+        if self.longest:
+            blocks.append(Variables("g", keys, labels, zeros, self.reach * ones, zeros))
+            blocks.append(Variables("z", (), (), np.zeros(1), np.full(1, self.reach), np.full(1, self.unit)))
+        return blocks
+
+    def constraints(self) -> list[Rows]:
+        tail, head, inner, size, names, robots, tasks = (
+            self.tail, self.head, self.inner, self.size, self.names, self.robots, self.tasks
+        )  # fmt: skip
+        used, nodes = np.arange(size), np.arange(robots + tasks)
+        carried, rest = size + used, 2 * size + used
+        of_task, of_arc = ((np.arange(tasks),), (names[robots:],)), ((tail, head), self.labels)
+
+        def left_at_tasks(flow: Integers) -> list[tuple[Integers, Integers, float]]:
+            return [(head, flow, 1.0), (tail[inner] - robots, flow[inner], -1.0)]
+
+        blocks = [
+            rows("enter", tasks, [(head, used, 1.0)], 1.0, 1.0, *of_task),
+            rows("leave", robots + tasks, [(tail, used, 1.0)], -np.inf, 1.0, (nodes,), (names,)),
+            rows("flow", tasks, left_at_tasks(carried), 1.0, 1.0, *of_task),
+            rows("link", size, [(used, carried, 1.0), (used, used, -self.most)], -np.inf, 0.0, *of_arc),
+        ]
+        if self.longest:
+            first, robot = ~inner, np.arange(robots)
+            longest = [(tail[first], rest[first], 1.0), (robot, np.full(robots, 3 * size), -1.0)]
+            blocks += [
+                rows("remaining", tasks, [*left_at_tasks(rest), (head, used, -self.length / self.unit)], 0.0, 0.0, *of_task),
+                rows("reach", size, [(used, rest, 1.0), (used, used, -self.reach)], -np.inf, 0.0, *of_arc),
+                rows("longest", robots, longest, -np.inf, 0.0, (robot,), (names[:robots],)),
+            ]
+        return blocks
+
+    def decode(self, vector: Floats) -> Paths:
+        used = vector[: self.size] > 0.5
+        after = {int(i): int(j) for i, j in zip(self.tail[used], self.head[used], strict=True)}
         paths = []
-        for robot in range(robots):
+        for robot in range(self.robots):
             at = robot
             path: list[int] = []
-            while at in after and len(path) <= tasks:
+            while at in after and len(path) <= self.tasks:
                 path.append(after[at])
-                at = robots + path[-1]
+                at = self.robots + path[-1]
             paths.append(tuple(path))
         return tuple(paths)
 
-    def encode(answer: Any) -> Floats:
-        judged = problem.evaluate(answer)
+    def encode(self, answer: Any) -> Floats:
+        judged = self.problem.evaluate(answer)
         if not judged.feasible:
             raise InputError(judged.violations[0].message)
-        place = {(int(i), int(j)): k for k, (i, j) in enumerate(zip(tail, head, strict=True))}
-        vector = np.zeros(sum(block.size for block in variables))
+        size = self.size
+        place = {(int(i), int(j)): k for k, (i, j) in enumerate(zip(self.tail, self.head, strict=True))}
+        vector = np.zeros(3 * size + 1 if self.longest else 2 * size)
         for robot, path in enumerate(answer):
-            at, legs = robot, problem.legs(robot, path)
+            at, legs = robot, self.problem.legs(robot, path)
             for k, task in enumerate(path):
                 arc = place[at, task]
                 vector[arc], vector[size + arc] = 1.0, len(path) - k
-                if longest:
-                    vector[2 * size + arc] = math.fsum(legs[k:]) / unit
-                at = robots + task
-        if longest:
-            vector[3 * size] = judged.values[0] / unit
+                if self.longest:
+                    vector[2 * size + arc] = math.fsum(legs[k:]) / self.unit
+                at = self.robots + task
+        if self.longest:
+            vector[3 * size] = judged.values[0] / self.unit
         return vector
-
-    return Compiled(Program("path-flow", "min", tuple(variables), tuple(blocks)), problem, decode, encode)
 
 
 def _size(problem: TaskAllocation) -> ProgramSize:

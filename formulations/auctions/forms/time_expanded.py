@@ -19,33 +19,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 MOST_VARIABLES = 100_000
-
-
-class _Columns:
-    """Blocks of variables, and the column at which each begins."""
-
-    def __init__(self) -> None:
-        self.blocks: list[Variables] = []
-        self.size = 0
-
-    def add(
-        self, name: str, keys: tuple[Integers, ...], labels: tuple[Any, ...], upper: float, cost: Any = 0.0, whole: bool = True
-    ) -> Integers:
-        count = len(keys[0])
-        cost = np.array(np.broadcast_to(np.asarray(cost, dtype=np.float64), count))
-        self.blocks.append(Variables(name, keys, labels, np.zeros(count), np.full(count, upper), cost, integer=whole))
-        self.size += count
-        return np.arange(self.size - count, self.size)
-
-
-def _moves(problem: RoomExploration) -> tuple[Integers, Integers, Integers]:
-    """Tail, head and action of every move: through doors, staying, mapping, searching."""
-    given = problem.instance
-    a, b = np.nonzero(given.adjacent)
-    every = np.arange(given.num_rooms)
-    ends = [(a, b, GO), (every, every, GO), (every, every, MAP), (every, every, SEARCH)]
-    tail, head = (np.concatenate([part[k] for part in ends]) for k in (0, 1))
-    return tail, head, np.concatenate([np.full(len(part[0]), part[2]) for part in ends])
+DEEDS = ("go", "map", "search")
 
 
 def build(problem: RoomExploration) -> Compiled:
@@ -66,137 +40,164 @@ def build(problem: RoomExploration) -> Compiled:
     Gains never rise with k, so that the first ones are taken. Source: Zhang (2015), section 5.3, as a program;
     docs/formulations/room-exploration.md#form.
     """
-    given = problem.instance
-    n, rooms, last = given.num_robots, given.num_rooms, given.steps
-    tail, head, action = _moves(problem)
-    count, linked = len(tail), given.linked
-    columns = _Columns()
-    names = [str(k + 1) for k in range(n)], [given.room_name(v) for v in range(rooms)], ("go", "map", "search")
-    r, a, t = (i.ravel() for i in np.indices((n, count, last)))
-    m = columns.add("m", (r, tail[a], head[a], action[a], t + 1), (names[0], names[1], names[1], names[2], None), 1.0).reshape(
-        n, count, last
-    )
-    gains = [given.exploring, given.mapping, given.searching]
-    z = [
-        columns.add(f"z-{names[2][g]}", (*(i.ravel() for i in np.indices(gain.shape)),), (names[1], None), 1.0, gain.ravel(), False)
-        for g, gain in enumerate(gains)
-    ]
-    heard = columns.add("K", tuple(i.ravel() for i in np.indices((n, last))), (names[0], None), 1.0).reshape(n, last)
-    direct = columns.add("b", tuple(i.ravel() for i in np.indices((n, last))), (names[0], None), float(n), whole=False).reshape(n, last)
-    pair = [(p, q) for p in range(n) for q in range(n) if p != q]
-    p, q = (np.array([k[i] for k in pair], dtype=np.int64) for i in (0, 1))
-    of, at = (i.ravel() for i in np.indices((len(pair), last)))
-    flow = columns.add("f", (p[of], q[of], at + 1), (names[0], names[0], None), float(n), whole=False).reshape(-1, last)
-    link = columns.add("c", (p[of], q[of], at + 1), (names[0], names[0], None), 1.0).reshape(-1, last)
+    plan = _PlanColumns(problem)
+    return Compiled(Program("time-expanded", "max", tuple(plan.blocks), tuple(plan.constraints())), problem, plan.decode, plan.encode)
 
-    into = [np.nonzero(head == v)[0] for v in range(rooms)]
-    outof = [np.nonzero(tail == v)[0] for v in range(rooms)]
-    hearing = [np.nonzero(linked[v][head])[0] for v in range(rooms)]
-    blocks: list[Rows] = []
 
-    def block(name: str, parts: list[list[tuple[Integers, float]]], lower: float, upper: float) -> None:
-        """One row of columns and coefficients each."""
-        made = [(np.full(len(c), k), c, v) for k, row in enumerate(parts) for c, v in row if len(c)]
-        blocks.append(rows(name, len(parts), made, lower, upper, (np.arange(len(parts)),)))
+class _PlanColumns:
+    """The program's columns by what they stand for, its rows, and how answers and points become each other.
 
-    inf = np.inf
-    block("start", [[(m[k, outof[int(s)], 0], 1.0)] for k, s in enumerate(given.starts)], 1.0, 1.0)
-    block("elsewhere", [[(m[k, np.nonzero(tail != s)[0], 0], 1.0)] for k, s in enumerate(given.starts)], 0.0, 0.0)
-    block("keep", [
-        [(m[k, into[v], s], 1.0), (m[k, outof[v], s + 1], -1.0)] for k in range(n) for v in range(rooms) for s in range(last - 1)
-    ], 0.0, 0.0)  # fmt: skip
-    visiting = [(action == g) & ((tail != head) | (g != GO)) for g in range(3)]
-    block("gain", [
-        [(z[g].reshape(gains[g].shape)[v], 1.0), (m[:, np.nonzero(visiting[g] & (head == v))[0], :].ravel(), -1.0)]
-        for g in range(3) for v in range(rooms)
-    ], -inf, 0.0)  # fmt: skip
-    block("base", [
-        [(direct[k, s : s + 1], 1.0), (m[k, hearing[given.base], s], -float(n))] for k in range(n) for s in range(last)
-    ], -inf, 0.0)  # fmt: skip
-    block("link", [[(flow[k, s : s + 1], 1.0), (link[k, s : s + 1], -float(n))] for k in range(len(pair)) for s in range(last)], -inf, 0.0)
-    block("hears", [
-        [(link[k, s : s + 1], 1.0), (m[int(p[k]), into[v], s], 1.0), (m[int(q[k]), hearing[v], s], -1.0)]
-        for k in range(len(pair)) for v in range(rooms) for s in range(last)
-    ], -inf, 1.0)  # fmt: skip
-    block("flow", [
-        [(direct[k, s : s + 1], 1.0), (flow[q == k, s], 1.0), (flow[p == k, s], -1.0), (heard[k, s : s + 1], -1.0)]
-        for k in range(n) for s in range(last)
-    ], 0.0, 0.0)  # fmt: skip
-    block("contact", [
-        [(heard[k, s : s + given.silence + 1], 1.0)] for k in range(n) for s in range(last - given.silence)
-    ], 1.0, inf)  # fmt: skip
-    block("end", [[(heard[k, last - 1 :], 1.0)] for k in range(n)], 1.0, 1.0)
+    ``m`` has the shape (robots, moves, steps), ``heard`` and ``direct`` (robots, steps), ``flow`` and ``link`` (pairs, steps), and each of
+    ``z``, one a kind of gain, (rooms, visits); ``first`` and ``second`` are the robots of each pair.
+    """
 
-    def decode(vector: Floats) -> Plans:
-        chosen = vector[m].argmax(axis=1)
-        return tuple(tuple((int(head[k]), int(action[k])) for k in chosen[robot].tolist()) for robot in range(n))
+    def __init__(self, problem: RoomExploration) -> None:
+        self.problem, self.instance = problem, problem.instance
+        self.blocks: list[Variables] = []
+        self.size = 0
+        n, last = self.instance.num_robots, self.instance.steps
+        self.tail, self.head, self.action = self._moves()
+        robots, rooms = [str(k + 1) for k in range(n)], [self.instance.room_name(v) for v in range(self.instance.num_rooms)]
+        r, a, t = (index.ravel() for index in np.indices((n, len(self.tail), last)))
+        moves = (r, self.tail[a], self.head[a], self.action[a], t + 1)
+        self.m = self._add("m", moves, (robots, rooms, rooms, DEEDS, None)).reshape(n, -1, last)
+        self.z = [
+            self._add(f"z-{name}", tuple(i.ravel() for i in np.indices(gain.shape)), (rooms, None), cost=gain.ravel(), whole=False).reshape(
+                gain.shape
+            )
+            for name, gain in zip(DEEDS, (self.instance.exploring, self.instance.mapping, self.instance.searching), strict=True)
+        ]
+        each = tuple(index.ravel() for index in np.indices((n, last)))
+        self.heard = self._add("K", each, (robots, None)).reshape(n, last)
+        self.direct = self._add("b", each, (robots, None), float(n), whole=False).reshape(n, last)
+        self.first, self.second = np.argwhere(~np.eye(n, dtype=bool)).T
+        pair, at = (index.ravel() for index in np.indices((len(self.first), last)))
+        sent = (self.first[pair], self.second[pair], at + 1)
+        self.flow = self._add("f", sent, (robots, robots, None), float(n), whole=False).reshape(-1, last)
+        self.link = self._add("c", sent, (robots, robots, None)).reshape(-1, last)
 
-    def encode(answer: Any) -> Floats:
-        judged = problem.evaluate(answer)
+    def _moves(self) -> tuple[Integers, Integers, Integers]:
+        """Tail, head and action of every move: through doors, staying, mapping, searching."""
+        a, b = np.nonzero(self.instance.adjacent)
+        every = np.arange(self.instance.num_rooms)
+        action = np.repeat([GO, MAP, SEARCH], [len(a) + len(every), len(every), len(every)])
+        return np.concatenate([a, every, every, every]), np.concatenate([b, every, every, every]), action
+
+    def _add(
+        self, name: str, keys: tuple[Integers, ...], labels: tuple[Any, ...], upper: float = 1.0, *, cost: Any = 0.0, whole: bool = True
+    ) -> Integers:
+        """The columns of one more block of variables."""
+        count = len(keys[0])
+        cost = np.array(np.broadcast_to(np.asarray(cost, dtype=np.float64), count))
+        self.blocks.append(Variables(name, keys, labels, np.zeros(count), np.full(count, upper), cost, integer=whole))
+        self.size += count
+        return np.arange(self.size - count, self.size)
+
+    def _gaining(self, kind: int, room: int) -> Integers:
+        """Columns of the moves that gain in a room by exploring, mapping or searching; to stay there explores nothing."""
+        moved = (self.tail != self.head) | (self.action != GO)
+        return np.asarray(self.m[:, np.nonzero((self.action == kind) & moved & (self.head == room))[0], :].ravel())
+
+    def constraints(self) -> list[Rows]:
+        """The rows in the order of the form; each is a list of columns with their coefficient."""
+        m, heard, direct, flow, link, instance = self.m, self.heard, self.direct, self.flow, self.link, self.instance
+        n, last, silence, inf = instance.num_robots, instance.steps, instance.silence, np.inf
+        robots, rooms, steps = range(n), range(instance.num_rooms), range(last)
+        starts = list(enumerate(instance.starts.tolist()))
+        into = [np.nonzero(self.head == v)[0] for v in rooms]
+        outof = [np.nonzero(self.tail == v)[0] for v in rooms]
+        hearing = [np.nonzero(instance.linked[v][self.head])[0] for v in rooms]
+        pairs = list(enumerate(zip(self.first.tolist(), self.second.tolist(), strict=True)))
+        return [
+            _block("start", [[(m[r, outof[v], 0], 1.0)] for r, v in starts], 1.0, 1.0),
+            _block("elsewhere", [[(m[r, np.nonzero(self.tail != v)[0], 0], 1.0)] for r, v in starts], 0.0, 0.0),
+            _block("keep", [
+                [(m[r, into[v], t], 1.0), (m[r, outof[v], t + 1], -1.0)] for r in robots for v in rooms for t in range(last - 1)
+            ], 0.0, 0.0),
+            _block("gain", [[(self.z[g][v], 1.0), (self._gaining(g, v), -1.0)] for g in range(3) for v in rooms], -inf, 0.0),
+            _block("base", [
+                [(direct[r, [t]], 1.0), (m[r, hearing[instance.base], t], -float(n))] for r in robots for t in steps
+            ], -inf, 0.0),
+            _block("link", [[(flow[k, [t]], 1.0), (link[k, [t]], -float(n))] for k, _ in pairs for t in steps], -inf, 0.0),
+            _block("hears", [
+                [(link[k, [t]], 1.0), (m[q, into[v], t], 1.0), (m[r, hearing[v], t], -1.0)]
+                for k, (q, r) in pairs for v in rooms for t in steps
+            ], -inf, 1.0),
+            _block("flow", [
+                [(direct[r, [t]], 1.0), (flow[self.second == r, t], 1.0), (flow[self.first == r, t], -1.0), (heard[r, [t]], -1.0)]
+                for r in robots for t in steps
+            ], 0.0, 0.0),
+            _block("contact", [[(heard[r, t : t + silence + 1], 1.0)] for r in robots for t in range(last - silence)], 1.0, inf),
+            _block("end", [[(heard[r, [last - 1]], 1.0)] for r in robots], 1.0, 1.0),
+        ]  # fmt: skip
+
+    def decode(self, vector: Floats) -> Plans:
+        chosen = vector[self.m].argmax(axis=1)
+        return tuple(tuple((int(self.head[k]), int(self.action[k])) for k in moves) for moves in chosen.tolist())
+
+    def encode(self, answer: Any) -> Floats:
+        judged = self.problem.evaluate(answer)
         if not judged.feasible:
             raise InputError(judged.violations[0].message)
-        vector = np.zeros(columns.size)
-        number = {move: k for k, move in enumerate(zip(tail.tolist(), head.tolist(), action.tolist(), strict=True))}
+        vector = np.zeros(self.size)
+        number = {move: k for k, move in enumerate(zip(self.tail.tolist(), self.head.tolist(), self.action.tolist(), strict=True))}
         for robot, deeds in enumerate(answer):
-            here = int(given.starts[robot])
+            here = int(self.instance.starts[robot])
             for step, (room, act) in enumerate(deeds):
-                vector[m[robot, number[here, room, act], step]] = 1.0
+                vector[self.m[robot, number[here, room, act], step]] = 1.0
                 here = room
-        for g in range(3):
-            done = np.array([vector[m[:, np.nonzero(visiting[g] & (head == v))[0], :]].sum() for v in range(rooms)])
-            vector[z[g]] = (np.arange(gains[g].shape[1]) < done[:, None]).ravel()
-        contacts = problem.contacts(answer)
-        for step in range(last):
-            _send(
-                problem, [deeds[step][0] for deeds in answer], contacts[step], vector, (direct[:, step], flow[:, step], link[:, step]), pair
-            )
-        vector[heard] = contacts.T
+        for g, columns in enumerate(self.z):
+            done = np.array([vector[self._gaining(g, v)].sum() for v in range(len(columns))])
+            vector[columns] = np.arange(len(columns[0])) < done[:, None]
+        contacts = self.problem.contacts(answer)
+        vector[self.heard] = contacts.T
+        for step in range(self.instance.steps):
+            self._send(vector, step, [deeds[step][0] for deeds in answer], np.nonzero(contacts[step])[0].tolist())
         return vector
 
-    return Compiled(Program("time-expanded", "max", tuple(columns.blocks), tuple(blocks)), problem, decode, encode)
+    def _send(self, vector: Floats, step: int, at: list[int], heard: list[int]) -> None:
+        """Send one unit of flow from the base to each robot in contact, along a tree of robots that hear each other."""
+        linked = self.instance.linked
+        pair = {ends: k for k, ends in enumerate(zip(self.first.tolist(), self.second.tolist(), strict=True))}
+        parent = {k: -1 for k, room in enumerate(at) if linked[self.instance.base, room]}
+        ahead = list(parent)
+        while ahead:
+            k = ahead.pop()
+            for other in range(len(at)):
+                if other not in parent and linked[at[k], at[other]]:
+                    parent[other] = k
+                    ahead.append(other)
+        for robot in heard:
+            here = robot
+            while parent[here] >= 0:
+                sent = pair[parent[here], here]
+                vector[self.flow[sent, step]] += 1.0
+                vector[self.link[sent, step]] = 1.0
+                here = parent[here]
+            vector[self.direct[here, step]] += 1.0
 
 
-def _send(
-    problem: RoomExploration, at: list[int], heard: NDArray[np.bool_], vector: Floats, columns: tuple[Integers, Integers, Integers],
-    pair: list[tuple[int, int]],
-) -> None:  # fmt: skip
-    """One unit from the base to each robot in contact, along a tree of those that hear each other."""
-    linked, base = problem.instance.linked, problem.instance.base
-    direct, flow, link = columns
-    number = {ends: k for k, ends in enumerate(pair)}
-    parent = {k: -1 for k, room in enumerate(at) if linked[base, room]}
-    ahead = list(parent)
-    while ahead:
-        k = ahead.pop()
-        for other in range(len(at)):
-            if other not in parent and linked[at[k], at[other]]:
-                parent[other] = k
-                ahead.append(other)
-    for robot in np.nonzero(heard)[0].tolist():
-        here = robot
-        while parent[here] >= 0:
-            edge = number[parent[here], here]
-            vector[flow[edge]] += 1.0
-            vector[link[edge]] = 1.0
-            here = parent[here]
-        vector[direct[here]] += 1.0
+def _block(name: str, parts: list[list[tuple[Integers, float]]], lower: float, upper: float) -> Rows:
+    entries = [(np.full(len(columns), k), columns, value) for k, row in enumerate(parts) for columns, value in row if len(columns)]
+    return rows(name, len(parts), entries, lower, upper, (np.arange(len(parts)),))
 
 
 def _refuses(problem: Any) -> frozenset[str]:
-    given = problem.instance
-    moves = given.num_robots * given.steps * (2 * len(given.doors) + 3 * given.num_rooms)
+    instance = problem.instance
+    moves = instance.num_robots * instance.steps * (2 * len(instance.doors) + 3 * instance.num_rooms)
     return frozenset({f"more than {MOST_VARIABLES:,} moves"}) if moves > MOST_VARIABLES else frozenset()
 
 
 def _size(problem: RoomExploration) -> ProgramSize:
-    given = problem.instance
-    n, rooms, last = float(given.num_robots), float(given.num_rooms), float(given.steps)
-    doors, heard = 2.0 * len(given.doors), float(given.linked.mean())
-    moves, pairs, gains = doors + 3.0 * rooms, n * (n - 1.0), float(given.exploring.size + given.mapping.size + given.searching.size)
+    instance = problem.instance
+    n, rooms, last = float(instance.num_robots), float(instance.num_rooms), float(instance.steps)
+    doors, heard = 2.0 * len(instance.doors), float(instance.linked.mean())
+    moves, pairs = doors + 3.0 * rooms, n * (n - 1.0)
+    gains = float(instance.exploring.size + instance.mapping.size + instance.searching.size)
     hears = pairs * last * moves * (1.0 + rooms * heard)
     return ProgramSize(
         n * last * (moves + 2.0) + 2.0 * pairs * last + gains, n * rooms * last + pairs * rooms * last + 4.0 * n * last + 3.0 * rooms,
-        n * last * (3.0 * moves + given.silence + 8.0) + gains + hears + (rooms + 4.0) * pairs * last,
+        n * last * (3.0 * moves + instance.silence + 8.0) + gains + hears + (rooms + 4.0) * pairs * last,
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
-from ...programs.program import Program, Variables
+from ...programs.program import Program, Rows, Variables
 from ...programs.rows import rows
 from ...programs.size import ProgramSize
 from ..orchard_day import OrchardDay, Trips, in_order
@@ -19,11 +19,11 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 MOST_STARTS = 50_000
-"""Variables of trips and steps."""
+"""Variables, one a bin and step."""
 
 
 def full_at(problem: OrchardDay) -> Integers:
-    """Step at which each bin is full, where all stand from the first step on."""
+    """Step at which each bin is full if all stand from the first step on."""
     full = np.zeros(problem.jobs.num_bins, np.int64)
     for k, before in enumerate(problem.jobs.after.tolist()):
         full[k] = problem.jobs.work[k] + (full[before] if before >= 0 else 0)
@@ -31,8 +31,7 @@ def full_at(problem: OrchardDay) -> Integers:
 
 
 def latest_end(problem: OrchardDay) -> int:
-    """A step by which some best plan is over: that of the bins in turn for the last step; for the sum, when all are free and no robot that
-    has something to fetch waits."""
+    """A step by which some best plan is over: for the last step, that of the bins in turn; for the sum, when nobody waits any more."""
     jobs = problem.jobs
     known = int(problem.timetable(in_order(jobs, range(jobs.num_bins))).max())
     if problem.objective == "makespan":
@@ -64,76 +63,102 @@ def build(problem: OrchardDay) -> Compiled:
     Robots at the repository are alike, so that trips of which no more than there are robots overlap can be shared out. Source: Dyer and
     Wolsey (1990), Formulating the single machine sequencing problem with release dates as a mixed integer program.
     """
-    jobs, last = problem.jobs, latest_end(problem)
-    n, length = jobs.num_bins, jobs.out + jobs.home
-    begin = np.maximum(full_at(problem) - jobs.out, 0)
-    count = np.maximum(last - length - begin + 1, 0)
-    b = np.repeat(np.arange(n), count)
-    t = np.concatenate([np.arange(s, s + k) for s, k in zip(begin.tolist(), count.tolist(), strict=True)] or [np.zeros(0, np.int64)])
-    out = np.nonzero(jobs.away)[0]
-    r, first = (index.ravel() for index in np.divmod(np.arange(len(out) * n), n))
-    ends = _first_ends(problem)[out][r, first] if len(out) else np.zeros(0, np.int64)
-    goes = (jobs.robot_free + jobs.grid.empty_times[jobs.robot_cells, jobs.grid.home])[out]
-    x, y, g = np.arange(len(b)), len(b) + np.arange(len(r)), len(b) + len(r) + np.arange(len(out))
-    final, makespan = len(b) + len(r) + len(out), problem.objective == "makespan"
-    names = [str(k + 1) for k in range(n)], [str(k + 1) for k in range(jobs.num_robots)]
-    zeros, ones, counted = np.zeros, np.ones, 0.0 if makespan else 1.0
-    variables = [
-        Variables("x", (b, t), (names[0], None), zeros(len(b)), ones(len(b)), counted * (t + length[b]).astype(np.float64), integer=True),
-        Variables("y", (out[r], first), (names[1], names[0]), zeros(len(r)), ones(len(r)), counted * ends.astype(np.float64), integer=True),
-        Variables("g", (out,), (names[1],), zeros(len(out)), ones(len(out)), zeros(len(out)), integer=True),
-    ]
-    steps = np.arange(max(last, int(ends.max(initial=0)), int(goes.max(initial=0))))
-    parts = [
-        _spans(x, t, t + length[b]), _spans(y, np.zeros(len(r), np.int64), ends), _spans(g, np.zeros(len(out), np.int64), goes)
-    ]  # fmt: skip
-    home = jobs.robot_free[~jobs.away]
-    there = jobs.num_robots - (home[:, None] > steps).sum(axis=0)
-    blocks = [
-        rows("fetched", n, [(b, x, 1.0), (first, y, 1.0)], 1.0, 1.0, (np.arange(n),), (names[0],)),
-        rows("first", len(out), [(r, y, 1.0), (np.arange(len(out)), g, 1.0)], 1.0, 1.0, (out,), (names[1],)),
-        rows("away", len(steps), parts, upper=there, keys=(steps,)),
-    ]
-    if makespan:
-        variables.append(Variables("C", (), (), np.zeros(1), np.full(1, float(steps.size)), np.ones(1)))
-        every = [(b, x, t + length[b]), (first, y, ends), (np.arange(n), np.full(n, final), -1.0)]
-        blocks.append(rows("last", n, every, upper=0.0, keys=(np.arange(n),), labels=(names[0],)))
+    starts = _Starts(problem)
+    program = Program("time-indexed", "min", tuple(starts.variables()), tuple(starts.constraints()))
+    return Compiled(program, problem, starts.decode, starts.encode)
 
-    def decode(vector: Floats) -> Trips:
-        own: list[list[tuple[int, int]]] = [[] for _ in range(jobs.num_robots)]
-        free = (jobs.robot_free + jobs.grid.empty_times[jobs.robot_cells, jobs.grid.home]).tolist()
-        for at in np.nonzero(vector[y] > 0.5)[0].tolist() if len(y) else ():
-            robot = int(out[r[at]])
-            own[robot].append((-1, int(first[at])))
-            free[robot] = int(ends[at])
-        for at in sorted(np.nonzero(vector[x] > 0.5)[0].tolist(), key=lambda at: (t[at], b[at])):
-            robot = min((k for k in range(jobs.num_robots) if free[k] <= t[at]), key=lambda k: (free[k], k), default=-1)
+
+class _Starts:
+    """The columns by what they stand for, the rows about them, and how trips and points of the program become each other.
+
+    Of each column of ``x`` there is the ``bin`` and the ``step``; of each of ``y`` the ``robot``, counted among those ``out`` in the
+    field, the ``first`` bin and the step it ``ends``; of each of ``g`` the step the robot ``goes`` home by.
+    """
+
+    def __init__(self, problem: OrchardDay) -> None:
+        self.problem, self.jobs, self.makespan = problem, problem.jobs, problem.objective == "makespan"
+        jobs, self.last = problem.jobs, latest_end(problem)
+        self.length = jobs.out + jobs.home
+        self.begin = np.maximum(full_at(problem) - jobs.out, 0)
+        self.count = np.maximum(self.last - self.length - self.begin + 1, 0)
+        self.bin, self.offset = np.repeat(np.arange(jobs.num_bins), self.count), np.cumsum(self.count) - self.count
+        self.step = np.arange(len(self.bin)) + np.repeat(self.begin - self.offset, self.count)
+        self.out = np.nonzero(jobs.away)[0]
+        self.robot, self.first = (index.ravel() for index in np.indices((len(self.out), jobs.num_bins)))
+        self.ends = _first_ends(problem)[self.out].ravel()
+        self.free = jobs.robot_free + jobs.grid.empty_times[jobs.robot_cells, jobs.grid.home]
+        self.goes = self.free[self.out]
+        self.x = np.arange(len(self.bin))
+        self.y = len(self.x) + np.arange(len(self.robot))
+        self.g = len(self.x) + len(self.y) + np.arange(len(self.out))
+        self.size = len(self.x) + len(self.y) + len(self.g)
+        self.steps = np.arange(max(self.last, int(self.ends.max(initial=0)), int(self.goes.max(initial=0))))
+        self.bin_names, self.robot_names = ([str(k + 1) for k in range(count)] for count in (jobs.num_bins, jobs.num_robots))
+
+    def variables(self) -> list[Variables]:
+        def block(name: str, keys: tuple[Integers, ...], labels: tuple[list[str] | None, ...], ends: Integers) -> Variables:
+            cost = np.zeros(len(ends)) if self.makespan else ends.astype(np.float64)
+            return Variables(name, keys, labels, np.zeros(len(ends)), np.ones(len(ends)), cost, integer=True)
+
+        blocks = [
+            block("x", (self.bin, self.step), (self.bin_names, None), self.step + self.length[self.bin]),
+            block("y", (self.out[self.robot], self.first), (self.robot_names, self.bin_names), self.ends),
+            block("g", (self.out,), (self.robot_names,), np.zeros(len(self.out), np.int64)),
+        ]
+        if self.makespan:
+            blocks.append(Variables("C", (), (), np.zeros(1), np.full(1, float(self.steps.size)), np.ones(1)))
+        return blocks
+
+    def constraints(self) -> list[Rows]:
+        n, x, y, g = self.jobs.num_bins, self.x, self.y, self.g
+        every, home = np.arange(n), self.jobs.robot_free[~self.jobs.away]
+        over = self.step + self.length[self.bin]
+        there = self.jobs.num_robots - (home[:, None] > self.steps).sum(axis=0)
+        away = [_spans(x, self.step, over), _spans(y, np.zeros_like(self.ends), self.ends), _spans(g, np.zeros_like(self.goes), self.goes)]
+        in_field = [(self.robot, y, 1.0), (np.arange(len(self.out)), g, 1.0)]
+        blocks = [
+            rows("fetched", n, [(self.bin, x, 1.0), (self.first, y, 1.0)], 1.0, 1.0, (every,), (self.bin_names,)),
+            rows("first", len(self.out), in_field, 1.0, 1.0, (self.out,), (self.robot_names,)),
+            rows("away", len(self.steps), away, upper=there, keys=(self.steps,)),
+        ]
+        if self.makespan:
+            ends = [(self.bin, x, over), (self.first, y, self.ends), (every, np.full(n, self.size), -1.0)]
+            blocks.append(rows("last", n, ends, upper=0.0, keys=(every,), labels=(self.bin_names,)))
+        return blocks
+
+    def decode(self, vector: Floats) -> Trips:
+        trips: list[list[tuple[int, int]]] = [[] for _ in range(self.jobs.num_robots)]
+        free = self.free.tolist()
+        for at in np.nonzero(vector[self.y] > 0.5)[0].tolist():
+            robot = int(self.out[self.robot[at]])
+            trips[robot].append((-1, int(self.first[at])))
+            free[robot] = int(self.ends[at])
+        for at in sorted(np.nonzero(vector[self.x] > 0.5)[0].tolist(), key=lambda at: (self.step[at], self.bin[at])):
+            step, fetched = int(self.step[at]), int(self.bin[at])
+            robot = min((k for k in range(len(free)) if free[k] <= step), key=lambda k: (free[k], k), default=-1)
             if robot < 0:
-                raise InputError(f"at step {t[at]} more robots are away than there are")
-            own[robot].append((-1, int(b[at])))
-            free[robot] = int(t[at] + length[b[at]])
-        return tuple(tuple(trips) for trips in own)
+                raise InputError(f"at step {step} more robots are away than there are")
+            trips[robot].append((-1, fetched))
+            free[robot] = step + int(self.length[fetched])
+        return tuple(tuple(own) for own in trips)
 
-    def encode(answer: Any) -> Floats:
-        times = problem.timetable(answer)
-        vector = np.zeros(final + makespan)
-        for k, robot in enumerate(out.tolist()):
-            mine = [fetch for _, fetch in answer[robot]]
-            early = bool(mine) and int(times[mine[0]]) == int(_first_ends(problem)[robot, mine[0]])
-            vector[y[k * n + mine[0]] if early else g[k]] = 1.0
-        taken = {int(first[at]) for at in np.nonzero(vector[y] > 0.5)[0]} if len(y) else set()
-        start = np.concatenate([[0], np.cumsum(count)])
-        for k in range(n):
+    def encode(self, answer: Any) -> Floats:
+        times = self.problem.timetable(answer)
+        vector = np.zeros(self.size + self.makespan)
+        for k, robot in enumerate(self.out.tolist()):
+            fetched = [fetch for _, fetch in answer[robot]]
+            early = bool(fetched) and int(times[fetched[0]]) == int(self.ends[k * self.jobs.num_bins + fetched[0]])
+            vector[self.y[k * self.jobs.num_bins + fetched[0]] if early else self.g[k]] = 1.0
+        taken = set(self.first[vector[self.y] > 0.5].tolist())
+        for k in range(self.jobs.num_bins):
             if k not in taken:
-                at = int(times[k] - length[k] - begin[k])
-                if not 0 <= at < count[k]:
+                at = int(times[k] - self.length[k] - self.begin[k])
+                if not 0 <= at < self.count[k]:
                     raise InputError(f"bin {k + 1} is not fetched within the steps of the program")
-                vector[start[k] + at] = 1.0
-        if makespan:
-            vector[final] = times.max()
+                vector[self.offset[k] + at] = 1.0
+        if self.makespan:
+            vector[self.size] = times.max()
         return vector
-
-    return Compiled(Program("time-indexed", "min", tuple(variables), tuple(blocks)), problem, decode, encode)
 
 
 def _spans(column: Integers, begin: Integers, end: Integers) -> tuple[Integers, Integers, float]:

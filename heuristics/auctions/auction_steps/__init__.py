@@ -1,3 +1,3 @@
-"""What auctions share: bids, paths, consensus, and what guarantees assume."""
+"""Parts of auctions of tasks: bids, paths and consensus."""
 
 from .... import _guard as _guard

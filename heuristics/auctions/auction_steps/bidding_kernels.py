@@ -14,12 +14,12 @@ from ....formulations.stop_kernel import asked
 from ....solvers.engines.auctions.task_subset_steps.subset_kernels import costs_to_go, path_through
 
 SUM, LARGEST, WAYS = 0, 1, 2
-"""What a bid counts: the way that is added, the whole path with it, or what is added to the ways of all its tasks."""
+"""A bid counts the length added to the path, the whole path with the task, or what is added to the ways of all its tasks."""
 
 
 @kernel("Tuple((f8, i8))(f8[::1], f8[:, ::1], i8[::1], i8, i8, b1)")
 def insertion(start, between, path, count, task, waiting):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """What the cheapest insertion of a task into the first ``count`` stops of a path adds, and its place; the first of equal ones."""
+    """Cost of the cheapest insertion of a task into the first ``count`` stops of a path, and its place; the first of equal ones."""
     best, place = math.inf, 0
     way = 0.0  # until the stop before the place
     for k in range(count + 1):
@@ -82,21 +82,10 @@ def cheapest_order(flag, start, between, tasks, waiting):  # type: ignore[no-unt
 
 @kernel("Tuple((i8[:, ::1], i8[::1], i8))(i8[::1], f8[:, ::1], f8[:, ::1], i8, i8)")
 def sequential(flag, starts, between, rule, most):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Round after round the lowest bid of all robots for all open tasks is awarded; the lower robot, then the lower task of equal bids.
+    """Round after round the lowest bid of all robots for all open tasks is awarded; of equal bids to the lower robot, then the lower task.
 
-    Parameters
-    ----------
-    flag : array
-    starts, between : arrays of shape (robots, tasks) and (tasks, tasks)
-    rule : int
-        ``SUM``, ``LARGEST`` or ``WAYS``.
-    most : int
-        Up to so many tasks of a robot its bids are by its best path through them; beyond, and with 0, by the cheapest insertion.
-
-    Returns
-    -------
-    (array of shape (robots, tasks), array of shape (robots,), int)
-        Paths, how many stops each has, and how many tasks were awarded before it was asked to stop.
+    Up to ``most`` tasks of a robot its bids are by its best path through them; beyond, by the cheapest insertion. Returns paths of shape
+    (robots, tasks), the stops of each, and how many tasks were awarded before it was asked to stop.
     """
     robots, n = starts.shape
     waiting = rule == WAYS

@@ -1,3 +1,3 @@
-"""Where relays go that keep robots connected."""
+"""Places of relays that keep robots connected."""
 
 from .... import _guard as _guard

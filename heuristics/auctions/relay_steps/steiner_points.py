@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 SAME = 1e-9
-"""Part of the reach by which a link may be longer: multiples of it need no further relay."""
+"""Share of the reach by which a link may be longer, so that multiples of the reach need no further relay."""
 
 SOURCE = "Chen, Du, Hu, Lin, Wang, Xue (2000), Approximations for Steiner trees with minimum number of Steiner points"
 
@@ -74,15 +74,15 @@ def spanning_tree_relays(terminals: ArrayLike, reach: float, *, strict: bool = F
     relays: list[Floats] = []
     links: list[tuple[int, int]] = []
     near = np.hypot(*(points - points[0]).T)
-    joined, left = np.zeros(len(points), dtype=np.int64), np.arange(len(points)) > 0
+    joined, waiting = np.zeros(len(points), dtype=np.int64), np.arange(len(points)) > 0
     for _ in range(len(points) - 1):
-        node = int(np.where(left, near, math.inf).argmin())
+        node = int(np.where(waiting, near, math.inf).argmin())
         chain = [int(joined[node])]
         for share in _shares(float(near[node]) / reach, strict):
             relays.append(points[joined[node]] + share * (points[node] - points[joined[node]]))
             chain.append(len(points) + len(relays) - 1)
         links += itertools.pairwise([*chain, node])
-        left[node] = False
+        waiting[node] = False
         away = np.hypot(*(points - points[node]).T)
         joined, near = np.where(away < near, node, joined), np.minimum(near, away)
     guarantee = Guarantee(4.0, "relays <= 4 OPT", ("links of the Euclidean plane",), SOURCE)
@@ -90,7 +90,7 @@ def spanning_tree_relays(terminals: ArrayLike, reach: float, *, strict: bool = F
 
 
 def _shares(ratio: float, strict: bool) -> list[float]:
-    """Where relays stand on an edge ``ratio`` reaches long."""
+    """Places of relays on an edge ``ratio`` reaches long, as shares of it."""
     pieces = math.floor(ratio * (1.0 + SAME)) + 1 if strict else max(1, math.ceil(ratio * (1.0 - SAME)))
     return [k / pieces for k in range(1, pieces)]
 
@@ -145,14 +145,14 @@ def fewest_relays(linked: ArrayLike, terminals: ArrayLike, most: int | None = No
 
 
 def _component(links: Flags, among: Flags, node: int) -> Flags:
-    """Nodes that are connected to ``node`` through those ``among``."""
-    found = np.zeros(len(links), dtype=bool)
-    found[node] = True
+    """Nodes connected to ``node`` through nodes ``among`` the graph's."""
+    reached = np.zeros(len(links), dtype=bool)
+    reached[node] = True
     while True:
-        more = found | (links[found].any(axis=0) & among)
-        if (more == found).all():
-            return found
-        found = more
+        more = reached | (links[reached].any(axis=0) & among)
+        if (more == reached).all():
+            return reached
+        reached = more
 
 
 def fermat_weber(points: ArrayLike, weights: ArrayLike | None = None, steps: int = 10_000) -> Floats:

@@ -3,27 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....formulations.auctions.balanced_partition import EDGES, OBJECTIVES, BalancedPartition
 from ....formulations.auctions.task_allocation import TaskAllocation
 from ....formulations.problem import Problem
 from ....formulations.stop import NEVER
-from ....heuristics.auctions.gathering_steps.urgency import URGENCIES
+from ....heuristics.auctions._gathering import URGENCIES, expected_contents, receding_order, reward_split, urgencies
 from ....heuristics.heuristic import HEURISTICS, Context
 from ....instances.auctions.robot_tasks import RobotTasks
-from ....instances.auctions.worlds.information_gathering import EXCESS, GatheringObservation, GatheringWorld
+from ....instances.auctions.worlds.information_gathering import EXCESS, GatheringObservation, GatheringWorld, Move
 from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
 from ....solvers.linear_programs import LinearPrograms
 from ..mission import MISSIONS, Actions, Mission, Scene
-from . import _gathering_tours as tours
 
 PLANS = {"partition": "distributed-sampling", "auction": "fixed-order-auction"}
-"""How sensors are shared out, and the heuristic with which the policy of that name does it."""
+"""Ways to share the sensors out, and the heuristic by which the policy of that name does it."""
 
 
 class InformationGathering(Mission):
@@ -54,18 +55,16 @@ class InformationGathering(Mission):
 
     def world(self, seed: int, **settings: Any) -> GatheringWorld:
         self.values = setting_values(self.name, self.settings, settings)
-        made = make_world("information-gathering", seed, **{key: self.values[key] for key in WORLDS["information-gathering"].settings})
-        assert isinstance(made, GatheringWorld)
+        world = make_world("information-gathering", seed, **{key: self.values[key] for key in WORLDS["information-gathering"].settings})
+        assert isinstance(world, GatheringWorld)
         self._parts: tuple[tuple[int, ...], ...] | None = None
-        self._tours = [tours.Tour() for _ in range(made.rules.robots)]
-        return made
+        self._tours = [Tour() for _ in range(world.rules.robots)]
+        return world
 
     def problem(self, observation: GatheringObservation) -> Problem | None:
-        """The partition at the start, or the allocation when a robot is back; None otherwise."""
         return self._problem(observation, self.values["plan"])
 
     def actions(self, observation: GatheringObservation, problem: Problem | None, answer: Any) -> Actions:
-        """The next move of every robot's tour."""
         return self._moves(observation, self.values["plan"], problem, answer)
 
     def policies(self) -> Mapping[str, Callable[[Any], Actions]]:
@@ -73,8 +72,11 @@ class InformationGathering(Mission):
         return {plan: partial(self._by_rule, plan) for plan in PLANS}
 
     def scene(self, world: World) -> Scene:
-        """The grid, its first row on top; how full each sensor is, what each robot carries and where it goes, and what it has brought home
-        beside the most that sensors could have gathered with room in their stores."""
+        """The grid, its first row on top; how full each sensor is, and what each robot carries, where it goes, and what it has brought
+        home.
+
+        The limit is what sensors could have gathered at most with room in their stores.
+        """
         assert isinstance(world, GatheringWorld)
         rules = world.rules
         top = rules.rows - 1
@@ -94,21 +96,21 @@ class InformationGathering(Mission):
     # ------------------------------------------------------------------------------------------------------------------
 
     def _back(self, o: GatheringObservation) -> list[int]:
-        """Robots at their bases without a stop before them."""
+        """Robots at their bases without a stop ahead."""
         at_base = (o.robots == o.rules.bases).all(axis=1)
         return [robot for robot in range(o.rules.robots) if at_base[robot] and not self._tours[robot].stops]
 
     def _order(self, o: GatheringObservation) -> list[int]:
         """Sensors worth a visit, the soonest full first."""
-        time = tours.times_to_full(o)
-        return sorted(tours.worth_visiting(o), key=lambda sensor: (time[sensor], sensor))
+        time = times_to_full(o)
+        return sorted(worth_visiting(o), key=lambda sensor: (time[sensor], sensor))
 
     def _problem(self, o: GatheringObservation, plan: str) -> Problem | None:
         if plan == "partition":
             if self._parts is not None:
                 return None
-            time = tours.times_to_full(o)
-            weights = tours.rates(o) - time + time.max(initial=0.0)
+            time = times_to_full(o)
+            weights = rates(o) - time + time.max(initial=0.0)
             data = RobotTasks.of_positions(o.rules.bases, o.sensors, "chebyshev", weights=weights, name="information gathering")
             return BalancedPartition(data, self.values["objective"], self.values["edges"])
         order = self._order(o)
@@ -124,37 +126,37 @@ class InformationGathering(Mission):
         if plan == "partition":
             if problem is not None:
                 self._parts = ((),) * o.rules.robots if answer is None else answer
-            worth = set(tours.worth_visiting(o))
+            worth = set(worth_visiting(o))
             for robot in self._back(o):
                 own = [sensor for sensor in (self._parts or ())[robot] if sensor in worth]
-                order = tours.by_urgency(o, robot, own, self.values["look-ahead"], self.values["urgency"])
-                self._tours[robot] = tours.tour(o, robot, order)
+                order = by_urgency(o, robot, own, self.values["look-ahead"], self.values["urgency"])
+                self._tours[robot] = tour(o, robot, order)
         elif problem is not None and answer is not None:
             order = self._order(o)
             self._allot(o, [[order[task] for task in path] for path in answer])
-        return {robot: tours.drive(o, robot, own) for robot, own in enumerate(self._tours)}
+        return {robot: drive(o, robot, own) for robot, own in enumerate(self._tours)}
 
     def _allot(self, o: GatheringObservation, paths: list[list[int]]) -> None:
-        """Give robots that are back their new paths, those on their way theirs where they lose less, and what nobody visits to robots
-        left without."""
+        """New paths for robots that are back, and for those on their way that lose less by them; what nobody visits goes to robots left
+        without."""
         back = self._back(o)
         stops = {robot: paths[robot] for robot in back}
         for robot, own in enumerate(self._tours):
             if robot in back:
                 continue
-            if not own.stops or not tours.switched(o, robot, own.stops, paths[robot]):
+            if not own.stops or not switched(o, robot, own.stops, paths[robot]):
                 stops[robot] = own.stops
                 continue
             stops[robot] = paths[robot]
-            self._tours[robot] = tours.tour(o, robot, paths[robot])
+            self._tours[robot] = tour(o, robot, paths[robot])
         taken = {sensor for robot, path in stops.items() if robot not in back for sensor in path}
         for robot in back:
             stops[robot] = [sensor for sensor in stops[robot] if sensor not in taken]
         idle = [robot for robot in back if not stops[robot]]
         visited = {sensor for path in stops.values() for sensor in path}
-        stops |= tours.appended(o, idle, [sensor for sensor in self._order(o) if sensor not in visited])
+        stops |= appended(o, idle, [sensor for sensor in self._order(o) if sensor not in visited])
         for robot in back:
-            self._tours[robot] = tours.tour(o, robot, stops[robot])
+            self._tours[robot] = tour(o, robot, stops[robot])
 
     def _by_rule(self, plan: str, o: GatheringObservation) -> Actions:
         problem = self._problem(o, plan)
@@ -167,3 +169,104 @@ def _context() -> Context:
 
 
 MISSIONS.add("information-gathering", InformationGathering)
+
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@dataclass
+class Tour:
+    """Sensors that a robot is still going to visit, in order, and the amount that it takes at each."""
+
+    stops: list[int] = field(default_factory=list)
+    shares: dict[int, float] = field(default_factory=dict)
+
+
+def steps(here: Integers, there: Integers) -> Integers:
+    """Moves between each of some cells and each of others."""
+    return np.asarray(np.abs(np.atleast_2d(here)[:, None, :] - np.atleast_2d(there)[None, :, :]).max(axis=2))
+
+
+def rates(o: GatheringObservation) -> Floats:
+    """Units a step; a sensor that gathers no more counts with the rate 1, so that it is emptied once more."""
+    return np.where(o.rates > 0, o.rates, 1.0)
+
+
+def times_to_full(o: GatheringObservation) -> Floats:
+    """Steps until each store is full, at its rate."""
+    return np.asarray((o.rules.store - o.stores) / rates(o))
+
+
+def worth_visiting(o: GatheringObservation) -> list[int]:
+    """Sensors that gather, or have something left in store."""
+    return np.nonzero((o.rates > 0) | (o.stores > 1e-6))[0].tolist()
+
+
+def by_urgency(o: GatheringObservation, robot: int, sensors: Sequence[int], look_ahead: int, urgency: str) -> list[int]:
+    """The sensors in the order in which a robot visits them from where it is."""
+    ids = np.array(sensors, dtype=np.int64)
+    if not len(ids):
+        return []
+    rate, time = rates(o)[ids], times_to_full(o)[ids]
+    first = urgencies(rate, time, steps(o.robots[robot], o.sensors[ids]), urgency)[0]
+    then = urgencies(rate, time, steps(o.sensors[ids], o.sensors[ids]), urgency)
+    return [int(ids[k]) for k in receding_order(first, then, look_ahead)]
+
+
+def length(o: GatheringObservation, robot: int, stops: Sequence[int]) -> tuple[Floats, float]:
+    """Steps after which a robot is at each stop, and back at its base."""
+    cells = np.vstack([o.robots[robot][None], o.sensors[list(stops)].reshape(-1, 2), o.rules.bases[robot][None]])
+    ways = np.cumsum(np.abs(np.diff(cells, axis=0)).max(axis=1)).astype(np.float64)
+    return ways[:-1], float(ways[-1])
+
+
+def tour(o: GatheringObservation, robot: int, stops: Sequence[int]) -> Tour:
+    """Stops with shares of the robot's room, by what each store will hold when the tour is over: (4.6) and (4.7) of Zhang (2015)."""
+    ids = list(stops)
+    if not ids:
+        return Tour()
+    held = expected_contents(o.stores[ids], o.rates[ids], length(o, robot, ids)[1], o.rules.store)
+    shares = reward_split(held, max(0.0, o.rules.load - float(o.loads[robot])))
+    return Tour(ids, dict(zip(ids, shares.tolist(), strict=True)))
+
+
+def drive(o: GatheringObservation, robot: int, own: Tour) -> Move:
+    """The next move of a robot on its tour; at a stop also the amount that it takes, and the stop is done."""
+    room = o.rules.load - o.loads[robot]
+    if room <= 1e-9 * o.rules.load:
+        own.stops.clear()
+    goal = o.sensors[own.stops[0]] if own.stops else o.rules.bases[robot]
+    here = o.robots[robot]
+    cell = here + np.sign(goal - here)
+    amount = 0.0
+    if own.stops and (cell == goal).all():
+        amount = own.shares[own.stops.pop(0)]
+    return Move((int(cell[0]), int(cell[1])), amount)
+
+
+def estimated_loss(o: GatheringObservation, robot: int, stops: Sequence[int], horizon: float) -> float:
+    """Loss of all sensors within ``horizon`` steps if this robot alone visits its stops: each from when it is full until it is reached."""
+    reached = np.full(len(o.sensors), horizon)
+    ids = list(stops)
+    if ids:
+        reached[ids] = np.minimum(length(o, robot, ids)[0], horizon)
+    return float((o.rates * np.maximum(0.0, reached - times_to_full(o))).sum())
+
+
+def switched(o: GatheringObservation, robot: int, old: Sequence[int], new: Sequence[int]) -> bool:
+    """Whether a robot on its way leaves its old stops for new ones, by which it expects a smaller loss of all sensors."""
+    horizon = max(length(o, robot, old)[1], length(o, robot, new)[1])
+    return estimated_loss(o, robot, new, horizon) < estimated_loss(o, robot, old, horizon)
+
+
+def appended(o: GatheringObservation, robots: Sequence[int], sensors: Sequence[int]) -> dict[int, list[int]]:
+    """Sensors, in the order given, each at the end of the path of the robot whose path is the shortest with it."""
+    stops: dict[int, list[int]] = {robot: [] for robot in robots}
+    costs, at = dict.fromkeys(robots, 0), {robot: o.robots[robot] for robot in robots}
+    for sensor in sensors if robots else ():
+        bids = {robot: costs[robot] + int(steps(at[robot], o.sensors[sensor])[0, 0]) for robot in robots}
+        winner = min(bids, key=lambda robot, bids=bids: (bids[robot], robot))  # type: ignore[misc]
+        costs[winner], at[winner] = bids[winner], o.sensors[sensor]
+        stops[winner].append(sensor)
+    return stops

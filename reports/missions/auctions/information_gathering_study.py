@@ -9,7 +9,6 @@ same sensors. Intervals are of confidence 95 %, by Student's t; differences are 
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -18,8 +17,8 @@ from typing import TYPE_CHECKING, Any
 from waybound.instances.atomic import atomic_write
 
 from .._study_command import study_command
-from .._study_tables import markdown, records
-from ._mean_intervals import mean_interval
+from .._study_figures import _band, _figure, _plain, _save
+from .._study_tables import markdown, mean_interval, records
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,16 +29,19 @@ METHODS: dict[str, dict[str, Any]] = {
     "partition, look-ahead 3": {"policy": "partition", "look_ahead": 3},
     "partition, literal urgency": {"policy": "partition", "look_ahead": 3, "urgency": "literal", "edges": "clique"},
 }
-"""``literal urgency`` is the larger the farther a sensor is where it is negative, as printed; all pairs of a part are among its costs
-then."""
+"""The literal urgency grows with the distance where it is negative, as printed; all pairs of a part are among its costs then."""
+
+COLOURS = dict(zip(METHODS, ("#DDAA33", "#33AADD", "#332288", "#CC3377"), strict=True))
+
+TITLES = {"gain": "units brought home", "idle": "steps for which sensors were full", "loss": "units not gathered"}
 
 METRICS = {"gain": 1, "idle": -1, "loss": -1}
-"""1: the more the better."""
+"""1 for what should be large, -1 for what should be small."""
 
 
 @dataclass(frozen=True)
 class Size:
-    """How much is played; steps, sensors and robots are the source's."""
+    """Teams, runs and steps; steps, sensors and robots are the source's."""
 
     robots: tuple[int, ...] = (2, 3, 4, 5)
     runs: int = 40
@@ -82,10 +84,10 @@ def means_table(runs: pd.DataFrame) -> pd.DataFrame:
 
 
 def trends(table: pd.DataFrame) -> list[tuple[str, str]]:
-    """The source's trends, and what was found of each."""
+    """The source's trends, and whether they were found."""
     rows = {(row["robots"], row["method"]): row for row in records(table)}
     teams = sorted({robots for robots, _ in rows})
-    found = []
+    verdicts = []
     for name, sign in METRICS.items():
         said = []
         for robots in teams:
@@ -93,27 +95,43 @@ def trends(table: pd.DataFrame) -> list[tuple[str, str]]:
             above, half = sign * row[f"{name}_above"], row[f"{name}_above_half"]
             verdict = "yes" if above > half else "no" if above < -half else "undecided"
             said.append(f"{robots} robots {verdict} ({row[f'{name}_above']:+.0f} +- {half:.0f})")
-        found.append((f"partition better than the auction in {name}", "; ".join(said)))
+        verdicts.append((f"partition better than the auction in {name}", "; ".join(said)))
     for method in ("auction", "partition, look-ahead 3"):
         gains = [rows[robots, method]["gain"] for robots in teams]
-        found.append((f"{method}: gain grows with the team", "yes" if gains == sorted(gains) else "no"))
+        verdicts.append((f"{method}: gain grows with the team", "yes" if gains == sorted(gains) else "no"))
     apart = [abs(rows[m, "partition, look-ahead 1"]["gain"] / rows[m, "partition, look-ahead 3"]["gain"] - 1.0) for m in teams]
     verdict = f"{'yes' if max(apart) < 0.05 else 'no'} (gain by {max(apart):.1%} at most)"
-    found.append(("look-ahead of one and of three stops differ slightly", verdict))
-    return found
+    verdicts.append(("look-ahead of one and of three stops differ slightly", verdict))
+    return verdicts
+
+
+def metrics_figure(table: pd.DataFrame, path: Path) -> None:
+    """Each metric over the number of robots, and below it its lead over the auction on the same runs; bands are the intervals."""
+    figure = _figure(11.0, 6.6)
+    axes = figure.subplots(2, len(TITLES), sharex=True)
+    for column, (name, title) in enumerate(TITLES.items()):
+        for ax, key in zip(axes[:, column], (name, f"{name}_above"), strict=True):
+            for method, colour in COLOURS.items():
+                own = table[table["method"] == method]
+                _band(ax, own["robots"], own[key], own[f"{key}_half"], 0.22, color=colour, marker="o", markersize=3, label=method)
+        axes[0, column].set_ylim(bottom=0)
+        axes[1, column].set_xlabel("robots", fontsize=9)
+        axes[1, column].locator_params(axis="x", integer=True)
+        _plain(axes[0, column], title)
+        _plain(axes[1, column], "above the auction, on the same runs")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(COLOURS), frameon=False, fontsize=9)
+    _save(figure, path)
 
 
 def study(folder: Path, size: Size) -> str:
     """Play everything, write it into ``folder``, and return the summary."""
-    from . import _gathering_figures as figures
-
     runs = plays(size)
     table = means_table(runs)
     text = f"# Information gathering: partition against auction, {size.runs} runs of {size.steps} steps\n\n{markdown(table)}\n"
     text += "## Trends of the source\n\n" + "".join(f"- {what}: {said}\n" for what, said in trends(table))
     atomic_write(folder / "means.csv", table.to_csv(index=False))
     atomic_write(folder / "runs.csv", runs.to_csv(index=False))
-    figures.metrics(table, folder / "gathering.png")
+    metrics_figure(table, folder / "gathering.png")
     atomic_write(folder / "summary.md", text)
     return text
 
@@ -123,7 +141,3 @@ def main(arguments: list[str] | None = None) -> int:
     return study_command(
         "information_gathering_study", __doc__, lambda folder, short: study(folder, SHORT if short else Size()), arguments, "steps"
     )
-
-
-if __name__ == "__main__":
-    sys.exit(main())

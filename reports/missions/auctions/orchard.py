@@ -25,7 +25,8 @@ from .orchard_days.policies import CHOOSING, COSTS, DELIVERIES, costs, trips
 PLANS = ("step", "joint", "makespan", "completion")
 
 STACK, GAP, BESIDE = 3, 0.36, 0.25
-"""In pictures: returned bins a lane, beside the repository; how far apart; how far a bin lies from the robot that carries it."""
+"""Sizes in pictures: returned bins a lane beside the repository, the distance between them, and that of a bin from the robot that carries
+it."""
 
 
 class Orchard(Mission):
@@ -58,12 +59,11 @@ class Orchard(Mission):
 
     def world(self, seed: int, **settings: Any) -> OrchardWorld:
         self.values = setting_values(self.name, self.settings, settings)
-        made = make_world("orchard", seed, **{key: self.values[key] for key in WORLDS["orchard"].settings})
-        assert isinstance(made, OrchardWorld)
-        return made
+        world = make_world("orchard", seed, **{key: self.values[key] for key in WORLDS["orchard"].settings})
+        assert isinstance(world, OrchardWorld)
+        return world
 
     def problem(self, observation: OrchardObservation) -> Problem | None:
-        """Which idle robot fetches which bin; None without either."""
         o = observation
         if not len(o.robots) or not len(o.bins):
             return None
@@ -79,7 +79,6 @@ class Orchard(Mission):
         return BinAssignment(instance, waiting="max" if self.values["cost"] == "later" else "sum")
 
     def actions(self, observation: OrchardObservation, problem: Problem | None, answer: Any) -> Actions:
-        """Trips: the bins chosen, new bins as ``delivery`` says."""
         o, chosen = observation, {}
         if problem is not None and answer is not None:
             if isinstance(problem, JointAssignment):
@@ -93,8 +92,8 @@ class Orchard(Mission):
         return trips(o, chosen, self.values["delivery"], self.values["idle"] == "return")
 
     def _errands(self, o: OrchardObservation, answer: Any) -> Actions:
-        """A robot at the repository without a request brings a new bin to the cell of its bin, if one is wanted there."""
-        told: dict[int, Trip] = {}
+        """The robots' trips; one at the repository without a request brings a new bin to the cell of its bin, if one is wanted there."""
+        chosen: dict[int, Trip] = {}
         brought = {int(o.requests[request]) for _, request in answer if request >= 0}
         for robot, cell, (row, request) in zip(o.robots.tolist(), o.cells.tolist(), answer, strict=True):
             deliver = int(o.requests[request]) if request >= 0 else -1
@@ -104,8 +103,8 @@ class Orchard(Mission):
                 deliver = near
                 brought.add(near)
             if row >= 0 or deliver >= 0 or self.values["idle"] == "return":
-                told[robot] = Trip(deliver, int(o.bins[row]) if row >= 0 else -1)
-        return told
+                chosen[robot] = Trip(deliver, int(o.bins[row]) if row >= 0 else -1)
+        return chosen
 
     def policies(self) -> Mapping[str, Callable[[Any], Actions]]:
         """``greedy``, ``auction``, ``auction-immediate`` and ``assignment``; see ``orchard_days.policies.CHOICES``."""
@@ -117,7 +116,10 @@ class Orchard(Mission):
 
     def measures(self, decisions: Sequence[Decision], world: World) -> dict[str, float]:
         """``deciding``: idle robots; ``least``: the least sum of costs of as many of them as there are bins for; ``beaten``: 1 where the
-        answer's is larger, 0 where it is not. The latter two are NaN where fewer than two robots choose, or by a schedule."""
+        answer's sum is larger, else 0.
+
+        The latter two are NaN where fewer than two robots choose, or by a schedule.
+        """
         deciding, least, beaten = 0, math.nan, math.nan
         for d in decisions:
             deciding += len(d.view.robots)
@@ -152,7 +154,7 @@ class Orchard(Mission):
 
 
 def known_jobs(o: OrchardObservation) -> OrchardJobs:
-    """What stands free in the orchard, for all robots: busy ones begin at the repository when they are back."""
+    """The bins that stand free in the orchard, for all robots: busy ones begin at the repository when they are back."""
     grid, count = o.rules.grid, len(o.bins)
     cells, free = np.full(o.rules.robots, grid.home), o.homecoming - o.time
     cells[o.robots], free[o.robots] = o.cells, 0
@@ -162,7 +164,7 @@ def known_jobs(o: OrchardObservation) -> OrchardJobs:
 
 
 def joint_assignment(o: OrchardObservation) -> JointAssignment:
-    """Idle robots, bins in the orchard and open requests; who is not at the repository has nothing to bring."""
+    """Idle robots, bins in the orchard and open requests; a robot that is not at the repository has nothing to bring."""
     grid, home = o.rules.grid, (o.cells == o.rules.grid.home)[:, None]
     return JointAssignment(
         JointAssignmentInstance(

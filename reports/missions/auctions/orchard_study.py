@@ -1,5 +1,4 @@
-"""Days in the orchard after Zhang (2015), chapter 3, taken apart: which part of the gain is the auction's, and which that of bringing
-bins ahead.
+"""Days in the orchard after Zhang (2015), chapter 3: how much of the gain is the auction's, and how much that of bringing bins ahead.
 
 Run as ``python -m waybound.reports.missions.orchard_study --out FOLDER [--short]``.
 
@@ -13,7 +12,6 @@ All rules meet the same days. Intervals are of confidence 95 %, by Student's t; 
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -24,8 +22,8 @@ from waybound.instances.auctions.orchard_grid import OrchardGrid
 from waybound.instances.auctions.orchard_rules import OrchardRules, draw_routes
 
 from .._study_command import study_command
-from .._study_tables import markdown, records
-from ._mean_intervals import mean_interval
+from .._study_figures import _band, _figure, _plain, _save
+from .._study_tables import markdown, mean_interval, records
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,13 +32,24 @@ CHOICES, DELIVERIES = ("greedy", "auction"), ("baseline", "proposed")
 
 METHODS = tuple(f"{choice}+{delivery}" for delivery, choice in product(DELIVERIES, CHOICES))
 
+COLOURS = {"greedy+baseline": "#777777", "auction+baseline": "#DDAA33", "greedy+proposed": "#33AADD", "auction+proposed": "#332288"}
+
+EFFECTS = {
+    "auction (baseline)": ("greedy+baseline", "auction+baseline", "#DDAA33"),
+    "auction (proposed)": ("greedy+proposed", "auction+proposed", "#CC3377"),
+    "delivery (greedy)": ("greedy+baseline", "greedy+proposed", "#33AADD"),
+    "delivery (auction)": ("auction+baseline", "auction+proposed", "#117733"),
+    "both": ("greedy+baseline", "auction+proposed", "#332288"),
+}
+"""Methods before and after each change, and its colour."""
+
 HORIZON = 150
 """Steps, 15 hours: the source counts the bins returned by then."""
 
 
 @dataclass(frozen=True)
 class Size:
-    """How much is played."""
+    """Teams and days."""
 
     robots: tuple[int, ...] = tuple(range(2, 21))
     groups: tuple[int, ...] = (4, 8)
@@ -81,33 +90,23 @@ def steps_table(days: pd.DataFrame) -> pd.DataFrame:
 
     rows = []
     for (groups, robots, method), alike in days.groupby(["groups", "robots", "method"], sort=False):
-        steps, half = mean_interval(alike["steps"])
-        returned, returned_half = mean_interval(alike["returned"])
-        idle, idle_half = mean_interval(alike["idle"])
-        rows.append(
-            {
-                "groups": groups, "robots": robots, "method": method, "least": alike["least"].iloc[0], "steps": steps, "steps_half": half,
-                "returned": returned, "returned_half": returned_half, "idle": idle, "idle_half": idle_half,
-            }
-        )  # fmt: skip
+        row: dict[str, Any] = {"groups": groups, "robots": robots, "method": method, "least": alike["least"].iloc[0]}
+        for key in ("steps", "returned", "idle"):
+            row[key], row[f"{key}_half"] = mean_interval(alike[key])
+        rows.append(row)
     return pd.DataFrame(rows)
 
 
 def effects_table(days: pd.DataFrame) -> pd.DataFrame:
-    """By how many percent of the baseline's steps each change shortens the same day: the auction with either delivery, the delivery with
+    """Steps that each change saves on the same day, in percent of the baseline's: the auction with either delivery, the delivery with
     either choice, both."""
     import pandas as pd
 
-    pairs = {
-        "auction (baseline)": ("greedy+baseline", "auction+baseline"), "auction (proposed)": ("greedy+proposed", "auction+proposed"),
-        "delivery (greedy)": ("greedy+baseline", "greedy+proposed"), "delivery (auction)": ("auction+baseline", "auction+proposed"),
-        "both": ("greedy+baseline", "auction+proposed"),
-    }  # fmt: skip
     rows = []
     for (groups, robots), alike in days.groupby(["groups", "robots"], sort=False):
         steps = alike.pivot_table(index="seed", columns="method", values="steps")
         row: dict[str, Any] = {"groups": groups, "robots": robots}
-        for name, (before, after) in pairs.items():
+        for name, (before, after, _) in EFFECTS.items():
             row[name], row[f"{name} half"] = mean_interval(100.0 * (steps[before] - steps[after]) / steps["greedy+baseline"])
         row["both wins"] = float((steps["auction+proposed"] < steps["greedy+baseline"]).mean())
         rows.append(row)
@@ -122,7 +121,7 @@ def auctions_table(days: pd.DataFrame) -> pd.DataFrame:
 
 
 def small_table(size: Size) -> pd.DataFrame:
-    """Whole days of two lanes of four trees: the rules' last steps over the optimum's, routes of groups being fixed."""
+    """Whole days of two lanes of four trees: the rules' last steps over the optimum's, with fixed routes of groups."""
     import numpy as np
     import pandas as pd
 
@@ -155,25 +154,24 @@ def small_summary(days: pd.DataFrame) -> pd.DataFrame:
 
 
 def trends(days: pd.DataFrame) -> list[tuple[str, str]]:
-    """The source's trends, and what was found of each."""
-    found = []
+    """The source's trends, and whether they were found."""
+    changes = {
+        "both changes": "both",
+        "the auction alone": "auction (baseline)",
+        "the auction where new bins are brought ahead": "auction (proposed)",
+        "bringing new bins ahead alone": "delivery (greedy)",
+    }
+    verdicts = []
     effects = records(effects_table(days))
-    for groups in dict.fromkeys(row["groups"] for row in effects):
+    for groups, (change, name) in product(dict.fromkeys(row["groups"] for row in effects), changes.items()):
         own = [row for row in effects if row["groups"] == groups]
-
-        def said(name: str, own: list[dict[str, Any]] = own) -> str:
-            less, more = ([row["robots"] for row in own if sign * row[name] > row[f"{name} half"]] for sign in (1, -1))
-            return f"shorter for {_ranges(less)}, longer for {_ranges(more)} robots"
-
-        found.append((f"{groups} groups, both changes", said("both")))
-        found.append((f"{groups} groups, the auction alone", said("auction (baseline)")))
-        found.append((f"{groups} groups, the auction where new bins are brought ahead", said("auction (proposed)")))
-        found.append((f"{groups} groups, bringing new bins ahead alone", said("delivery (greedy)")))
-    return found
+        less, more = ([row["robots"] for row in own if sign * row[name] > row[f"{name} half"]] for sign in (1, -1))
+        verdicts.append((f"{groups} groups, {change}", f"shorter for {_ranges(less)}, longer for {_ranges(more)} robots"))
+    return verdicts
 
 
 def _ranges(numbers: list[int]) -> str:
-    """2-5, 7."""
+    """Numbers as text, runs of consecutive ones as ``2-5``."""
     if not numbers:
         return "no"
     runs = [[numbers[0], numbers[0]]]
@@ -185,10 +183,42 @@ def _ranges(numbers: list[int]) -> str:
     return ", ".join(str(a) if a == b else f"{a}-{b}" for a, b in runs)
 
 
+def ablation_figure(steps: pd.DataFrame, effects: pd.DataFrame, path: Path) -> None:
+    """One row a number of groups: steps of each method over the number of robots, and what each change saves; bands are the intervals."""
+    from matplotlib.ticker import NullFormatter, ScalarFormatter
+
+    groups = sorted(set(steps["groups"]))
+    figure = _figure(11.0, 0.6 + 3.6 * len(groups))
+    axes = figure.subplots(len(groups), 2, squeeze=False, sharex=True)
+    for (left, right), count in zip(axes, groups, strict=True):
+        own = steps[steps["groups"] == count]
+        for method, colour in COLOURS.items():
+            line = own[own["method"] == method]
+            _band(left, line["robots"], line["steps"], line["steps_half"], color=colour, label=method)
+        floor = own.drop_duplicates("robots")
+        left.plot(floor["robots"], floor["least"], color="#222222", linewidth=0.9, linestyle=(0, (5, 3)), label="no rule can take fewer")
+        left.set_yscale("log")
+        left.set_yticks([100, 200, 400, 800])
+        left.yaxis.set_major_formatter(ScalarFormatter())
+        left.yaxis.set_minor_formatter(NullFormatter())
+        left.set_ylabel("steps until all bins are home", fontsize=9)
+        _plain(left, f"{count} groups: steps")
+        saved = effects[effects["groups"] == count]
+        for effect, (_, _, colour) in EFFECTS.items():
+            _band(right, saved["robots"], saved[effect], saved[f"{effect} half"], color=colour, label=effect)
+        right.axhline(0.0, color="#999999", linewidth=0.8)
+        right.set_ylabel("percent of the baseline's steps saved", fontsize=9)
+        _plain(right, f"{count} groups: what each change saves on the same day")
+    for ax in axes[-1]:
+        ax.set_xlabel("robots", fontsize=9)
+        ax.locator_params(axis="x", integer=True)
+    axes[0][0].legend(frameon=False, fontsize=8)
+    figure.legend(*axes[0][1].get_legend_handles_labels(), loc="outside lower right", ncols=len(EFFECTS), frameon=False, fontsize=8)
+    _save(figure, path)
+
+
 def study(folder: Path, size: Size) -> str:
     """Play everything, write it into ``folder``, and return the summary."""
-    from . import _orchard_figures as figures
-
     days, small = ablation(size), small_table(size)
     tables = {
         "steps": (f"Steps until all are home, bins by step {HORIZON}, waiting; means of {size.days} days", steps_table(days)),
@@ -203,7 +233,7 @@ def study(folder: Path, size: Size) -> str:
     text += "\n## Trends\n\n" + "".join(f"- {what}: {said}\n" for what, said in trends(days))
     atomic_write(folder / "days.csv", days.to_csv(index=False))
     atomic_write(folder / "small_days.csv", small.to_csv(index=False))
-    figures.ablation(tables["steps"][1], tables["effects"][1], folder / "orchard.png")
+    ablation_figure(tables["steps"][1], tables["effects"][1], folder / "orchard.png")
     atomic_write(folder / "summary.md", text)
     return text
 
@@ -211,7 +241,3 @@ def study(folder: Path, size: Size) -> str:
 def main(arguments: list[str] | None = None) -> int:
     """Play the study and print its summary."""
     return study_command("orchard_study", __doc__, lambda folder, short: study(folder, SHORT if short else Size()), arguments, "days")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Room exploration: a team goes through a building in rounds, and learns of which types its rooms are and where targets are."""
+"""Room exploration: a team goes through a building in rounds, and learns the types of its rooms and where targets are."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ import numpy as np
 
 from ....formulations.auctions.room_exploration import RoomExploration
 from ....formulations.problem import Problem
-from ....heuristics.auctions.exploration_steps.beliefs import TARGET, Rewards, Sensors, after_target, after_type, prior
-from ....heuristics.auctions.exploration_steps.explorers_and_relays import explorers_and_relays
+from ....heuristics.auctions._exploration import TARGET, Rewards, Sensors, after_target, after_type, explorers_and_relays, prior
 from ....instances.auctions.exploration_map import ExplorationMap
 from ....instances.auctions.generators.exploration_map import TIMES, expected_gains
 from ....instances.auctions.worlds.room_exploration import GO, MAP, TARGETS, ExplorationObservation, ExplorationWorld
@@ -22,7 +21,7 @@ from ..mission import MISSIONS, Actions, Decision, Mission, Scene
 WEIGHTS = ("explore", "map", "search")
 
 BESIDE = 0.22
-"""How far from the middle of a room a picture shows each robot, of a room's width."""
+"""Distance in pictures of each robot from the middle of its room, as a share of a room's width."""
 
 
 class RoomsExplored(Mission):
@@ -53,34 +52,32 @@ class RoomsExplored(Mission):
         weights = [self.values[key] for key in WEIGHTS]
         if abs(sum(weights) - 1.0) > 1e-9:
             raise UsageError(f"explore, map and search must sum to 1, not to {sum(weights):g}")
-        made = make_world(self.name, seed, **{key: self.values[key] for key in WORLDS[self.name].settings})
-        assert isinstance(made, ExplorationWorld)
-        self._sensors = Sensors(made.sensors[0], self.values["detection"], self.values["false-alarm"])
+        world = make_world(self.name, seed, **{key: self.values[key] for key in WORLDS[self.name].settings})
+        assert isinstance(world, ExplorationWorld)
+        self._sensors = Sensors(world.sensors[0], self.values["detection"], self.values["false-alarm"])
         types = len(TARGETS)
-        self._beliefs = [prior(np.full(types, 1.0 / types), TARGETS) for _ in range(made.building.num_rooms)]
+        self._beliefs = [prior(np.full(types, 1.0 / types), TARGETS) for _ in range(world.building.num_rooms)]
         self._heard = 0
         self._plan: Sequence[Sequence[tuple[int, int]]] | None = None
         self._teams: dict[int, tuple[int, ...]] = {}
-        return made
+        return world
 
     def problem(self, observation: ExplorationObservation) -> Problem | None:
-        """The plan of a round at its start; None within it."""
         o, steps = observation, self.values["round"]
         if o.time % steps:
             return None
         self._learn(o.readings)
         gains = zip(*(self._gains(belief, int(visits)) for belief, visits in zip(self._beliefs, o.visits, strict=True)), strict=True)
         exploring, mapping, searching = (np.array(rows) for rows in gains)
-        given = o.building
+        building = o.building
         return RoomExploration(
             ExplorationMap(
-                given.doors, exploring, mapping, searching, o.robots, given.base, given.heard, given.silence, steps,
-                positions=given.positions, name=f"rooms at step {o.time}",
+                building.doors, exploring, mapping, searching, o.robots, building.base, building.heard, building.silence, steps,
+                positions=building.positions, name=f"rooms at step {o.time}",
             )
         )  # fmt: skip
 
     def actions(self, observation: ExplorationObservation, problem: Problem | None, answer: Any) -> Actions:
-        """The next step of each robot's plan."""
         if problem is not None:
             self._plan = answer
         if self._plan is None:
@@ -88,7 +85,7 @@ class RoomsExplored(Mission):
         return {robot: deeds[observation.time % self.values["round"]] for robot, deeds in enumerate(self._plan)}
 
     def policies(self) -> Mapping[str, Callable[[Any], Actions]]:
-        """``alone`` and ``relays`` decide anew in each step, by what all read so far: see ``explorers_and_relays``."""
+        """``alone`` and ``relays`` decide anew in each step, by all readings so far: see ``explorers_and_relays``."""
         return {"alone": partial(self._by_rule, False), "relays": partial(self._by_rule, True)}
 
     def _by_rule(self, relays: bool, o: ExplorationObservation) -> Actions:
@@ -101,9 +98,9 @@ class RoomsExplored(Mission):
             read = rewards.map if action == MAP else rewards.search
             return 0.0 if others else read(self._beliefs[room], self._sensors)
 
-        given = o.building
+        building = o.building
         deeds, self._teams = explorers_and_relays(
-            given.adjacent, given.linked, given.base, o.robots.tolist(), o.silent.tolist(), given.silence, worth, self._teams,
+            building.adjacent, building.linked, building.base, o.robots.tolist(), o.silent.tolist(), building.silence, worth, self._teams,
             relays=relays,
         )  # fmt: skip
         return deeds
@@ -120,7 +117,7 @@ class RoomsExplored(Mission):
         }
 
     def scene(self, world: World) -> Scene:
-        """Rooms and doors; each robot on its own side of its room; whom they hear is not drawn."""
+        """Rooms and doors; each robot on its own side of its room; links of communication are not drawn."""
         assert isinstance(world, ExplorationWorld) and world.building.positions is not None
         places = np.asarray(world.building.positions, dtype=np.float64) * [1.0, -1.0]
         side = 2.0 * np.pi * (np.arange(len(world.robots)) / len(world.robots) + 0.125)
@@ -133,14 +130,14 @@ class RoomsExplored(Mission):
     # ------------------------------------------------------------------------------------------------------------------
 
     def _learn(self, readings: Sequence[Any]) -> None:
-        """Update the beliefs with what they do not hold yet."""
+        """Update the beliefs with the readings that they do not hold yet."""
         for _, room, action, value in readings[self._heard :]:
             old = self._beliefs[room]
             self._beliefs[room] = after_type(old, self._sensors, value) if action == MAP else after_target(old, self._sensors, value == 0)
         self._heard = len(readings)
 
     def _gains(self, belief: Any, visits: int) -> tuple[Any, Any, Any]:
-        """What the next visits and readings of a room gain."""
+        """Gains of the next visits and readings of a room."""
         explore, map_, search = (self.values[key] for key in WEIGHTS)
         return (
             explore * self.values["decay"] ** (visits + np.arange(TIMES)), map_ * expected_gains(belief.sum(axis=1), self._sensors.types),

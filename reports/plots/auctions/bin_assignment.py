@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.auctions.bin_assignment import BinAssignment
-from .. import PLOTS
-from ..drawing import ALARM, COLOURS, INK, QUIET, bare, entitled, new_axes
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
+from ..drawing import ALARM, COLOURS, INK, QUIET, bare, plot_of
 
 Floats = NDArray[np.float64]
 
 NAMED = 40
-"""Up to this many robots and bins are named."""
+"""Robots and bins together up to which each is named."""
 
 
 def places(problem: BinAssignment) -> tuple[Floats, Floats]:
-    """Where robots and bins are drawn: their positions, or two columns."""
+    """Positions of robots and bins: their own, or two columns."""
     data = problem.instance
     if data.robot_positions is not None and data.bin_positions is not None:
         return data.robot_positions, data.bin_positions
@@ -30,42 +26,26 @@ def places(problem: BinAssignment) -> tuple[Floats, Floats]:
     return np.column_stack([np.zeros(n), rows[0]]), np.column_stack([np.full(m, 0.6 * max(n, m)), rows[1]])
 
 
-def plot_bin_assignment(
-    problem: BinAssignment, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
-    """A map, or two columns where there are no positions: robots, bins, and a line from each robot to its bin, the thicker the dearer;
-    in red those of the largest cost, where that is what counts.
+@plot_of("bin-assignment")
+def plot_bin_assignment(ax: Any, problem: BinAssignment, answer: Any) -> str:
+    """A map, or two columns where there are no positions: robots, bins, and a line for each pair, the thicker the dearer.
 
-    Parameters
-    ----------
-    problem : BinAssignment
-    answer : tuple of int
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
+    Where the largest cost is the objective, the pairs of that cost are red.
     """
     from matplotlib.collections import LineCollection
 
-    ax = new_axes() if ax is None else ax
     robots, bins = places(problem)
     taken = np.array(answer)
     used = np.nonzero(taken >= 0)[0]
     costs = problem.costs_of(answer)[used]
     share = (costs - costs.min(initial=np.inf)) / max(float(np.ptp(costs)), 1e-300) if len(costs) else costs
     lines = list(np.stack([robots[used], bins[taken[used]]], axis=1))
-    told = ""
+    remark = ""
     colours = np.full(len(used), COLOURS[0], dtype=object)
     if problem.objective == "bottleneck" and len(used):
         dearest = costs >= costs.max() - 1e-9 * np.abs(costs).max()
         colours[dearest] = ALARM
-        told = ", the dearest in red"
+        remark = ", the dearest in red"
     ax.add_collection(LineCollection(lines, colors=colours.tolist(), linewidths=0.8 + 2.0 * share, alpha=0.8, zorder=2))
     free = np.setdiff1d(np.arange(problem.num_bins), taken[used])
     idle = np.nonzero(taken < 0)[0]
@@ -82,8 +62,5 @@ def plot_bin_assignment(
                 ax.annotate(name(k), at[k], textcoords="offset points", fontsize=8, color=INK, zorder=4, **text)
     ax.autoscale_view()
     bare(ax)
-    detail = f"{len(used)} pairs of {problem.num_robots} robots (circles) and {problem.num_bins} bins (squares){told}"
-    return entitled(ax, problem, answer, solution, title, detail)
-
-
-PLOTS.add("bin-assignment", plot_bin_assignment)
+    detail = f"{len(used)} pairs of {problem.num_robots} robots (circles) and {problem.num_bins} bins (squares){remark}"
+    return detail

@@ -1,46 +1,24 @@
-"""Pictures of generalised assignments: what the jobs of each agent take of its capacity."""
+"""Pictures of generalised assignments: how much of each agent's capacity its jobs take."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....formulations.auctions.generalised_assignment import AgentOfJob, GeneralisedAssignment
-from .. import PLOTS
-from ..drawing import ALARM, COLOURS, INK, chart_axes, entitled, new_axes
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
+from ..drawing import ALARM, COLOURS, INK, chart_axes, plot_of
 
 NAMED = 25
-"""Up to this many agents are named, and so are their jobs where there is room."""
+"""Agents up to which each is named, and so are their jobs where there is room."""
 
 LEAST = 0.04
-"""Of the largest capacity or load: parts that are lower have no room for a name."""
+"""Share of the largest capacity or load below which a part has no room for a name."""
 
 
-def plot_generalised_assignment(
-    problem: GeneralisedAssignment, answer: AgentOfJob, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
-    """A column for each agent, a part of it for each of its jobs, below a line at its capacity.
-
-    Parameters
-    ----------
-    problem : GeneralisedAssignment
-    answer : tuple of int
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
-    ax = new_axes() if ax is None else ax
+@plot_of("generalised-assignment")
+def plot_generalised_assignment(ax: Any, problem: GeneralisedAssignment, answer: AgentOfJob) -> str:
+    """A column for each agent, with a part for each of its jobs, below a line at its capacity."""
     data, agents = problem.instance, np.arange(problem.num_agents)
     loads = np.array(problem.loads(answer))
     top = max(float(loads.max(initial=0.0)), float(data.capacity.max(initial=0.0)))
@@ -64,7 +42,4 @@ def plot_generalised_assignment(
     ax.set_ylim(0.0, 1.05 * top if top > 0 else 1.0)
     chart_axes(ax)
     done = sum(agent >= 0 for agent in answer)
-    return entitled(ax, problem, answer, solution, title, f"{done} of {problem.num_jobs} jobs by agent, capacities in red")
-
-
-PLOTS.add("generalised-assignment", plot_generalised_assignment)
+    return f"{done} of {problem.num_jobs} jobs by agent, capacities in red"

@@ -2,43 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ....formulations.auctions.orchard_day import OrchardDay
-from .. import PLOTS
-from ..drawing import COLOURS, INK, entitled, legend_below, new_axes
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
+from ..drawing import COLOURS, INK, legend_below, plot_of
 
 PARTS = {"home with a bin": (0, 1.0), "out with a new bin": (1, 0.35), "out without one": (2, 0.35)}
 """Colour and opacity of what robots do; waiting for a bin is part of the way out."""
 
 NAMED = 60
-"""Up to so many bins are named."""
+"""Bins up to which each is named."""
 
 
-def plot_orchard_day(
-    problem: OrchardDay, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
-    """One row a robot, from left to right the way home of each bin that it fetches, dark, and before it the trip to there, pale.
-
-    Parameters
-    ----------
-    problem : OrchardDay
-    answer : tuple of trips, one a robot
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
-    ax = new_axes() if ax is None else ax
+@plot_of("orchard-day")
+def plot_orchard_day(ax: Any, problem: OrchardDay, answer: Any) -> str:
+    """A row for each robot: from left to right its trips, the way out pale and the way home with a bin dark."""
     jobs, home = problem.jobs, problem.timetable(answer)
 
     def bar(robot: int, begin: int, end: int, part: str) -> None:
@@ -62,9 +40,6 @@ def plot_orchard_day(
     ax.set_xlabel("step", fontsize=9, color=INK)
     ax.set_ylabel("robot", fontsize=9, color=INK)
     if drawn:
-        told = [part for part in PARTS if part in drawn]
-        legend_below(ax, [drawn[part] for part in told], told, len(told))
-    return entitled(ax, problem, answer, solution, title, "bins on their way home, and the trips to them")
-
-
-PLOTS.add("orchard-day", plot_orchard_day)
+        labels = [part for part in PARTS if part in drawn]
+        legend_below(ax, [drawn[part] for part in labels], labels, len(labels))
+    return "bins on their way home, and the trips to them"

@@ -1,24 +1,20 @@
-"""Pictures of explorations of rooms: a map of doors and links, and the way of each robot."""
+"""Pictures of explorations: a map of rooms, doors and links, and the way of each robot."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.auctions.room_exploration import RoomExploration
-from .. import PLOTS
-from ..drawing import COLOURS, INK, QUIET, bare, entitled, legend_below, new_axes
+from ..drawing import COLOURS, INK, QUIET, bare, legend_below, plot_of
 from ..positions import scaled_positions
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
 
 Floats = NDArray[np.float64]
 
 NAMED = 60
-"""Up to so many rooms are named."""
+"""Rooms up to which each is named."""
 
 MAP, SEARCH = 1, 2
 """Actions of a step beside going; see ``RoomExploration``."""
@@ -29,69 +25,52 @@ RADIUS = 11.0
 """Points from the middle of a room, and the lanes beside it, to its name."""
 
 LINE = 11.0
-"""Points of a line of a label."""
+"""Height of a line of a label in points."""
 
 NEAR = 1.25
-"""Mean lengths of a door within which a room is beside another."""
+"""Mean lengths of a door within which one room counts as beside another."""
 
 RUNS = 6
-"""Stays of a robot in a room that are told."""
+"""Stays of a robot in a room that are written out."""
 
 APART = 0.09
-"""By how much ways of different robots run beside each other, in parts of the mean length of a door."""
+"""Distance between ways of different robots beside each other, as a share of the mean length of a door."""
 
 
 def places(problem: RoomExploration) -> Floats:
-    """Where rooms are drawn: their positions, or such that rooms are as far apart as steps lead from one to the other."""
-    given = problem.instance
-    if given.positions is not None:
-        return given.positions
+    """Positions of rooms: their own, or such that distances come close to the numbers of steps between rooms."""
+    instance = problem.instance
+    if instance.positions is not None:
+        return instance.positions
     from scipy.sparse.csgraph import shortest_path
 
-    steps = np.asarray(shortest_path(given.adjacent.astype(float), unweighted=True))
-    return scaled_positions(np.where(np.isfinite(steps), steps, given.num_rooms))
+    steps = np.asarray(shortest_path(instance.adjacent.astype(float), unweighted=True))
+    return scaled_positions(np.where(np.isfinite(steps), steps, instance.num_rooms))
 
 
-def plot_room_exploration(
-    problem: RoomExploration, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
-    """Rooms and doors, dotted where rooms hear each other; a line a robot along its way from room to room, with squares where it maps and
-    crosses where it searches. Beside each room stand its name and, in the colour of each robot that enters it, after which steps it is
-    there.
+@plot_of("room-exploration")
+def plot_room_exploration(ax: Any, problem: RoomExploration, answer: Any) -> str:
+    """Rooms and doors, dotted lines where rooms hear each other, and a line for each robot's way.
 
-    Parameters
-    ----------
-    problem : RoomExploration
-    answer : tuple of tuples of (int, int)
-        Room and action of each step of each robot.
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
+    Squares mark where a robot maps, crosses where it searches. Beside each room stand its name and, in the colour of each robot that enters
+    it, the steps after which the robot is there.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.lines import Line2D
 
-    ax = new_axes() if ax is None else ax
-    given, at = problem.instance, places(problem)
-    length = float(np.hypot(*(at[given.doors[:, 0]] - at[given.doors[:, 1]]).T).mean()) if len(given.doors) else 1.0
-    ax.add_collection(LineCollection(at[given.doors], colors=QUIET, linewidths=5.0, alpha=0.6, zorder=1))  # type: ignore[arg-type]
-    ax.add_collection(LineCollection(at[given.heard], colors=HEARD, linewidths=1.2, linestyles=":", zorder=1))  # type: ignore[arg-type]
-    entered = np.zeros(given.num_rooms, dtype=bool)
-    entered[given.starts] = True
+    instance, at = problem.instance, places(problem)
+    length = float(np.hypot(*(at[instance.doors[:, 0]] - at[instance.doors[:, 1]]).T).mean()) if len(instance.doors) else 1.0
+    ax.add_collection(LineCollection(at[instance.doors], colors=QUIET, linewidths=5.0, alpha=0.6, zorder=1))  # type: ignore[arg-type]
+    ax.add_collection(LineCollection(at[instance.heard], colors=HEARD, linewidths=1.2, linestyles=":", zorder=1))  # type: ignore[arg-type]
+    entered = np.zeros(instance.num_rooms, dtype=bool)
+    entered[instance.starts] = True
     handles: list[Any] = []
     lines = 0
     for robot, deeds in enumerate(answer):
         colour = COLOURS[robot % len(COLOURS)]
-        turn = 2.0 * np.pi * (robot / given.num_robots + 0.125)
-        shift = APART * length * np.array([np.cos(turn), np.sin(turn)]) * (given.num_robots > 1)
-        rooms = [int(given.starts[robot]), *(room for room, _ in deeds)]
+        turn = 2.0 * np.pi * (robot / instance.num_robots + 0.125)
+        shift = APART * length * np.array([np.cos(turn), np.sin(turn)]) * (instance.num_robots > 1)
+        rooms = [int(instance.starts[robot]), *(room for room, _ in deeds)]
         entered[rooms] = True
         ax.plot(*(at[rooms] + shift).T, color=colour, linewidth=1.6, zorder=3, solid_joinstyle="round")
         ax.scatter(*(at[rooms[:1]] + shift).T, s=42, marker="o", color=colour, edgecolors="white", linewidths=0.8, zorder=5)
@@ -104,14 +83,14 @@ def plot_room_exploration(
         handles.append(Line2D([], [], color=colour, linewidth=1.6, label=f"robot {robot + 1}"))
     for some, face in ((entered, "#DCE6F2"), (~entered, "white")):
         ax.scatter(*at[some].T, s=420, marker="o", color=face, edgecolors="#999999", linewidths=0.8, zorder=2)
-    ax.scatter(*at[given.base], s=620, marker="o", facecolors="none", edgecolors=INK, linewidths=1.6, zorder=2)
-    if given.num_rooms <= NAMED:
+    ax.scatter(*at[instance.base], s=620, marker="o", facecolors="none", edgecolors=INK, linewidths=1.6, zorder=2)
+    if instance.num_rooms <= NAMED:
         lines = _name_rooms(ax, problem, answer, at, length)
     bare(ax)
     ax.margins(_margin(ax, lines))
     marks = [("starts here", "o"), ("maps", "s"), ("searches", "X")]
     handles += [Line2D([], [], color="#555555", linestyle="", marker=marker, label=name) for name, marker in marks]
-    if given.num_rooms <= NAMED:
+    if instance.num_rooms <= NAMED:
         handles.append(Line2D([], [], color="#555555", linestyle="", marker="$1,3$", markersize=14, label="there after these steps"))
     handles += [
         Line2D([], [], color="#555555", linestyle="", marker="o", markerfacecolor="white", markeredgewidth=1.6, label="ends here"),
@@ -121,35 +100,34 @@ def plot_room_exploration(
     ]
     legend_below(ax, handles, [handle.get_label() for handle in handles], min(5, len(handles)), lines=1.0)
     seen = int(entered.sum())
-    detail = f"{seen} of {given.num_rooms} rooms entered by {given.num_robots} robots in {given.steps} steps"
-    return entitled(ax, problem, answer, solution, title, detail)
+    detail = f"{seen} of {instance.num_rooms} rooms entered by {instance.num_robots} robots in {instance.steps} steps"
+    return detail
 
 
 def _name_rooms(ax: Any, problem: RoomExploration, answer: Any, at: Floats, length: float) -> int:
-    """The name of each room and the steps after which robots are there, on the side that is farthest from its doors and their lanes; tells
-    how many lines the longest has."""
+    """Write the name of each room, and when robots are there, on the side far from its doors; returns the lines of the longest label."""
     from matplotlib.offsetbox import AnnotationBbox, TextArea, VPacker
 
-    given, apart = problem.instance, APART * length * (problem.instance.num_robots > 1)
-    visits: list[list[tuple[str, str]]] = [[] for _ in range(given.num_rooms)]
+    instance, apart = problem.instance, APART * length * (problem.instance.num_robots > 1)
+    visits: list[list[tuple[str, str]]] = [[] for _ in range(instance.num_rooms)]
     for robot, deeds in enumerate(answer):
         steps: dict[int, list[int]] = {}
-        for step, room in enumerate([int(given.starts[robot]), *(room for room, _ in deeds)]):
+        for step, room in enumerate([int(instance.starts[robot]), *(room for room, _ in deeds)]):
             steps.setdefault(room, []).append(step)
         for room, own in steps.items():
             visits[room].append((_runs(own), COLOURS[robot % len(COLOURS)]))
-    links = np.concatenate([given.doors, given.heard]) if len(given.heard) else given.doors
-    for room in range(given.num_rooms):
+    links = np.concatenate([instance.doors, instance.heard]) if len(instance.heard) else instance.doors
+    for room in range(instance.num_rooms):
         near = np.hypot(*(at - at[room]).T) <= NEAR * length  # whose labels may come from the other side
         near[links[(links == room).any(axis=1)].ravel()] = True
         near[room] = False
         middle, half = _free_side(at[near] - at[room])
         towards = np.array([np.cos(middle), np.sin(middle)])
         x, y = (0.5 if abs(part) < 0.3 else float(part < 0) for part in towards)  # where the text is tied
-        reach = RADIUS + 3.0 * (room == given.base)
+        reach = RADIUS + 3.0 * (room == instance.base)
         texts = [
             TextArea(text, textprops={"fontsize": size, "color": colour})
-            for text, colour, size in [(given.room_name(room), INK, 8.0), *((*visit, 7.5) for visit in visits[room])]
+            for text, colour, size in [(instance.room_name(room), INK, 8.0), *((*visit, 7.5) for visit in visits[room])]
         ]
         ax.add_artist(AnnotationBbox(
             VPacker(children=list(texts), align=("left", "center", "right")[round(2 * x)], pad=0, sep=1),
@@ -160,7 +138,7 @@ def _name_rooms(ax: Any, problem: RoomExploration, answer: Any, at: Floats, leng
 
 
 def _margin(ax: Any, lines: int) -> float:
-    """Of the map, in parts of it: labels of so many lines beside its outermost rooms are not part of the data."""
+    """Margin of the map, as a share of it, that leaves room for labels of so many lines."""
     height = 0.65 * ax.get_window_extent().height * 72.0 / ax.figure.dpi  # titles and legends take the rest
     part = min((3.0 * RADIUS + LINE * lines) / height, 0.3)
     return max(0.1, float(part / (1.0 - 2.0 * part)))
@@ -180,15 +158,12 @@ def _free_side(others: Floats) -> tuple[float, float]:
 
 
 def _runs(steps: list[int]) -> str:
-    """Numbers as text, those in a row as ``2-4``."""
+    """Numbers as text, runs of consecutive ones as ``2-4``."""
     runs: list[list[int]] = []
     for step in steps:
         if runs and step == runs[-1][1] + 1:
             runs[-1][1] = step
         else:
             runs.append([step, step])
-    told = [str(first) if first == last else f"{first}-{last}" for first, last in runs[:RUNS]]
-    return ", ".join([*told, *["..."] * (len(runs) > RUNS)])
-
-
-PLOTS.add("room-exploration", plot_room_exploration)
+    texts = [str(first) if first == last else f"{first}-{last}" for first, last in runs[:RUNS]]
+    return ", ".join([*texts, *["..."] * (len(runs) > RUNS)])

@@ -1,75 +1,48 @@
-"""Pictures of tasks among robots: paths and parts on a map, or, where places are not known, lengths and costs as bars."""
+"""Pictures of tasks of robots: paths and parts on a map, or as bars where places are not known."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.auctions.balanced_partition import BalancedPartition
 from ....formulations.auctions.task_allocation import TaskAllocation
-from .. import PLOTS
-from ..drawing import COLOURS, INK, bare, bars, entitled, new_axes
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
+from ..drawing import COLOURS, INK, bare, bars, plot_of
 
 NAMED = 40
-"""Up to so many tasks are named."""
+"""Tasks up to which each is named."""
 
 
-def plot_task_allocation(
-    problem: TaskAllocation, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
-    """The path of each robot from its start; where there are no places, the length of each path.
-
-    Parameters
-    ----------
-    problem : TaskAllocation
-    answer : tuple of tuples of int
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
-    ax = new_axes() if ax is None else ax
+@plot_of("task-allocation")
+def plot_task_allocation(ax: Any, problem: TaskAllocation, answer: Any) -> str:
+    """The path of each robot from its start; where there are no places, the length of each path."""
     instance = problem.instance
     if instance.positions is None:
         lengths = np.array([float(problem.legs(robot, path).sum()) for robot, path in enumerate(answer)])
         bars(ax, lengths, [instance.robot_name(r) for r in range(instance.num_robots)], "robot")
-        return entitled(ax, problem, answer, solution, title, "length of each path")
+        return "length of each path"
     for robot, path in enumerate(answer):
         stops = instance.positions[[robot, *(task + instance.num_robots for task in path)]]
         ax.plot(*stops.T, color=COLOURS[robot % len(COLOURS)], linewidth=1.6, zorder=2)
     _places(ax, problem, answer)
-    return entitled(ax, problem, answer, solution, title, "squares are the robots, whose paths lead from task to task")
+    return "squares are the robots, whose paths lead from task to task"
 
 
-def plot_balanced_partition(
-    problem: BalancedPartition, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
-) -> Any:
-    """The tasks in the colours of their parts, with the edges that count; where there are no places, the cost of each part.
-
-    Parameters as of ``plot_task_allocation``.
-    """
-    ax = new_axes() if ax is None else ax
+@plot_of("balanced-partition")
+def plot_balanced_partition(ax: Any, problem: BalancedPartition, answer: Any) -> str:
+    """The tasks in the colours of their parts, with the edges that count; where there are no places, the cost of each part."""
     instance = problem.instance
     if instance.positions is None:
         bars(ax, np.array(problem.costs(answer)), [instance.robot_name(r) for r in range(instance.num_robots)], "part")
-        return entitled(ax, problem, answer, solution, title, "cost of each part")
+        return "cost of each part"
     for robot, part in enumerate(answer):
         for a, b in _edges(problem, list(part)):
             ends = instance.positions[[a + instance.num_robots, b + instance.num_robots]]
             ax.plot(*ends.T, color=COLOURS[robot % len(COLOURS)], linewidth=1.0, alpha=0.7, zorder=2)
     _places(ax, problem, answer)
-    return entitled(ax, problem, answer, solution, title, "squares are the robots, lines the distances that count")
+    return "squares are the robots, lines the distances that count"
 
 
 def _edges(problem: BalancedPartition, part: list[int]) -> list[tuple[int, int]]:
@@ -79,12 +52,12 @@ def _edges(problem: BalancedPartition, part: list[int]) -> list[tuple[int, int]]
     if problem.edges == "clique":
         return [(a, b) for k, a in enumerate(part) for b in part[:k]]
     between: NDArray[np.float64] = problem.instance.between[np.ix_(part, part)]
-    near, joined, left = between[0].copy(), np.zeros(len(part), dtype=np.int64), np.arange(len(part)) > 0
+    near, joined, waiting = between[0].copy(), np.zeros(len(part), dtype=np.int64), np.arange(len(part)) > 0
     edges = []
     for _ in range(len(part) - 1):
-        node = int(np.where(left, near, np.inf).argmin())
+        node = int(np.where(waiting, near, np.inf).argmin())
         edges.append((part[int(joined[node])], part[node]))
-        left[node] = False
+        waiting[node] = False
         joined, near = np.where(between[node] < near, node, joined), np.minimum(near, between[node])
     return edges
 
@@ -101,7 +74,3 @@ def _places(ax: Any, problem: TaskAllocation | BalancedPartition, answer: Any) -
         for task, place in enumerate(places):
             ax.annotate(instance.task_name(task), place, xytext=(4, 4), textcoords="offset points", fontsize=8, color=INK, zorder=5)
     bare(ax)
-
-
-PLOTS.add("task-allocation", plot_task_allocation)
-PLOTS.add("balanced-partition", plot_balanced_partition)

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ...engines.auctions.assignment_steps.auction import auction
-from ...engines.auctions.assignment_steps.thresholds import least_threshold
+from ...engines.auctions.threshold_matching import least_threshold
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
+from .data_bounds import only
 
 if TYPE_CHECKING:
     from ....formulations.auctions.bin_assignment import BinAssignment
-
-
-def missing(problem: Any) -> frozenset[str]:
-    """Nothing for bin assignments."""
-    return frozenset() if problem.family == "bin-assignment" else frozenset({f"{problem.family} problems"})
 
 
 def compute(problem: BinAssignment, stop: Stop, linear: LinearPrograms) -> Evidence | None:
@@ -26,8 +22,8 @@ def compute(problem: BinAssignment, stop: Stop, linear: LinearPrograms) -> Evide
         return next((reason.evidence for reason in problem.infeasibility_reasons()), None)
     if problem.objective == "bottleneck":
         return least_threshold(problem, stop).evidence
-    made = auction(problem, stop)
-    return made.evidence(problem, "auction prices") if made.complete else None
+    ended = auction(problem, stop)
+    return ended.evidence(problem, "auction prices") if ended.complete else None
 
 
 KERNELS = (
@@ -36,4 +32,4 @@ KERNELS = (
 )
 
 
-BOUNDS.add("assignment-prices", BoundMethod("assignment-prices", missing, compute, order=1, kernels=KERNELS))
+BOUNDS.add("assignment-prices", BoundMethod("assignment-prices", only("bin-assignment"), compute, order=1, kernels=KERNELS))

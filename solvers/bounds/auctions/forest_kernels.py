@@ -14,14 +14,7 @@ from ....formulations.stop_kernel import asked
 def rooted_forest(flag, starts, edges, task_price, robot_price):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Weight of the smallest forest that joins each task to a robot under prices, and how many edges each task and each robot has in it.
 
-    Parameters
-    ----------
-    flag : array
-        Of a ``Stop``; the weight is NaN where it was set.
-    starts : array of shape (robots, tasks)
-    edges : array of shape (tasks, tasks)
-        Symmetric.
-    task_price, robot_price : arrays of shape (tasks,) and (robots,)
+    ``edges`` is symmetric; the weight is NaN where the flag of a ``Stop`` was set.
     """
     robots, n = starts.shape
     near = np.full(n, math.inf)

@@ -1,4 +1,4 @@
-"""Bound ``job-prices``: Lagrangean relaxation of generalised assignments, with duals of the linear program to begin with."""
+"""Bound ``job-prices``: Lagrangean relaxation of generalised assignments, from the duals of the linear program on."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
-from ....formulations.problem import Problem
 from ....formulations.stop import Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 from ..linear_relaxation import linear_relaxation_bound
+from .data_bounds import only
 
 if TYPE_CHECKING:
     from ....formulations.auctions.generalised_assignment import GeneralisedAssignment
@@ -25,19 +25,14 @@ Longs = NDArray[np.int64]
 SOURCE = "Lagrangean relaxation, a knapsack an agent"
 
 ROUNDS, HALVED_AFTER = 150, 10
-"""Of the subgradient method, and after how many without a better bound its steps are halved."""
+"""Rounds of the subgradient method, and after how many without a better bound its steps are halved."""
 
 MOST_STEPS = 2e7
-"""Jobs x capacities, in steps, beyond which a round takes too long: a tenth of a second."""
-
-
-def missing(problem: Problem) -> frozenset[str]:
-    """Nothing for generalised assignments."""
-    return frozenset() if problem.family == "generalised-assignment" else frozenset({f"{problem.family} problems"})
+"""Jobs times capacities, in steps, beyond which a round takes too long: a tenth of a second."""
 
 
 def compute(problem: GeneralisedAssignment, stop: Stop, linear: LinearPrograms, target: float | None = None) -> Evidence | None:
-    """Prices of the linear relaxation, and where consumption comes in few steps better ones, by subgradients (Fisher 1981)."""
+    """Prices of the linear relaxation, made better by subgradients where consumption comes in few steps (Fisher 1981)."""
     reason = next(problem.infeasibility_reasons(), None)
     if reason is not None:
         return reason.evidence
@@ -48,11 +43,11 @@ def compute(problem: GeneralisedAssignment, stop: Stop, linear: LinearPrograms, 
     own = start is not None and start.kind == "job-prices"
     first = np.array(start.data["prices"]) if start is not None and own else _cheapest(problem)
     prices = _ascended(problem, *steps, first, stop, target)
-    made = Evidence("job-prices", SOURCE, 0.0, {"prices": prices.tolist()})
+    better = Evidence("job-prices", SOURCE, 0.0, {"prices": prices.tolist()})
     if start is None:
-        return made
+        return better
     sign = 1.0 if problem.objective == "cost" else -1.0
-    return max(made, start, key=lambda one: sign * verified_bound(problem, one))
+    return max(better, start, key=lambda one: sign * verified_bound(problem, one))
 
 
 def _cheapest(problem: GeneralisedAssignment) -> Floats:
@@ -63,17 +58,19 @@ def _cheapest(problem: GeneralisedAssignment) -> Floats:
 
 
 def _in_steps(problem: GeneralisedAssignment) -> tuple[Longs, Longs] | None:
-    """Consumption of shape (agents, jobs), and capacities of shape (agents,), in steps of an agent: the largest power of two of which all
-    that fits is a multiple, and none where all of it fits together; None for too many."""
-    given = problem.instance
-    used = np.where(problem.fitting, given.consumption, 0.0)
+    """Consumption (agents, jobs) and capacities (agents,) in whole steps of each agent; None for too many steps.
+
+    A step is the largest power of two that divides all consumption that fits; agents whose jobs all fit together count none.
+    """
+    instance = problem.instance
+    used = np.where(problem.fitting, instance.consumption, 0.0)
     mantissa, exponent = np.frexp(used)
     digits = np.ldexp(mantissa, 53).astype(np.int64)
     lowest = exponent - 53 + np.log2(np.maximum(digits & -digits, 1)).astype(np.int64)
     unit = np.where(used > 0.0, lowest, 2000).min(axis=1, initial=2000)
     with np.errstate(over="ignore", under="ignore"):
         counts = np.ldexp(used, -unit[:, None])
-        most = np.floor(np.ldexp(given.capacity, -unit))
+        most = np.floor(np.ldexp(instance.capacity, -unit))
     ample = counts.sum(axis=1) <= most  # nothing is to be chosen
     counts[ample], most[ample] = 0.0, 0.0
     small = problem.num_jobs * math.fsum(most) <= MOST_STEPS
@@ -81,7 +78,7 @@ def _in_steps(problem: GeneralisedAssignment) -> tuple[Longs, Longs] | None:
 
 
 def _ascended(problem: GeneralisedAssignment, used: Longs, capacity: Longs, prices: Floats, stop: Stop, target: float | None) -> Floats:
-    """The best prices that were met: a job that several agents would do gets a smaller gain for them, one that none would, a larger."""
+    """The best prices met: a job that several agents would do gets a smaller gain for them, one that none would do a larger one."""
     instance, costs = problem.instance, problem.objective == "cost"
     sign = 1.0 if costs else -1.0
     fits = problem.fitting
@@ -119,7 +116,7 @@ def _ascended(problem: GeneralisedAssignment, used: Longs, capacity: Longs, pric
 
 
 def _filled(gain: Floats, used: Longs, most: int) -> tuple[float, Longs]:
-    """The most gain of jobs that fit together (Bellman 1957), and which they are."""
+    """The most gain of jobs that fit together, and which jobs these are (Bellman 1957)."""
     if int(used.sum()) <= most:
         return float(gain.sum()), np.arange(len(gain))
     best = np.zeros(most + 1)
@@ -128,18 +125,18 @@ def _filled(gain: Floats, used: Longs, most: int) -> tuple[float, Longs]:
         with_it = best[: most + 1 - part] + each
         taken[k, part:] = with_it > best[part:]
         best[part:] = np.maximum(best[part:], with_it)
-    chosen, left = [], most
+    chosen, room = [], most
     for k in range(len(gain) - 1, -1, -1):
-        if taken[k, left]:
+        if taken[k, room]:
             chosen.append(k)
-            left -= int(used[k])
+            room -= int(used[k])
     return float(best[most]), np.array(chosen, dtype=np.int64)
 
 
 BOUNDS.add(
     "job-prices",
     BoundMethod(
-        "job-prices", missing, compute, order=1, aims=True,
+        "job-prices", only("generalised-assignment"), compute, order=1, aims=True,
         replaces=lambda problem: frozenset({"linear-relaxation"} if problem.family == "generalised-assignment" else ()),
     ),
 )  # fmt: skip

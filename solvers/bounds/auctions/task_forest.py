@@ -11,6 +11,7 @@ from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
+from .data_bounds import only
 
 if TYPE_CHECKING:
     from ....formulations.auctions.task_allocation import TaskAllocation
@@ -18,24 +19,23 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 STEPS = 1500
-"""Forests that are looked at: more gain nothing that can be seen."""
+"""Forests that are looked at: more bring no visible gain."""
 
 PATIENCE = 25
-"""Steps without a rise after which they are made shorter."""
+"""Steps without a rise after which they become shorter."""
 
 SHORTEST = 1e-4
-"""Part of the value that a step aims at, at the least."""
+"""The least part of the value that a step aims at."""
 
 
 def missing(problem: Any) -> frozenset[str]:
-    """The mean way, of which a forest says little."""
-    if problem.family != "task-allocation":
-        return frozenset({f"{problem.family} problems"})
-    return frozenset() if problem.objective != "mini-ave" else frozenset({"objective:mini-ave"})
+    """The mean way, about which a forest says little, and other families."""
+    lacking = only("task-allocation")(problem)
+    return lacking or (frozenset({"objective:mini-ave"}) if problem.objective == "mini-ave" else frozenset())
 
 
 def compute(problem: TaskAllocation, stop: Stop, linear: LinearPrograms) -> Evidence | None:
-    """Evidence from the best prices that an ascent finds; those of no ascent where ``stop`` comes first."""
+    """The best prices that an ascent finds; no prices where ``stop`` comes first."""
     from .forest_kernels import rooted_forest
 
     instance = problem.instance

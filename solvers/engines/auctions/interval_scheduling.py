@@ -13,15 +13,15 @@ from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...backends.cpsat import ASK_AGAIN, STATUS_MAP
 
 MOST_BINS = 200
-"""Each pair of a bin to bring and one to fetch is a variable."""
+"""Bins of a day: each pair of a bin to bring and one to fetch is a variable."""
 
 
 @BACKENDS.register("interval-scheduling")
 class IntervalScheduling(Engine):
-    """OR-Tools CP-SAT with one interval a trip, a cumulative row of robots, and the choice which bin is brought on which trip.
+    """OR-Tools CP-SAT with an interval for each trip, a cumulative row of robots, and the choice which bin is brought on which trip.
 
-    A trip begins and ends at the repository, so that any set of intervals of which no more overlap than there are robots can be shared out;
-    robots that begin elsewhere have their first interval from step 0 on. All numbers are whole, as in the data.
+    A trip begins and ends at the repository, so that any intervals of which no more overlap than there are robots can be shared out; robots
+    that begin elsewhere have their first interval from step 0 on. All numbers are whole, as in the data.
     """
 
     name = "interval-scheduling"
@@ -53,7 +53,7 @@ class IntervalScheduling(Engine):
         known = problem.answer_at_hand()
         value = problem.value(problem.timetable(known))
         control.publish(known, value)
-        made = _Intervals(problem)
+        intervals = _Intervals(problem)
         solver, over = cp_model.CpSolver(), threading.Event()
         p = solver.parameters
         p.max_time_in_seconds, p.num_workers = max(0.0, float(options.time_limit)), int(options.threads)
@@ -64,7 +64,7 @@ class IntervalScheduling(Engine):
 
         class Hear(cp_model.CpSolverSolutionCallback):  # type: ignore[misc]
             def on_solution_callback(self) -> None:
-                control.publish(made.trips(self.value), float(self.objective_value))
+                control.publish(intervals.trips(self.value), float(self.objective_value))
 
         def stop() -> None:
             while not over.is_set():
@@ -75,14 +75,14 @@ class IntervalScheduling(Engine):
         control.on_stop(lambda: threading.Thread(target=stop, daemon=True).start())
         began = time.perf_counter()
         try:
-            status = STATUS_MAP[solver.status_name(solver.solve(made.model, Hear()))]
+            status = STATUS_MAP[solver.status_name(solver.solve(intervals.model, Hear()))]
         finally:
             over.set()
         limit = "none"
         if status in ("unknown", "feasible"):
             late = time.perf_counter() - began >= 0.98 * options.time_limit
             limit = "interrupt" if control.stopped else "time" if late else "iterations" if options.iterations is not None else "gap"
-        found = status in ("optimal", "feasible")
+        answered = status in ("optimal", "feasible")
         if status == "optimal" and options.gap > 0.0 and solver.best_objective_bound < solver.objective_value:
             status, limit = "feasible", "gap"
         if status == "unknown":
@@ -90,8 +90,8 @@ class IntervalScheduling(Engine):
                 "feasible", limit, known, value, message="CP-SAT found no answer in time: bins are fetched as they are numbered"
             )
         return RawResult(
-            status, limit, made.trips(solver.value) if found else None, float(solver.objective_value) if found else None,
-            float(solver.best_objective_bound) if found else None,
+            status, limit, intervals.trips(solver.value) if answered else None, float(solver.objective_value) if answered else None,
+            float(solver.best_objective_bound) if answered else None,
             statistics={"conflicts": int(solver.num_conflicts), **({} if options.start is None else {"start": "ignored"})},
         )  # fmt: skip
 
@@ -139,7 +139,7 @@ class _Intervals:
             self.model.add(self.pick[k] >= self.full[k])
 
     def _travel(self) -> None:
-        """What a trip does, one after the other."""
+        """The legs of a trip, one after the other."""
         jobs, model, times = self.jobs, self.model, self.jobs.grid.empty_times
         for b in range(jobs.num_bins):
             with_b = [self.with_[a, b] for a in self.brought]

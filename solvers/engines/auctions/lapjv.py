@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 from ....formulations.problem import Problem
 from ....formulations.stop import Stop
 from ....formulations.tolerance import same
-from ....instances.errors import UnsupportedError
-from ...backend import BACKENDS, Control, Engine, Options, RawResult
+from ...backend import BACKENDS, Control, Options, RawResult
+from ._bin_engine import BinEngine
 
 if TYPE_CHECKING:
     from ....formulations.auctions.bin_assignment import BinAssignment
     from .assignment_steps.sides import Side
 
 MOST_FILLED = 4_000_000
-"""Entries of a sparse matrix that are filled in with infinity, for the dense method is the faster one."""
+"""Entries of a sparse matrix up to which it is filled with infinity, as the dense method is faster."""
 
 
 @BACKENDS.register("lapjv")
-class LapjvEngine(Engine):
+class LapjvEngine(BinEngine):
     """Shortest augmenting paths (Jonker and Volgenant 1987; Crouse 2016): ``scipy.optimize.linear_sum_assignment``.
 
     Large sparse data go to ``scipy.sparse.csgraph.min_weight_full_bipartite_matching``. Neither returns prices: they are found from the
@@ -35,10 +35,7 @@ class LapjvEngine(Engine):
     modules = ("scipy",)
     summary = "optimal assignments by shortest augmenting paths, with prices that prove it"
     interrupts = "scipy cannot be stopped: an assignment that is not found in time is left behind"
-    honours = frozenset()
-    one_thread = bounds_itself = True
     order = 10
-    family = "bin-assignment"
     features = frozenset({"objective:sum"})
 
     def apart(self, problem: Problem) -> bool:
@@ -48,26 +45,16 @@ class LapjvEngine(Engine):
         asked = cast("BinAssignment", problem)
         return not asked.complete and asked.num_robots * asked.num_bins > MOST_FILLED
 
-    def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
+    def assign(self, problem: BinAssignment, stop: Stop, options: Options, control: Control) -> RawResult:
         from .assignment_steps.recovered_prices import recovered_prices
         from .assignment_steps.sides import joined, sides
 
-        lacking = self.missing(problem)
-        if lacking:
-            raise UnsupportedError(self.name, lacking)
-        asked = cast("BinAssignment", problem)
-        reason = next(asked.infeasibility_reasons(), None)
-        if reason is not None and reason.evidence is not None:
-            return RawResult("infeasible", message=reason.message, evidence=(reason.evidence,))
-        stop = Stop(options.time_limit)
-        control.on_stop(stop.ask)
-        parts = sides(asked)
-        answer = joined(asked, parts, [_columns(part) for part in parts])
-        judged = asked.evaluate(answer)
+        parts = sides(problem)
+        answer = joined(problem, parts, [_columns(part) for part in parts])
+        judged = problem.evaluate(answer)
         value = judged.values[0]
         control.publish(answer, value)
-        evidence = recovered_prices(asked, answer, "prices of the assignment, by shortest paths", stop)
+        evidence = recovered_prices(problem, answer, "prices of the assignment, by shortest paths", stop)
         if same(value, evidence.value, judged.size):
             return RawResult("optimal", answer=answer, objective=value, bound=value, evidence=(evidence,))
         why = "" if stop.reached() else "the assignment was found in rounded sums, and its prices do not prove it optimal"
@@ -90,6 +77,6 @@ def _columns(part: Side) -> NDArray[np.int64]:
         low, high = float(part.cost.min()), float(part.cost.max())
         weight = part.cost if low > 0 else part.cost - low + max(high - low, 1.0)  # a stored 0 would be no pair
         rows, columns = min_weight_full_bipartite_matching(csr_matrix((weight, part.columns, part.indptr), shape=(n, m)))
-    made = np.full(n, -1, dtype=np.int64)
-    made[rows] = columns
-    return made
+    column = np.full(n, -1, dtype=np.int64)
+    column[rows] = columns
+    return column

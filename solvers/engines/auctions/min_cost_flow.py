@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....formulations.problem import Problem
 from ....formulations.programs.exactness import Exactness, Link
 from ....formulations.stop import Stop
-from ....instances.errors import UnsupportedError
-from ...backend import BACKENDS, Control, Engine, Options, RawResult
+from ...backend import BACKENDS, Control, Options, RawResult
+from ._bin_engine import BinEngine
 
 if TYPE_CHECKING:
     from ....formulations.auctions.bin_assignment import BinAssignment
 
 BITS = 38
-"""Of the range of the costs in whole numbers: the solver multiplies them by the number of nodes."""
+"""Bits of the range of costs in whole numbers: the solver multiplies them by the number of nodes."""
 
 
 @BACKENDS.register("min-cost-flow")
-class MinCostFlowEngine(Engine):
+class MinCostFlowEngine(BinEngine):
     """One unit from the source over each robot and bin that are paired, by cost scaling (Goldberg and Tarjan 1990).
 
-    It counts in whole numbers: whole costs as they are, others in as fine steps as it can take, which it says. It holds Python's lock,
+    It counts in whole numbers: whole costs as they are, others in the finest steps that it can take, and says so. It holds Python's lock,
     so it runs in a process of its own.
     """
 
@@ -33,33 +32,20 @@ class MinCostFlowEngine(Engine):
     summary = "optimal assignments as flows of least cost in whole numbers (OR-Tools), with prices that prove it"
     interrupts = "runs in a process of its own, which is ended"
     needs_process = True
-    honours = frozenset()
-    one_thread = bounds_itself = True
     order = 30
-    family = "bin-assignment"
     features = frozenset({"objective:sum"})
 
-    def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
+    def assign(self, problem: BinAssignment, stop: Stop, options: Options, control: Control) -> RawResult:
         from ortools.graph.python import min_cost_flow
 
         from .assignment_steps.recovered_prices import recovered_prices
 
-        lacking = self.missing(problem)
-        if lacking:
-            raise UnsupportedError(self.name, lacking)
-        asked = cast("BinAssignment", problem)
-        reason = next(asked.infeasibility_reasons(), None)
-        if reason is not None and reason.evidence is not None:
-            return RawResult("infeasible", message=reason.message, evidence=(reason.evidence,))
-        stop = Stop(options.time_limit)
-        control.on_stop(stop.ask)
-        cost, exact, told = _counted(asked)
-        n, m, supply = asked.num_robots, asked.num_bins, asked.pairs
+        cost, exact, steps = _counted(problem)
+        n, m, supply = problem.num_robots, problem.num_bins, problem.pairs
         robots, bins = np.arange(n), n + np.arange(m)
         source, sink = n + m, n + m + 1
-        tails = np.concatenate([asked.robots, np.full(n, source), bins])
-        heads = np.concatenate([n + asked.bins, robots, np.full(m, sink)])
+        tails = np.concatenate([problem.robots, np.full(n, source), bins])
+        heads = np.concatenate([n + problem.bins, robots, np.full(m, sink)])
         costs = np.concatenate([cost, np.zeros(n + m, np.int64)])
         flow = min_cost_flow.SimpleMinCostFlow()
         arcs = flow.add_arcs_with_capacity_and_unit_cost(tails, heads, np.ones(len(tails), np.int64), costs)
@@ -69,12 +55,12 @@ class MinCostFlowEngine(Engine):
             return RawResult("error", message=f"the flow ended with status {status}")
         used = np.nonzero(flow.flows(arcs[: len(cost)]) > 0)[0]
         taken = np.full(n, -1, dtype=np.int64)
-        taken[asked.robots[used]] = asked.bins[used]
+        taken[problem.robots[used]] = problem.bins[used]
         answer = tuple(taken.tolist())
-        value = asked.evaluate(answer).values[0]
-        evidence = recovered_prices(asked, answer, "prices of the assignment, by shortest paths", stop)
+        value = problem.evaluate(answer).values[0]
+        evidence = recovered_prices(problem, answer, "prices of the assignment, by shortest paths", stop)
         holds = Exactness.EXACT if exact else Exactness.RESTRICTION
-        links = () if exact else (Link("whole-costs", Exactness.RESTRICTION, told),)
+        links = () if exact else (Link("whole-costs", Exactness.RESTRICTION, steps),)
         return RawResult("optimal", answer=answer, objective=value, bound=value, evidence=(evidence,), holds=holds, links=links)
 
 

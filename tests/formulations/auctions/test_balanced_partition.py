@@ -7,6 +7,7 @@ import pytest
 from task_problems import drawn, part_cost, parts
 
 import waybound as wb
+from waybound.formulations.problem import problem_from_instance
 from waybound.instances.errors import InputError, UsageError
 
 LINE = [0, 1, 2, 6, 7]
@@ -51,8 +52,6 @@ def test_distances_that_depend_on_the_direction_are_refused_where_they_count():
 
 def test_settings_are_those_of_the_problem():
     team = wb.RobotTasks.of_positions([0], [1, 2], problem="balanced-partition")
-    from waybound.formulations.problem import problem_from_instance
-
     made = problem_from_instance(team, objective="min-difference", edges="clique")
     assert made.features() == {"objective:min-difference", "edges:clique"}
     with pytest.raises(UsageError, match="edges must be one of mst, clique, none"):

@@ -139,11 +139,8 @@ def test_without_any_pair_there_is_the_empty_answer_unless_pairs_are_asked_for(s
 
 def test_neither_bound_nor_objective_is_minus_nothing() -> None:
     found = wb.solve(BinAssignment.from_matrix([[-0.0, 1.0], [1.0, -0.0]]))
-    assert (
-        found.status == "optimal"
-        and "-0" not in repr(found).replace("-0x", "")
-        and not any(math.copysign(1.0, value) < 0 for value in (found.objective, found.bound))
-    )
+    assert found.status == "optimal" and "-0" not in repr(found).replace("-0x", "")
+    assert not any(math.copysign(1.0, value) < 0 for value in (found.objective, found.bound))
 
 
 def test_the_digest_is_made_when_it_is_asked_for_where_nobody_can_change_the_costs() -> None:

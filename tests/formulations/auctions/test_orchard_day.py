@@ -7,26 +7,22 @@ import itertools
 import numpy as np
 import pytest
 from draws import draws
-from orchard_cases import FOUR, LANE, ONE_ROUTE, TWO_ROUTES, WHOLE_DAYS, lane, random_jobs, retrievals
+from orchard_cases import FOUR, LANE, ONE_ROUTE, SCHEDULES, TWO_ROUTES, WHOLE_DAYS, lane, random_jobs, retrievals
 
 import waybound as wb
 from waybound.formulations.auctions.orchard_day import OrchardDay, in_order
 from waybound.formulations.evidence import CHECKERS
+from waybound.formulations.problem import problem_from_instance
 from waybound.instances.auctions.orchard_jobs import OrchardJobs
+from waybound.instances.auctions.orchard_rules import OrchardRules, draw_routes
 from waybound.instances.errors import InputError, UsageError
+from waybound.instances.generators import Draw
 from waybound.reports.missions.auctions.orchard_days.days import play_day
 
-# places, steps at which they are full, robots, ways out and home, least last step, least sum
-SCHEDULES = [
-    (((0, 2), (1, 1), (0, 4)), (0, 0, 0), ((0, 0), (0, 0)), (3, 3, 6), 6, 15),
-    (((0, 1), (0, 8), (4, 8)), (5, 0, 0), ((0, 0), (0, 0)), (2, 12, 18), 18, 42),
-    (((0, 1), (1, 1), (2, 3), (3, 4), (4, 5), (4, 8)), (0,) * 6, ((0, 0), (0, 0)), (2, 3, 8, 11, 14, 18), 28, 85),
-    (((0, 2), (1, 2)), (0, 0), ((0, 0), (0, 6)), (3, 5), 5, 9),
-    (((0, 2), (1, 2), (0, 6), (2, 5)), (0, 0, 3, 0), ((0, 0), (0, 6)), (3, 5, 9, 11), 14, 38),
-]
+EIGHT_BINS = OrchardJobs.of_routes(lane(TWO_ROUTES, 2), TWO_ROUTES)
 
 
-@pytest.mark.parametrize(("places", "full", "robots", "ways", "last", "total"), SCHEDULES)
+@pytest.mark.parametrize(("places", "full", "robots", "ways", "last", "total"), SCHEDULES.values())
 def test_schedules_of_the_reference(places, full, robots, ways, last, total):
     jobs = retrievals(places, full, robots).jobs
     assert tuple((jobs.out + jobs.home).tolist()) == ways
@@ -47,9 +43,6 @@ def test_whole_days_of_the_reference(start, robots, last, optimum):
 def test_no_rule_beats_the_optimum_of_a_small_orchard(seed):
     problem = wb.generate("orchard-day", seed=seed, rows=2, columns=4, robots=2)
     jobs, best = problem.jobs, wb.solve(problem, bound_time=0).objective
-    from waybound.instances.auctions.orchard_rules import OrchardRules, draw_routes
-    from waybound.instances.generators import Draw
-
     rules = OrchardRules(jobs.grid, 2, 2, 1)
     start = draw_routes(rules, Draw(np.random.Generator(np.random.PCG64(seed))))
     assert OrchardJobs.of_routes(rules, start).digest() == jobs.digest()
@@ -96,22 +89,18 @@ def test_a_timetable_by_hand():
     problem = OrchardDay(OrchardJobs.of_routes(lane(ONE_ROUTE, 1), ONE_ROUTE))
     one_by_one = (((1, 0), *((k, k - 1) for k in range(2, 8)), (-1, 7)),)
     assert problem.evaluate(one_by_one).feasible
-    assert problem.timetable(one_by_one).tolist()[:2] == [
-        3,
-        6,
-    ]  # full at 2, home 3; to cell 2 at 4 and back to 1 at 5, where the next one is full since 4
+    # full at 2, home 3; to cell 2 at 4 and back to 1 at 5, where the next one is full since 4
+    assert problem.timetable(one_by_one).tolist()[:2] == [3, 6]
     each = (tuple((k if k else -1, k) for k in range(8)),)
     assert problem.timetable(each).tolist() == [3, 7, 12, 17, 24, 31, 39, 47]
 
 
 def test_what_is_wrong_with_an_answer_is_told():
-    problem = OrchardDay(OrchardJobs.of_routes(lane(TWO_ROUTES, 2), TWO_ROUTES))
+    problem = OrchardDay(EIGHT_BINS)
     good = in_order(problem.jobs, range(8))
     assert problem.evaluate(good).feasible
-    broken = problem.evaluate((good[0][:-1], good[1]))
-    assert {v.check for v in broken.violations} >= {"fetched"}
-    twice = problem.evaluate((good[0] + good[0][:1], good[1]))
-    assert {v.check for v in twice.violations} >= {"fetched"}
+    for trips in (good[0][:-1], good[0] + good[0][:1]):
+        assert {v.check for v in problem.evaluate((trips, good[1])).violations} >= {"fetched"}
     deadlock = problem.evaluate((((-1, 1), (1, -1)), ()))
     assert "waits" in {v.check for v in deadlock.violations}
     assert "robot 1 waits for a bin that is never full" in {v.message for v in deadlock.violations}
@@ -119,13 +108,13 @@ def test_what_is_wrong_with_an_answer_is_told():
 
 @pytest.mark.parametrize("answer", [None, (), ((),), (((0, 9),), ()), (((-1, -1),), ()), ([(0, 0)], ()), (((0, True),), ())])
 def test_what_is_no_answer_is_refused(answer):
-    problem = OrchardDay(OrchardJobs.of_routes(lane(TWO_ROUTES, 2), TWO_ROUTES))
+    problem = OrchardDay(EIGHT_BINS)
     with pytest.raises(InputError, match="trip"):
         problem.evaluate(answer)
 
 
 def test_answers_go_through_json_and_frames():
-    problem = OrchardDay(OrchardJobs.of_routes(lane(TWO_ROUTES, 2), TWO_ROUTES))
+    problem = OrchardDay(EIGHT_BINS)
     answer = in_order(problem.jobs, range(8))
     assert problem.answer_from_json(problem.answer_to_json(answer)) == answer
     frame = problem.answer_to_frame(answer)
@@ -142,8 +131,6 @@ def test_settings_are_checked():
         OrchardDay(jobs, "cost")
     with pytest.raises(UsageError, match="made of OrchardJobs"):
         OrchardDay(LANE)
-    from waybound.formulations.problem import problem_from_instance
-
     assert problem_from_instance(jobs, objective="completion").objective == "completion"
-    with pytest.raises(UsageError, match="has no setting robots; it takes objective"):
+    with pytest.raises(UsageError, match="has no setting 'robots'; it takes objective"):
         problem_from_instance(jobs, robots=3)

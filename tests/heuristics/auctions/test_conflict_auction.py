@@ -6,16 +6,19 @@ import math
 
 import numpy as np
 import pytest
-from bin_assignments import OPTIMA, worked
+from bin_assignments import OPTIMA, random_costs, worked
 from draws import draws
 
 import waybound as wb
 from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.heuristics.auctions.conflict_auction import greedy_ratio
+from waybound.formulations.stop import NEVER, Stop
+from waybound.heuristics.auctions.conflict_auction import completed, greedy_ratio, quadrangle
+from waybound.heuristics.heuristic import HEURISTICS, Context
 from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
 from waybound.reports.ratios.judging import run_heuristic
-from waybound.reports.ratios.studies.auctions.families.assignment import greedy_line, serial_line
+from waybound.reports.ratios.studies.auctions.bin_auctions import greedy_line, serial_line
+from waybound.solvers.linear_programs import linear_programs
 
 CASES = {
     "A": (9, (0, 1, 2), 1, 3), "F": (9, (0, 2), 2, 3), "E": (7, (-1, 0, 1), 2, 5), "G": (3, (0, 1), 2, 3), "O": (6, (0, 1), 2, 3),
@@ -92,11 +95,8 @@ def test_its_ratio_is_attained_on_a_line_in_as_many_rounds_as_robots() -> None:
         found = run(case.problem)
         assert greedy_ratio(2**doublings) == pytest.approx(ratio, rel=1e-12)
         assert case.problem.evaluate(found.answer).values[0] / case.optimum.value == pytest.approx(ratio, rel=1e-9)
-        assert (
-            found.statistics["rounds"] == 2**doublings
-            and found.guarantee is not None
-            and found.guarantee.ratio == greedy_ratio(2**doublings)
-        )
+        assert found.guarantee is not None and found.guarantee.ratio == greedy_ratio(2**doublings)
+        assert found.statistics["rounds"] == 2**doublings
     assert [value(greedy_line(k, 1e-7).problem) for k in range(6)] == pytest.approx([1, 4, 14, 46, 146, 454], rel=1e-5)
     assert all(value(serial_line(n).problem) == 1.0 for n in range(1, 9))
 
@@ -161,3 +161,40 @@ def serial_value(problem: BinAssignment) -> float:
 def test_an_unknown_mode_is_refused() -> None:
     with pytest.raises(UsageError, match="mode must be one of deferred, immediate, not 'english'"):
         run(worked("O"), mode="english")
+
+
+def test_the_quadrangle_inequality_is_told_from_all_four_corners() -> None:
+    rng = np.random.default_rng(51)
+    seen = set()
+    for _ in range(draws(150)):
+        n, m = rng.integers(1, 5, 2)
+        costs = rng.integers(1, 8, (n, m)).astype(float)
+        i, k, j, l = np.ix_(range(n), range(n), range(m), range(m))  # noqa: E741
+        holds = bool((costs[i, j] <= costs[i, l] + costs[k, l] + costs[k, j]).all())
+        assert quadrangle(BinAssignment.from_matrix(costs), NEVER) is holds
+        seen.add(holds)
+    assert seen == {True, False}
+
+
+def test_points_of_a_line_keep_it_in_spite_of_rounding() -> None:
+    points = np.cumsum(np.full(12, 0.1))
+    assert quadrangle(BinAssignment.from_matrix(np.abs(points[::2, None] - points[1::2])), NEVER)
+
+
+def test_as_many_pairs_as_possible_and_few_changes() -> None:
+    rng = np.random.default_rng(52)
+    for _ in range(draws(60)):
+        problem = BinAssignment.from_matrix(random_costs(rng, 6))
+        answer, changed = completed(problem, np.full(problem.num_robots, -1), NEVER)
+        assert problem.evaluate(answer).feasible and changed == problem.pairs
+        assert completed(problem, np.array(answer), NEVER) == (answer, 0)
+
+
+@pytest.mark.parametrize("heuristic", ["auction", "bertsekas", "online-greedy"])
+def test_who_is_cut_short_hands_over_as_many_pairs_as_there_can_be(heuristic: str) -> None:
+    problem, stop = worked("K4"), Stop()
+    stop.ask()
+    context = Context(np.random.default_rng(1), 10.0, None, lambda answer: None, stop, linear_programs(None, 1, 1))
+    found = HEURISTICS[heuristic].run(problem, context)
+    assert problem.evaluate(found.answer).feasible and found.guarantee is None and "any of the most pairs" in found.message
+    assert found.limit == "interrupt"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from draws import draws
-from orchard_cases import random_jobs, retrievals
+from orchard_cases import SCHEDULES, random_jobs, retrievals
 
 import waybound as wb
 from waybound.formulations.auctions.orchard_day import OrchardDay
@@ -13,14 +13,10 @@ from waybound.instances.auctions.orchard_grid import OrchardGrid
 from waybound.instances.auctions.orchard_jobs import OrchardJobs
 from waybound.instances.errors import UsageError
 
-PLACES = ((0, 1), (1, 1), (2, 3), (3, 4), (4, 5), (4, 8))
 
-
-@pytest.mark.parametrize(
-    ("places", "full", "nearest", "longest", "total"),
-    [(((0, 2), (1, 1), (0, 4)), (0, 0, 0), 9, 6, 15), (PLACES, (0,) * 6, 32, 28, 85)],
-)
-def test_schedules_of_the_reference(places, full, nearest, longest, total):
+@pytest.mark.parametrize(("name", "nearest"), [("S1", 9), ("S3", 32)])
+def test_schedules_of_the_reference(name, nearest):
+    places, full, _, _, longest, total = SCHEDULES[name]
     for order, value in (("nearest", nearest), ("longest", longest)):
         found = wb.solve(retrievals(places, full), heuristic="list-schedule", order=order)
         assert found.objective == value
@@ -28,12 +24,9 @@ def test_schedules_of_the_reference(places, full, nearest, longest, total):
     assert wb.solve(retrievals(places, full, objective="completion"), heuristic="list-schedule").objective == total
 
 
-@pytest.mark.parametrize(
-    ("places", "full", "last"),
-    [(((0, 1), (0, 8), (4, 8)), (5, 0, 0), 18), (((0, 2), (1, 2)), (0, 0), 5), (((0, 2), (1, 2), (0, 6), (2, 5)), (0, 0, 3, 0), 14)],
-)
-def test_the_longest_first_is_at_the_optimum_of_other_schedules_of_the_reference(places, full, last):
-    robots = ((0, 0), (0, 0)) if last == 18 else ((0, 0), (0, 6))
+@pytest.mark.parametrize("name", ["S2", "S4", "S5"])
+def test_the_longest_first_is_at_the_optimum_of_other_schedules_of_the_reference(name):
+    places, full, robots, _, last, _ = SCHEDULES[name]
     assert wb.solve(retrievals(places, full, robots), heuristic="list-schedule", order="longest", bound_time=0).objective == last
 
 

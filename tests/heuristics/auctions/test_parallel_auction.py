@@ -8,12 +8,9 @@ from task_problems import OBJECTIVES, drawn
 
 import waybound as wb
 from waybound.formulations.auctions.task_allocation import TaskAllocation
-from waybound.formulations.stop import NEVER, Stop
-from waybound.heuristics.auctions.parallel_auction import parallel_auction
-from waybound.heuristics.heuristic import Context
+from waybound.formulations.stop import NEVER
 from waybound.reports.ratios.judging import run_heuristic
-from waybound.solvers.engines.auctions.task_subset_steps.shares import best_paths
-from waybound.solvers.linear_programs import LinearPrograms
+from waybound.solvers.engines.auctions.task_subsets import best_paths
 
 
 def test_around_a_cluster_it_sends_everybody():
@@ -33,10 +30,3 @@ def test_its_answers_are_answers(objective):
     for k in range(20):
         problem = TaskAllocation(drawn(rng, robots=4, tasks=8, matrix=k % 2 == 1), objective)
         assert problem.evaluate(run_heuristic(problem, "parallel-auction", {}, 1).answer).feasible
-
-
-def test_cut_short_every_task_is_done_all_the_same():
-    problem = TaskAllocation(drawn(np.random.default_rng(4), tasks=8))
-    context = Context(np.random.default_rng(1), 0.0, None, lambda answer: None, Stop(), LinearPrograms())
-    found = parallel_auction(problem, context)
-    assert found.limit == "time" and problem.evaluate(found.answer).feasible

@@ -9,12 +9,9 @@ from task_problems import OBJECTIVES, drawn, line
 
 import waybound as wb
 from waybound.formulations.auctions.task_allocation import TaskAllocation
-from waybound.formulations.stop import NEVER, Stop
-from waybound.heuristics.auctions.sequential_single_item import sequential_single_item
-from waybound.heuristics.heuristic import Context
+from waybound.formulations.stop import NEVER
 from waybound.reports.ratios.judging import run_heuristic
-from waybound.solvers.engines.auctions.task_subset_steps.shares import best_paths
-from waybound.solvers.linear_programs import LinearPrograms
+from waybound.solvers.engines.auctions.task_subsets import best_paths
 
 SSI = "sequential-single-item"
 
@@ -49,10 +46,8 @@ def test_nothing_is_guaranteed_without_the_triangle_inequality_or_for_other_bids
         assert run_heuristic(problem, SSI, {}, 1).guarantee is None
     assert run_heuristic(line([0], [1]), SSI, {"bids": "max"}, 1).guarantee is None
     metric = TaskAllocation(wb.RobotTasks.of_distances([[1, 2]], [[0, 1], [1, 0]]))
-    assert run_heuristic(metric, SSI, {}, 1).guarantee.assumptions == (
-        "distances between tasks are symmetric",
-        "the triangle inequality holds",
-    )
+    held = ("distances between tasks are symmetric", "the triangle inequality holds")
+    assert run_heuristic(metric, SSI, {}, 1).guarantee.assumptions == held
 
 
 @pytest.mark.parametrize("objective", OBJECTIVES)
@@ -72,13 +67,6 @@ def test_best_paths_are_beyond_nine_tasks_continued_by_insertion():
     found = run_heuristic(problem, SSI, {"paths": "optimal"}, 1)
     assert problem.evaluate(found.answer).feasible
     assert problem.value(found.answer) <= 2 * best_paths(problem, NEVER)[1]
-
-
-def test_cut_short_every_task_is_done_all_the_same():
-    context = Context(np.random.default_rng(1), 0.0, None, lambda answer: None, Stop(), LinearPrograms())
-    found = sequential_single_item(line([0, 5], [1, 2, 3]), context)
-    assert found.limit == "time" and found.guarantee is None and "cut short" in found.message
-    assert line([0, 5], [1, 2, 3]).evaluate(found.answer).feasible
 
 
 def test_other_bids_and_paths_are_refused():

@@ -56,10 +56,7 @@ def test_stated_ratios_that_differ_are_shown_as_shares_of_the_stated_loss():
 
 
 def test_infinite_ratios_are_left_out_and_thousands_are_thinned_but_for_the_worst():
-    observed = [seen("g", "f", 1.0 + k / 1e5, 2.0) for k in range(4 * SHOWN_POINTS)] + [
-        seen("g", "f", math.inf, 2.0),
-        seen("g", "f", 1.9, 2.0),
-    ]
+    observed = [seen("g", "f", r, 2.0) for r in (*(1.0 + k / 1e5 for k in range(4 * SHOWN_POINTS)), math.inf, 1.9)]
     (panel,) = drawn(ratio_figure("n", "s", [row("g", "f", 2.0, 2.0)], observed)).axes
     at = points(panel)
     assert len(at) <= SHOWN_POINTS + 1 and at[:, 0].max() == 1.9 and np.isfinite(at).all()
@@ -72,10 +69,8 @@ def test_means_over_runs_are_told():
 
 def test_a_sweep_shows_the_mean_of_each_method_with_its_range():
     rows = [{"x": x, "method": m, "min": 1.0, "mean": mean, "max": 4.0} for m, mean in (("a", 2.0), ("b", 3.0)) for x in (10, 20)]
-    canvas = drawn(
-        sweep_figure("n", "title", [("robots", "left", ["a", "b", "none"], rows), ("targets", "right", ["a", "b", "none"], rows)], "q")
-    )
-    left, right = canvas.axes
+    panels = [(axis, head, ["a", "b", "none"], rows) for axis, head in (("robots", "left"), ("targets", "right"))]
+    left, right = drawn(sweep_figure("n", "title", panels, "q")).axes
     assert (left.get_ylabel(), left.get_xlabel(), right.get_xlabel(), right.get_title()) == ("q", "robots", "targets", "right")
     assert [c.lines[0].get_ydata().tolist() for c in left.containers] == [[2.0, 2.0], [3.0, 3.0]]
     assert [c.lines[0].get_xdata().mean() for c in left.containers] == pytest.approx([15.0, 15.0], abs=3.0)

@@ -67,7 +67,7 @@ def test_a_broken_ratio_is_a_fault_unless_it_holds_in_expectation() -> None:
         (0.9, 2.0, True),
         (math.nan, 2.0, True),
     ],
-)
+)  # fmt: skip
 def test_what_is_stated_is_held_to_the_literature(ratio: float | None, expected: float | None, faulty: bool) -> None:
     outcome = Outcome(Selection((0, 1)), None if ratio is None else stated(ratio))
     assert ("guarantee" in faults(outcome, expected)) == faulty

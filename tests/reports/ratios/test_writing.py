@@ -8,8 +8,9 @@ import math
 import pytest
 
 from waybound.instances.errors import UsageError
+from waybound.reports.ratios.figures import ratio_figure
 from waybound.reports.ratios.study import STUDIES, Fault, Report, StudySetting
-from waybound.reports.ratios.writing import check_folder, csv_text, markdown, write_report
+from waybound.reports.ratios.writing import check_folder, csv_text, markdown, png, write_report
 from waybound.reports.tables.table import Column, Table
 
 
@@ -54,8 +55,6 @@ def test_missing_values_are_empty_and_infinite_ones_are_named():
 
 
 def test_figures_are_the_same_for_the_same_report(report):
-    from waybound.reports.ratios.writing import png
-
     (figure,) = report.figures
     first = png(figure)
     assert first.startswith(b"\x89PNG")
@@ -63,9 +62,6 @@ def test_figures_are_the_same_for_the_same_report(report):
 
 
 def test_ratios_beyond_what_can_be_drawn_do_not_stop_the_figure(report):
-    from waybound.reports.ratios.figures import ratio_figure
-    from waybound.reports.ratios.writing import png
-
     rows = [{**report.rows[0], "stated_min": None, "stated_max": None}]
     observations = [{**report.observations[0], "ratio": math.inf, "stated": None}]
     assert png(ratio_figure("name", "summary", rows, observations))

@@ -31,7 +31,7 @@ def serial(first, second):  # type: ignore[no-untyped-def]
 
 @kernel("(i8[:, ::1],)")
 def deferred(costs):  # type: ignore[no-untyped-def]
-    """What the deferred conflict auction ends with: the cheapest pair of a free robot and a free bin, again and again."""
+    """The outcome of the deferred conflict auction: the cheapest pair of a free robot and a free bin, again and again."""
     robots, bins = costs.shape
     plan, taken = np.full(robots, -1), np.zeros(bins, np.bool_)
     for _ in range(min(robots, bins)):
@@ -119,7 +119,7 @@ def assignment(costs):  # type: ignore[no-untyped-def]
 
 @kernel("(i8[:, ::1], i8[::1])")
 def beaten(costs, plan):  # type: ignore[no-untyped-def]
-    """Whether another plan of as many pairs costs less. Sums of least entries, a bound, answer most of the time."""
+    """Whether another plan of as many pairs costs less; sums of least entries, a bound, decide most of the time."""
     robots, bins = costs.shape
     total, rows, columns = 0, 0, 0
     for i in range(robots):

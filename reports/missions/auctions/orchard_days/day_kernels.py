@@ -16,28 +16,14 @@ OUT, FETCH, WAIT, HAUL, BACK = range(1, 6)
     "UniTuple(i8, 2), UniTuple(i8, 3), i8, UniTuple(i8[::1], 3))"
 )
 def day(flag, grid, start, sizes, rules, limit, times):  # type: ignore[no-untyped-def]
-    """Play until all bins are home, ``limit`` steps have passed or ``flag`` is set.
+    """Play until all bins are home, ``limit`` steps have passed or ``flag`` is set: the world of ``instances/auctions/worlds/orchard.py``.
 
-    The world is that of ``instances/auctions/worlds/orchard.py``, written again.
+    ``grid`` is ``distance, empty, full`` of shape (cells, cells) and the repository's cell; ``start`` is ``cells, orders`` of groups and
+    ``fruit`` of cells; ``sizes`` are ``robots, fill``. ``rules`` are ``choice`` (0 greedy, 1 auction, 2 immediate auction, 3 assignment),
+    ``delivery`` (0 baseline, 1 proposed) and ``added`` (1: travel and filling are added up in a cost, 0: the larger counts). ``times`` are
+    ``stood, full, returned`` of bins, all -1, and are written.
 
-    Parameters
-    ----------
-    grid : tuple
-        ``distance, empty, full`` (arrays of shape (cells, cells)) and the number of the repository's cell.
-    start : tuple of arrays
-        ``cells, orders`` of groups, and ``fruit`` of cells.
-    sizes : tuple of int
-        ``robots, fill``.
-    rules : tuple of int
-        ``choice`` (0 greedy, 1 auction, 2 immediate auction, 3 assignment), ``delivery`` (0 baseline, 1 proposed), ``added`` (1: travel
-        and filling are added up in a cost, 0: the larger counts).
-    times : tuple of arrays of shape (bins,)
-        ``stood, full, returned``, all -1; written.
-
-    Returns
-    -------
-    array of int
-        Steps, group steps without a bin, auctions of several robots, those of them that an assignment beats.
+    Returns steps, group steps without a bin, auctions of several robots, and those of them that an assignment beats.
     """
     distance, empty, loaded, home = grid
     begin, orders, fruit = start

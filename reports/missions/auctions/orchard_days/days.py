@@ -20,18 +20,10 @@ MOST_STEPS = 1_000_000
 
 @dataclass(frozen=True, eq=False)
 class Day:
-    """What became of a day.
+    """The course of a day: steps at which each bin stood, was full and came home (-1 for never), and counts.
 
-    Parameters
-    ----------
-    stood, full, returned : arrays of shape (bins,)
-        Steps at which each bin was put up in the orchard, was full and came home; -1 for never.
-    steps : int
-        Played.
-    idle_steps : int
-        Steps for which groups waited for bins, all together.
-    auctions, beaten : int
-        Auctions of several robots, and those of them that an assignment of the same robots beats.
+    ``idle_steps`` are those that groups waited for bins, all together; ``beaten`` are the ``auctions`` of several robots that an assignment
+    of the same robots beats.
     """
 
     stood: Integers
@@ -67,31 +59,14 @@ def play_day(
 ) -> Day:
     """Play a day until all bins are home, by the rules that ``run`` has as policies: the same day, to the step.
 
-    Parameters
-    ----------
-    rules : OrchardRules
-    seed : int
-        Of the groups' start, as in ``make_world``.
-    choice, delivery, cost : str
-        Of ``CHOICES``, ``DELIVERIES`` and ``COSTS``.
-    start : OrchardStart, optional
-        Instead of the one drawn from ``seed``.
-    limit : int
-        Steps after which it ends in any case.
-    stop : Stop
-
-    Raises
-    ------
-    UsageError
-        For a rule that does not exist.
-    Stopped
-        If ``stop`` ends it.
+    ``seed`` is that of the groups' start, as in ``make_world``, unless ``start`` tells it; ``choice``, ``delivery`` and ``cost`` are those
+    of ``policies``. Raises Stopped.
     """
     from .day_kernels import day
 
-    for what, given, known in (("choice", choice, CHOICES), ("delivery", delivery, DELIVERIES), ("cost", cost, COSTS)):
-        if given not in known:
-            raise UsageError(f"{what} must be one of {', '.join(known)}, not {given!r}")
+    for what, value, known in (("choice", choice, CHOICES), ("delivery", delivery, DELIVERIES), ("cost", cost, COSTS)):
+        if value not in known:
+            raise UsageError(f"{what} must be one of {', '.join(known)}, not {value!r}")
     grid = rules.grid
     begin = draw_start(rules, Draw(np.random.Generator(np.random.PCG64(seed)))) if start is None else start
     fruit = np.zeros(grid.size, np.int64)
@@ -99,16 +74,18 @@ def play_day(
     times = (np.full(rules.bins, -1), np.full(rules.bins, -1), np.full(rules.bins, -1))
     codes = CHOICES.index(choice), DELIVERIES.index(delivery), COSTS.index(cost)
     shape = (grid.distances, grid.empty_times, grid.full_times, grid.home)
-    told = day(stop.flag, shape, (np.ascontiguousarray(begin.cells), begin.orders, fruit), (rules.robots, rules.fill), codes, limit, times)
+    counts = day(
+        stop.flag, shape, (np.ascontiguousarray(begin.cells), begin.orders, fruit), (rules.robots, rules.fill), codes, limit, times
+    )
     if stop.reached():
         raise Stopped
-    return Day(*times, *(int(number) for number in told))
+    return Day(*times, *(int(number) for number in counts))
 
 
 def least_makespan(rules: OrchardRules) -> int:
     """Steps that every way to play the day takes: all retrievals shared evenly by the robots, and all picking by the groups.
 
-    Source: [the two bounds](docs/formulations/orchard-day.md#bounds).
+    Source: docs/formulations/orchard-day.md#bounds.
     """
     grid = rules.grid
     out, back = grid.empty_times[grid.home, grid.harvested], grid.full_times[grid.harvested, grid.home]
@@ -118,7 +95,7 @@ def least_makespan(rules: OrchardRules) -> int:
 
 
 def most_returned(rules: OrchardRules, step: int) -> int:
-    """No way to play the day has more bins at the repository at ``step``: the shortest retrievals that the robots' steps suffice for."""
+    """A bound on the bins at the repository at ``step``: the shortest retrievals for which the robots' steps suffice."""
     grid = rules.grid
     each = np.sort(np.repeat(grid.empty_times[grid.home, grid.harvested] + grid.full_times[grid.harvested, grid.home], rules.bins_per_cell))
     return int(np.searchsorted(np.cumsum(each), step * rules.robots, side="right"))

@@ -1,4 +1,4 @@
-"""What robots do in the orchard, decided step by step: which bins they fetch, and where they bring new ones."""
+"""Rules of robots in the orchard, decided step by step: which bins they fetch, and where they bring new ones."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from .....instances.auctions.worlds.orchard import OrchardObservation
 Integers = NDArray[np.int64]
 
 CHOICES = ("greedy", "auction", "auction-immediate", "assignment")
-"""Which idle robot fetches which bin: each in turn the nearest full one, or the one that will be full the soonest; the deferred and the
-immediate conflict auction; the assignment of the least sum."""
+"""Which idle robot fetches which bin: each in turn the nearest full one, or the soonest full; the deferred and the immediate conflict
+auction; the assignment of the least sum."""
 
 DELIVERIES = ("baseline", "proposed")
-"""Who brings new bins: robots without a bin to fetch, to the earliest request; or any at the repository, to the cell of the bin that it
-will fetch, or to the request nearest to it."""
+"""Rules for new bins: robots without a bin to fetch bring one to the earliest request; or any robot at the repository brings one to the
+cell of the bin that it will fetch, or to the request nearest to it."""
 
 COSTS = ("later", "sum")
-"""What a robot counts for a bin: travel or filling, whichever ends later; or one after the other."""
+"""Cost of a bin: travel or filling, whichever ends later; or their sum."""
 
 
 def costs(o: OrchardObservation, cost: str) -> Integers:
@@ -41,7 +41,7 @@ def _greedy(o: OrchardObservation, cost: str) -> dict[int, int]:
 
 
 def _auction(o: OrchardObservation, cost: str) -> dict[int, int]:
-    """The cheapest pairs first: what the deferred auction ends with."""
+    """The cheapest pairs first, which is the outcome of the deferred auction."""
     matrix = costs(o, cost)
     chosen: dict[int, int] = {}
     taken: set[int] = set()
@@ -80,24 +80,17 @@ def _assignment(o: OrchardObservation, cost: str) -> dict[int, int]:
 CHOOSING: Mapping[str, Callable[[OrchardObservation, str], dict[int, int]]] = {
     "greedy": _greedy, "auction": _auction, "auction-immediate": _immediate, "assignment": _assignment,
 }  # fmt: skip
-"""By name: from an observation to a row of its bins for each robot that fetches one."""
+"""Functions by name, from an observation to a row of its bins for each robot that fetches one."""
 
 
 def trips(o: OrchardObservation, chosen: Mapping[int, int], delivery: str, returning: bool = True) -> dict[int, Trip]:
-    """What each idle robot is told, in the order of their numbers.
+    """The trip of each idle robot, in the order of their numbers; ``chosen`` are rows of ``o.bins`` by robot.
 
-    Parameters
-    ----------
-    o : OrchardObservation
-    chosen : mapping from robots to rows of ``o.bins``
-    delivery : str
-        Of ``DELIVERIES``.
-    returning : bool
-        Whether robots without a bin go home; else they stay.
+    Without ``returning``, robots without a bin stay where they are instead of going home.
     """
     home, empty = o.rules.grid.home, o.rules.grid.empty_times
     wanting, requests = o.wanting.copy(), o.requests.tolist()
-    told: dict[int, Trip] = {}
+    trips_of_robots: dict[int, Trip] = {}
     for robot, cell in zip(o.robots.tolist(), o.cells.tolist(), strict=True):
         row = chosen.get(robot, NONE)
         fetch, near = (NONE, home) if row < 0 else (int(o.bins[row]), int(o.bin_cells[row]))
@@ -111,5 +104,5 @@ def trips(o: OrchardObservation, chosen: Mapping[int, int], delivery: str, retur
             wanting[deliver] = False
             requests = [request for request in requests if request != deliver]
         if deliver != NONE or fetch != NONE or returning:
-            told[robot] = Trip(deliver, fetch)
-    return told
+            trips_of_robots[robot] = Trip(deliver, fetch)
+    return trips_of_robots

@@ -1,3 +1,3 @@
-"""Parts of the searches for assignments: auctions, matchings, prices."""
+"""Parts of the searches for assignments: auctions and prices."""
 
 from ..... import _guard as _guard

@@ -17,58 +17,44 @@ if TYPE_CHECKING:
     from .....formulations.auctions.bin_assignment import BinAssignment
 
 FACTOR = 10
-"""By which epsilon falls from phase to phase."""
+"""Factor by which epsilon falls from phase to phase."""
 
 START, NEAR = 100, 8
-"""Epsilon of the first phase is this part of the range of the costs; a smaller one, this part of what tells a row's next pairs apart, is
-tried before."""
+"""Epsilon of the first phase as a share of the range of costs; before it a smaller one is tried, a share of what tells a row's next pairs
+apart."""
 
 SAMPLE = 64
-"""Rows whose pairs say what that is."""
+"""Rows whose pairs are looked at to find that difference."""
 
 BITS = 56
-"""Of the range of the costs in whole numbers; fewer where prices grow far beyond it."""
+"""Bits of the range of costs in whole numbers; fewer where prices grow far beyond it."""
 
 FEWER = 8
 
 FINEST = 900
-"""Steps are no smaller than 2^-900: their number in a unit stays a double."""
+"""Steps are no smaller than 2^-900, so that their number in a unit is a double."""
 
 FEW = 200
-"""Bids a row in an auction without scaling, which is over much sooner where there are more columns than rows, or never."""
+"""Bids a row in an auction without scaling, which ends much sooner than this where there are more columns than rows, or never."""
 
 SETTLED, TRIED, BEGUN = 1.5, 10, 4
-"""Bids a row of a phase after which prices hardly change, so that the last one is tried at once; bids a row that it may take then, and that
-a first phase may take that is tried."""
+"""Bids a row of a phase after which prices hardly change, so that the last phase is tried at once; bids a row allowed to that one, and to a
+first phase that is tried."""
 
 MANY = 1 << 62
 
 _WHOLE = 1 << 52
-"""Whole numbers below it, and their sums by twos, are doubles."""
+"""Whole numbers below it, and sums of two of them, are doubles."""
 
 
 @dataclass
 class Auction:
-    """What an auction ended with.
+    """The outcome of an auction; the answer is incomplete where it was stopped.
 
-    Attributes
-    ----------
-    answer : tuple of int
-        Bin of each robot; incomplete where it was stopped.
-    complete : bool
-        Whether all found their column at the least epsilon.
-    bids, phases, looks : int
-        Bids, phases of epsilon scaling, and rows that were looked at whole.
-    epsilon : float
-        The least, in the unit of the costs.
-    capped : bool
-        Whether that is the range of the costs, a larger one having been asked for.
-    exact : bool
-        Whether the whole numbers stand for the costs exactly.
-    optimal : bool
-        Whether they do, and n epsilon is below the step of the costs.
-    whole : bool
-        Whether costs and prices are whole numbers that prove the answer to the last digit.
+    ``complete`` says whether all rows found a column at the least ``epsilon``, which is in the unit of the costs, and ``capped`` whether
+    that is the range of the costs though a larger one was asked for. ``exact`` says that the whole numbers stand for the costs exactly,
+    ``optimal`` also that n epsilon is below the step of the costs, and ``whole`` that costs and prices are whole numbers which prove the
+    answer to the last digit. ``looks`` counts rows that were looked at whole.
     """
 
     answer: tuple[int, ...]
@@ -85,51 +71,35 @@ class Auction:
     prices: list[Floats] = field(default_factory=list)
 
     def evidence(self, problem: BinAssignment, source: str) -> Evidence:
-        """Evidence ``assignment-prices``."""
         return proof(problem, self.parts, self.prices, self.answer, source, NEVER, exact=self.whole and self.optimal)
 
 
 def auction(problem: BinAssignment, stop: Stop, *, epsilon: float = 0.0, factor: float = FACTOR, scaling: bool = True) -> Auction:
     """Robots bid for bins, or bins for robots, whichever are fewer.
 
-    Parameters
-    ----------
-    problem : BinAssignment
-    stop : Stop
-    epsilon : float
-        Of the last phase; 0 for one so small that the assignment is optimal for the costs as they are counted.
-    factor : float
-        Above 1: by which epsilon falls.
-    scaling : bool
-        Whether there are phases before the last one.
+    ``epsilon`` is that of the last phase, 0 for one so small that the assignment is optimal for the costs as they are counted; it falls by
+    ``factor`` > 1, in phases if ``scaling`` is asked for.
 
-    Notes
-    -----
-    Costs are counted in whole steps, as many of them as columns and one to a unit, so that epsilon, one step, is below 1 / columns:
-    then the assignment is optimal (Bertsekas 1979), and prices rounded down together, from where no remainder is the largest, prove
-    that to the last digit. Where there are more columns than rows, those left over must be no dearer than any taken one: as many further
-    bidders who are indifferent between all columns bid for the cheapest (Bertsekas and Castañon 1992).
+    Costs are counted in whole steps, columns + 1 to a unit, so that epsilon, one step, is below 1 / columns: then the assignment is optimal
+    (Bertsekas 1979), and prices rounded down together, from where no remainder is the largest, prove that to the last digit. Where there
+    are more columns than rows, free columns must be no dearer than any taken one: as many further bidders who are indifferent between all
+    columns bid for the cheapest (Bertsekas and Castañon 1992).
     """
     parts = sides(problem)
-    made = Auction((), parts=parts)
+    ended = Auction((), parts=parts)
     columns = []
     for part in parts:
-        column, prices = _part(part, stop, epsilon, factor, scaling, made)
+        column, prices = _part(part, stop, epsilon, factor, scaling, ended)
         columns.append(column)
-        made.prices.append(prices)
-    made.answer = joined(problem, parts, columns)
-    made.whole &= len(parts) == 1
-    return made
+        ended.prices.append(prices)
+    ended.answer = joined(problem, parts, columns)
+    ended.whole &= len(parts) == 1
+    return ended
 
 
 @dataclass(frozen=True)
 class Steps:
-    """How costs are counted from 0 in whole steps: ``many`` times the multiple of 2^-power that is the nearest, less ``least``.
-
-    Parameters
-    ----------
-    power, least, many : int
-    """
+    """How costs are counted from 0 in whole steps: ``many`` times the nearest multiple of 2^-power, less ``least``."""
 
     power: int
     least: int
@@ -160,7 +130,7 @@ class Steps:
 
 
 def steps_of(part: Side, bits: int, finest: bool = False) -> Steps:
-    """Whole costs are counted as they are, others, and if they are asked for, in the ``finest`` steps that ``bits`` are enough for."""
+    """Steps for the costs of a side: whole costs as they are, others, or if asked for, in the ``finest`` steps that ``bits`` allow."""
     low, high, whole = part.spread
     span, many = max(high - low, abs(high), abs(low)), part.num_columns + 1
     most = min(FINEST, bits - math.ceil(math.log2(many)) - math.frexp(span)[1])
@@ -169,10 +139,7 @@ def steps_of(part: Side, bits: int, finest: bool = False) -> Steps:
 
 
 def whole_costs(part: Side, bits: int, finest: bool = False) -> tuple[Wholes, float, bool]:
-    """Costs from 0 in whole steps, the number of steps in a unit, and whether they are exact. Costs are multiples of columns + 1 steps.
-
-    Whole costs are counted as they are, unless the ``finest`` steps are asked for.
-    """
+    """Costs from 0 in whole steps, multiples of columns + 1; the number of steps in a unit; and whether they are exact."""
     steps = steps_of(part, bits, finest)
     return _counted(part, steps), steps.unit, steps.exact(part)
 
@@ -184,7 +151,7 @@ def _counted(part: Side, steps: Steps) -> Wholes:
     return counted
 
 
-def _part(part: Side, stop: Stop, epsilon: float, factor: float, scaling: bool, made: Auction) -> tuple[Wholes, Floats]:
+def _part(part: Side, stop: Stop, epsilon: float, factor: float, scaling: bool, run: Auction) -> tuple[Wholes, Floats]:
     bits = BITS
     while True:
         cost = _Costs(part, steps_of(part, bits, finest=epsilon > 0.0))
@@ -193,20 +160,20 @@ def _part(part: Side, stop: Stop, epsilon: float, factor: float, scaling: bool, 
         least = max(1, span if capped else round(epsilon * unit))
         ended, column, price = 3, np.zeros(0, np.int64), np.zeros(0, np.int64)
         if not scaling or part.num_columns > part.num_rows:  # rows seldom meet: prices from 0 need no repair
-            ended, column, price = _phases(part, cost, stop, least, least, factor, made, FEW * part.num_rows if scaling else MANY)
+            ended, column, price = _phases(part, cost, stop, least, least, factor, run, FEW * part.num_rows if scaling else MANY)
         if ended == 3 and scaling:
             tried = max(least, _apart(part, cost.steps) // NEAR)
-            ended, column, price = _phases(part, cost, stop, least, max(least, span // START), factor, made, MANY, tried)
+            ended, column, price = _phases(part, cost, stop, least, max(least, span // START), factor, run, MANY, tried)
         if ended != 2 or bits <= 4 * FEWER:
             break
         bits -= FEWER  # prices are many times the costs: count in larger steps
     whole, exact = ended == 0, cost.steps.exact(part)
-    made.complete &= whole
-    made.exact &= exact
-    made.whole = part.complete and part.spread.whole and cost.steps.power == 0 and least == 1 and int(price.max(initial=0)) + span < _WHOLE
-    made.optimal &= whole and exact and least * part.num_columns < unit * _step(part, unit)
-    if least / unit > made.epsilon:
-        made.epsilon, made.capped = least / unit, capped
+    run.complete &= whole
+    run.exact &= exact
+    run.whole = part.complete and part.spread.whole and cost.steps.power == 0 and least == 1 and int(price.max(initial=0)) + span < _WHOLE
+    run.optimal &= whole and exact and least * part.num_columns < unit * _step(part, unit)
+    if least / unit > run.epsilon:
+        run.epsilon, run.capped = least / unit, capped
     if not whole:
         return column, np.zeros(part.num_columns)
     if least == 1:
@@ -222,12 +189,12 @@ def _part(part: Side, stop: Stop, epsilon: float, factor: float, scaling: bool, 
 
 
 def _step(part: Side, unit: float) -> float:
-    """What all costs are multiples of where they are counted exactly."""
+    """The number of which all costs are multiples where they are counted exactly."""
     return max((part.num_columns + 1) / unit, float(part.spread.whole))
 
 
 class _Costs:
-    """Costs in whole steps, of all pairs or counted while they are looked at; and the largest."""
+    """Costs in whole steps, counted beforehand or while they are looked at, and their range."""
 
     def __init__(self, part: Side, steps: Steps) -> None:
         from . import auction_kernels as kernels
@@ -245,21 +212,22 @@ class _Costs:
 
 
 def _apart(part: Side, steps: Steps) -> int:
-    """By how much the dearest of the pairs that a row remembers is dearer than its cheapest one: the median of a sample of rows."""
+    """Difference of the dearest and the cheapest pair that a row remembers: the median of a sample of rows."""
     from .auction_kernels import LINE, LINES
 
-    found = []
+    differences = []
     for row in np.unique(np.linspace(0, part.num_rows - 1, min(SAMPLE, part.num_rows)).astype(np.int64)).tolist():
         own = steps.count(part.cost[part.indptr[row] : part.indptr[row + 1]])
         near = np.partition(own, min(LINE * LINES, len(own) - 1))[: LINE * LINES + 1]
-        found.append(int(near.max() - near.min()))
-    return sorted(found)[len(found) // 2]
+        differences.append(int(near.max() - near.min()))
+    return sorted(differences)[len(differences) // 2]
 
 
 def _phases(
-    part: Side, cost: _Costs, stop: Stop, least: int, epsilon: int, factor: float, made: Auction, most: int, tried: int = MANY
+    part: Side, cost: _Costs, stop: Stop, least: int, epsilon: int, factor: float, run: Auction, most: int, tried: int = MANY
 ) -> tuple[int, Wholes, Wholes]:
-    """How it ended, as kernels say it, the column of each row, and prices; ``tried`` is an epsilon to begin with if few bids do."""
+    """How the phases ended, as kernels tell it, the column of each row, and prices; ``tried`` is an epsilon to begin with if few bids
+    suffice."""
     from . import auction_kernels as kernels
 
     n, m = part.num_rows, part.num_columns
@@ -272,7 +240,7 @@ def _phases(
         epsilon, waiting = tried, epsilon
     while True:
         owner[:] = -1
-        made.phases += 1
+        run.phases += 1
         began, cap = int(counts[0]), most if not waiting else min(most, int(counts[0]) + patience)
         while True:
             bids = price, owner, epsilon, cost.span, cap
@@ -290,8 +258,8 @@ def _phases(
         waiting, patience, epsilon = 0, TRIED * n, max(least, int(epsilon / factor))
         if counts[0] - began <= SETTLED * n and epsilon > least:
             waiting, epsilon = epsilon, least
-    made.bids += int(counts[0])
-    made.looks += int(counts[1])
+    run.bids += int(counts[0])
+    run.looks += int(counts[1])
     column, held = np.full(n, -1, np.int64), owner >= 0
     column[owner[held]] = np.nonzero(held)[0]
     return int(ended), column, price
@@ -307,10 +275,10 @@ def remembered(rows: int, lines: int) -> Wholes:
 
 
 def _outbid(price: Wholes, owner: Wholes, epsilon: int) -> bool:
-    """Whether columns that are left over were dearer than taken ones; as many of the cheapest are then taken away from rows.
+    """Take columns away from rows where free columns are dearer than taken ones, the cheapest first; whether there were any.
 
-    Further bidders that are indifferent between all columns hold those left over; who cannot hold a dear one bids for the cheapest of
-    the others, all of them at the price of the next and epsilon.
+    Further bidders that are indifferent between all columns hold the free ones; those that cannot hold a dear one bid for the cheapest of
+    the others, all at the price of the next and epsilon.
     """
     free = owner < 0
     if not free.any():

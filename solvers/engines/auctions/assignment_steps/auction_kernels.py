@@ -14,10 +14,10 @@ LINE = 4
 """Pairs that a row remembers together: with their limit they are one line of a processor's memory."""
 
 LINES, LINES_SPARSE = 6, 3
-"""Lines of a row, the cheapest pairs first when it last looked at all of its own: where there are all pairs, and of a sparse matrix."""
+"""Lines of a row, its cheapest pairs first when it last looked at all of them: with all pairs allowed, and of a sparse matrix."""
 
 MANY_PAIRS = 12
-"""Pairs of a row, in the mean, from which on remembering is worth it."""
+"""Mean number of pairs of a row from which on remembering is worth it."""
 
 _COLUMN = (1 << 32) - 1
 
@@ -29,44 +29,24 @@ ENOUGH = LINE
 """Pairs at 0 that a row is content to remember."""
 
 ROUNDING = 2.0**-50
-"""Part of numbers beyond which rounding cannot lead when some few are multiplied and added."""
+"""Relative rounding error of a few multiplications and additions, at most."""
 
 
 @kernel("(i8[::1], i8[::1], read(i4[::1]), i8[::1], read(f8[::1]), f8, i8, i8, f8, i8[::1], i8[::1], i8, i8, i8, i8[:, :, ::1], i8[::1])")
 def remembering_phase(flag, indptr, columns, cost, real, scale, least, many, slack, price, owner, epsilon, span, most, memory, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Rows without a column bid in turn until none is left; who is outbid takes the turn of who outbids.
+    """Rows without a column bid in turn until none is left; a row that is outbid takes the turn of the one that outbids it.
 
-    A row looks at the pairs that it remembers, line by line. Prices only rise, so its two best are known as soon as they are no dearer
-    than the limit of a line: the least that any pair behind it cost when the row last looked at all of them. Taking turns, rather than
-    having who is outbid bid at once, lets a processor read one row while it decides another.
+    A row looks at the pairs that it remembers, line by line. Prices only rise, so its two best are known as soon as they are no dearer than
+    the limit of a line: the least cost of any pair behind it when the row last looked at all of them. Taking turns, rather than having an
+    outbid row bid at once, lets a processor read one row while it decides another.
 
-    Parameters
-    ----------
-    flag : array
-        Of a ``Stop``.
-    indptr, columns, cost : arrays
-        Pairs as a CSR matrix, whole costs; columns and costs are empty where there are all pairs.
-    real : array of shape (rows * columns,)
-        Costs of all pairs as they are, or empty.
-    scale, least, many, slack
-        How they are counted, ``auction.Steps``, and by how much that may differ from ``scale * many`` times the cost, without ``least``.
-    price, owner : arrays of shape (columns,)
-        -1 for no owner.
-    epsilon : int
-        By which a bid goes beyond the second best.
-    span : int
-        By how much a row that has one column alone bids.
-    most : int
-        Bids, all phases together.
-    memory : array of shape (rows, lines, 8)
-        Of ``auction.remembered``. A line: its limit, -1 where the row never looked; costs; columns, two a word.
-    counts : array of shape (2,)
-        Bids, and looks at a whole row.
+    Columns and whole costs of the CSR matrix are empty where all pairs are allowed; then ``real`` holds their costs as they are, shape
+    (rows * columns,). ``scale``, ``least`` and ``many`` are those of ``auction.Steps``, and counted costs differ by at most ``slack`` from
+    ``scale * many`` times the cost less ``least``. A bid exceeds the second best by ``epsilon``, that of a row with one column by ``span``;
+    ``most`` limits the bids of all phases, and ``counts`` are bids and looks at a whole row. ``memory`` is that of ``auction.remembered``;
+    a line is its limit (-1 where the row never looked), costs, and columns, two a word.
 
-    Returns
-    -------
-    int
-        0; 1 where it was stopped, 2 where prices grow beyond all bounds, 3 where ``most`` bids were not enough.
+    Returns 0; 1 where it was stopped, 2 where prices grow beyond all bounds, 3 where ``most`` bids were not enough.
     """
     lines = memory.shape[1]
     waiting, left = _bidders(owner, len(indptr) - 1)
@@ -157,10 +137,10 @@ def _look(columns, cost, price, begin, end, values, pairs):  # type: ignore[no-u
 
 @inner
 def _look_at_all(costs, scale, least, many, slack, near, price, guess, values, pairs):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """``_look`` at the costs of all columns, of which there are more than are kept: in whole numbers only at those that are near enough.
+    """``_look`` at the costs of all columns, of which there are more than are kept; only those near enough are counted in whole numbers.
 
-    Where those kept are no dearer than ``guess``, no other can be cheaper; else it looks once more with a larger one. It ends early where
-    ``ENOUGH`` are at 0, for neither costs nor prices are below, and keeps these. Returned is what no pair that is not kept is below.
+    Where those kept are no dearer than ``guess``, no other can be cheaper; else it looks again with a larger guess. It ends early once none
+    can be cheaper: neither costs nor prices are below 0.
     """
     last, unit = len(values) - 1, scale * many
     for attempt in range(3):
@@ -196,7 +176,7 @@ def _look_at_all(costs, scale, least, many, slack, near, price, guess, values, p
 
 @kernel("(i8[::1], i8[::1], read(i4[::1]), i8[::1], i8[::1], i8[::1], i8, i8, i8, i8[::1])")
 def sparse_phase(flag, indptr, columns, cost, price, owner, epsilon, span, most, counts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """``remembering_phase`` with each row looking at all of its own pairs, the one that was outbid last first."""
+    """``remembering_phase`` where each row looks at all of its pairs, and the row that was outbid last bids first."""
     stack, top = _bidders(owner, len(indptr) - 1)
     while top > 0:
         if asked(flag):

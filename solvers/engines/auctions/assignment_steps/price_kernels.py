@@ -13,22 +13,7 @@ from .....formulations.stop_kernel import asked
 def lower_labels(flag, indptr, columns, cost, column, price, most):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Lower the price of each row's column until no other column is better for the row, in sweeps up and down (Bellman 1958).
 
-    Parameters
-    ----------
-    flag : array
-        Of a ``Stop``.
-    indptr, columns, cost : arrays
-        Pairs as a CSR matrix, costs whole or not.
-    column : array of shape (rows,)
-    price : array of shape (columns,), of the type of the costs
-        From above; changed in place.
-    most : int
-        Sweeps.
-
-    Returns
-    -------
-    bool
-        Whether nothing is left to lower.
+    ``price`` begins from above and is changed in place, by at most ``most`` sweeps; returns whether nothing is left to lower.
     """
     rows = len(column)
     for sweep in range(most):
@@ -55,7 +40,7 @@ def lower_labels(flag, indptr, columns, cost, column, price, most):  # type: ign
 
 @kernel("(i8[::1], i8[::1], read(i4[::1]), read(f8[::1]), i8[::1], f8[::1], i8)")
 def raise_labels(flag, indptr, columns, cost, column, price, most):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Raise prices from 0 until no row has a column that is better than its own: the least ones; arguments as of ``lower_labels``."""
+    """Raise prices from 0 until no row has a column better than its own: the least such prices; arguments as of ``lower_labels``."""
     rows = len(column)
     for sweep in range(most):
         changed = False

@@ -1,4 +1,4 @@
-"""Prices that prove an assignment optimal, where who found it has none."""
+"""Prices that prove an assignment optimal, for methods that find none."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from .....formulations.auctions.bin_assignment import BinAssignment
 
 BITS = 56
-"""Of the range of the costs in whole numbers."""
+"""Bits of the range of costs in whole numbers."""
 
 UNREACHED = 1 << 60
 
@@ -23,25 +23,14 @@ FEW_PAIRS = 20_000
 """Pairs up to which no compiled loop is loaded."""
 
 SWEEPS = 1000
-"""After which costs that are rounded are taken for a circle that no sweep ends."""
+"""Sweeps after which rounded costs are taken for a cycle that no sweep ends."""
 
 
 def recovered_prices(problem: BinAssignment, answer: tuple[int, ...], source: str, stop: Stop) -> Evidence:
-    """Evidence ``assignment-prices``: shortest paths from the columns that are left over, over pairs in turn out of and in the assignment.
+    """Evidence ``assignment-prices`` by shortest paths from the free columns, over pairs alternately out of and in the assignment.
 
-    Parameters
-    ----------
-    problem : BinAssignment
-    answer : tuple of int
-        As many pairs as there can be; where it is not optimal, the evidence proves less than its costs.
-    source : str
-    stop : Stop
-        Cut short, the prices prove less.
-
-    Notes
-    -----
-    Source: Ahuja, Magnanti and Orlin (1993), Network Flows, section 9.5. Of columns that no such path reaches, all prices rise together
-    until the others are no dearer for them.
+    Where the answer is not optimal, or the search is stopped, the evidence proves less than its costs. Prices of columns that no such path
+    reaches rise together until the others are no dearer for them. Source: Ahuja, Magnanti and Orlin (1993), Network Flows, section 9.5.
     """
     parts = sides(problem)
     prices = [_prices(part, column, stop) for part, column in zip(parts, split(problem, parts, answer), strict=True)]
@@ -49,7 +38,7 @@ def recovered_prices(problem: BinAssignment, answer: tuple[int, ...], source: st
 
 
 def _lower(part: Side, cost: Wholes, column: Wholes, price: Wholes, stop: Stop) -> None:
-    """``lower_labels``, compiled where it is worth loading, of few pairs all rows at once."""
+    """``lower_labels``, compiled for many pairs, else all rows at once."""
     if len(cost) > FEW_PAIRS:
         from .price_kernels import lower_labels
 

@@ -1,4 +1,4 @@
-"""A bin assignment as one or two in which every row can have a column, and its prices put together again."""
+"""A bin assignment as one or two in which every row can have a column, and the prices of the whole from theirs."""
 
 from __future__ import annotations
 
@@ -27,17 +27,8 @@ Wholes = NDArray[np.int64]
 class Side:
     """Rows that each get a column, of which there may be more.
 
-    Parameters
-    ----------
-    indptr, listed, cost : arrays
-        Allowed pairs as a CSR matrix; None where each row has all ``columns``.
-    num_columns : int
-    rows_are_robots : bool
-        Else rows are bins, and columns robots.
-    row_numbers, column_numbers : arrays
-        What they are in the problem.
-    known : Spread, optional
-        Of the costs, where it is known.
+    Allowed pairs are a CSR matrix; ``listed`` is None where each row has all columns. Rows are robots, or bins where columns are robots;
+    their numbers are those of the problem. ``known`` is the spread of the costs, where it is known.
     """
 
     indptr: Wholes
@@ -69,10 +60,10 @@ class Side:
 
 
 def sides(problem: BinAssignment) -> list[Side]:
-    """The whole, robots or bins bidding, whichever are fewer; or, where neither can all be matched, both halves apart.
+    """The whole problem, whichever are fewer bidding; or two halves, where neither robots nor bins can all be matched.
 
     Every assignment of the most pairs matches all robots of the first half with bins of it, and all bins of the second with robots of it
-    (Dulmage and Mendelsohn 1958): no pair between the halves is of any use.
+    (Dulmage and Mendelsohn 1958): pairs between the halves are of no use.
     """
     n, m = problem.num_robots, problem.num_bins
     whole = problem.indptr.astype(np.int64), None if problem.complete else problem.bins, problem.cost
@@ -84,7 +75,7 @@ def sides(problem: BinAssignment) -> list[Side]:
     if most == m:
         return [_turned(problem.indptr.astype(np.int64), problem.bins, problem.cost, m)]
     rows, columns = surplus_rows(problem.indptr, problem.bins, m, problem.largest)
-    made = []
+    halves = []
     for own_rows, own_columns, robots in ((~rows, ~columns, True), (rows, columns, False)):
         if not own_rows.any() or not own_columns.any():
             continue
@@ -94,8 +85,8 @@ def sides(problem: BinAssignment) -> list[Side]:
         indptr = np.concatenate([[0], np.cumsum(np.bincount(robot, minlength=int(own_rows.sum())))])
         numbers = np.nonzero(own_rows)[0], np.nonzero(own_columns)[0]
         half = Side(indptr, column, problem.cost[kept], len(numbers[1]), True, *numbers)
-        made.append(half if robots else _turned(indptr, column, half.cost, half.num_columns, numbers))
-    return made
+        halves.append(half if robots else _turned(indptr, column, half.cost, half.num_columns, numbers))
+    return halves
 
 
 def _turned(indptr: Wholes, columns: Any, cost: Floats, m: int, numbers: tuple[Wholes, Wholes] | None = None) -> Side:
@@ -107,10 +98,10 @@ def _turned(indptr: Wholes, columns: Any, cost: Floats, m: int, numbers: tuple[W
     return Side(turned, rows[order], cost[order], n, False, bins, robots)
 
 
-def joined(problem: BinAssignment, parts: list[Side], found: list[Wholes]) -> tuple[int, ...]:
-    """The answer of the whole from the column of each row, -1 for none, of each part."""
+def joined(problem: BinAssignment, parts: list[Side], columns_of_rows: list[Wholes]) -> tuple[int, ...]:
+    """The answer of the whole from the columns of the rows of each part."""
     bins = np.full(problem.num_robots, -1, dtype=np.int64)
-    for part, column in zip(parts, found, strict=True):
+    for part, column in zip(parts, columns_of_rows, strict=True):
         has = np.nonzero(column >= 0)[0]
         rows, columns = part.row_numbers[has], part.column_numbers[column[has]]
         if part.rows_are_robots:
@@ -125,13 +116,13 @@ def split(problem: BinAssignment, parts: list[Side], answer: tuple[int, ...]) ->
     bins = np.array(answer, dtype=np.int64)
     holder = np.full(problem.num_bins, -1, dtype=np.int64)
     holder[bins[bins >= 0]] = np.nonzero(bins >= 0)[0]
-    made = []
+    parted = []
     for part in parts:
         number = np.full(problem.num_bins if part.rows_are_robots else problem.num_robots, -1, dtype=np.int64)
         number[part.column_numbers] = np.arange(part.num_columns)
         partner = (bins if part.rows_are_robots else holder)[part.row_numbers]
-        made.append(np.where(partner >= 0, number[partner], -1))
-    return made
+        parted.append(np.where(partner >= 0, number[partner], -1))
+    return parted
 
 
 def least_paid(part: Side, prices: Floats) -> Floats:
@@ -144,65 +135,65 @@ def least_paid(part: Side, prices: Floats) -> Floats:
 
 
 POLISHING = 200
-"""Sweeps that take the rounding of costs to whole numbers out of prices, where nothing else is between them and a proof."""
+"""Sweeps that take the rounding of costs to whole numbers out of prices, if only that is missing for a proof."""
 
 
 def proof(
     problem: BinAssignment, parts: list[Side], prices: list[Floats], answer: tuple[int, ...], source: str, stop: Stop, exact: bool = False
 ) -> Evidence:
-    """``price_evidence``; of prices that all but prove ``answer`` optimal, such as by an optimum of 0, the digits are set right.
+    """Evidence of prices; where they nearly prove ``answer`` optimal, their last digits are corrected.
 
-    Of ``exact`` ones, which prove its costs to the last digit, the value is not multiplied out: whoever is told of it does so.
+    ``exact`` prices prove its costs to the last digit, so that the value is not multiplied out here.
     """
     costs = problem.costs_of(answer)
     value, size = math.fsum(costs), math.fsum(np.abs(costs))
     if exact:
         return price_evidence(problem, parts, prices, source, value)
-    made = price_evidence(problem, parts, prices, source)
-    if same(value, made.value, size) or not same(value, made.value, float(np.abs(problem.cost).max(initial=0.0)) * len(costs)):
-        return made
+    evidence = price_evidence(problem, parts, prices, source)
+    if same(value, evidence.value, size) or not same(value, evidence.value, float(np.abs(problem.cost).max(initial=0.0)) * len(costs)):
+        return evidence
     from .price_kernels import lower_labels, raise_labels
 
-    found = [made]
+    proofs = [evidence]
     for labels, scale in ((lower_labels, 1.0), (raise_labels, 0.0)):  # the least prices lose fewest digits beside tiny costs
         polished = []
         for part, column, own in zip(parts, split(problem, parts, answer), prices, strict=True):
             price = own * scale
             labels(stop.flag, part.indptr, part.columns, part.cost, column.astype(np.int64), price, POLISHING)
             polished.append(np.maximum(price, 0.0))
-        found.append(price_evidence(problem, parts, polished, source))
-    return max(found, key=lambda evidence: evidence.value)
+        proofs.append(price_evidence(problem, parts, polished, source))
+    return max(proofs, key=lambda evidence: evidence.value)
 
 
 def price_evidence(problem: BinAssignment, parts: list[Side], prices: list[Floats], source: str, known: float | None = None) -> Evidence:
-    """Evidence ``assignment-prices`` of prices >= 0 of the columns of each part, 0 for those that are left over; its value may be known."""
+    """Evidence ``assignment-prices`` of prices >= 0 of the columns of each part, 0 for free columns; its value may be known."""
     from .....formulations.certificate import verified_bound
 
-    made, level = np.zeros(problem.num_bins), 0.0
+    of_bins, level = np.zeros(problem.num_bins), 0.0
     if len(parts) == 1 and (parts[0].num_rows == problem.num_robots) and parts[0].rows_are_robots:
-        made[:] = prices[0]
+        of_bins[:] = prices[0]
     elif len(parts) == 1 and parts[0].num_rows == problem.num_bins and not parts[0].rows_are_robots:
-        made[:] = -least_paid(parts[0], prices[0])
+        of_bins[:] = -least_paid(parts[0], prices[0])
     else:
-        level = _level(problem, parts, prices, made)
-    data = {"prices": made.tolist(), "level": level}
+        level = _level(problem, parts, prices, of_bins)
+    data = {"prices": of_bins.tolist(), "level": level}
     if known is not None:
         return Evidence("assignment-prices", source, known, data)
     evidence = Evidence("assignment-prices", source, 0.0, data)
     return Evidence("assignment-prices", source, verified_bound(problem, evidence), data)
 
 
-def _level(problem: BinAssignment, parts: list[Side], prices: list[Floats], made: Floats) -> float:
+def _level(problem: BinAssignment, parts: list[Side], prices: list[Floats], of_bins: Floats) -> float:
     """Fill in the prices of bins, and return a level so high that no pair between the halves pays."""
     robots, bins = np.full(problem.num_robots, np.nan), np.full(problem.num_bins, np.nan)
     for part, own in zip(parts, prices, strict=True):
         least = least_paid(part, own)
         if part.rows_are_robots:
-            made[part.column_numbers], robots[part.row_numbers] = own, least
+            of_bins[part.column_numbers], robots[part.row_numbers] = own, least
         else:
             bins[part.row_numbers] = least
     across = robots[problem.robots] + bins[problem.bins] - problem.cost
     level = float(np.nanmax(np.concatenate([robots, bins, across, [0.0]])))
     held = ~np.isnan(bins)
-    made[held] = level - bins[held]
+    of_bins[held] = level - bins[held]
     return level

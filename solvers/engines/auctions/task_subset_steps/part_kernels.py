@@ -1,4 +1,4 @@
-"""What parts of a partition cost, and partitions of the least spread, compiled. Imports numba: import it inside functions only."""
+"""Costs of parts of a partition, and partitions of the least spread, compiled. Imports numba: import it inside functions only."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def part_cost(weights, between, part, edges):  # type: ignore[no-untyped-def] # 
 
 @kernel("f8[::1](i8[::1], f8[::1], f8[:, ::1], i8)")
 def costs_of_sets(flag, weights, between, edges):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """The cost of every set as a part, shape (2^tasks,); worth nothing where it was asked to stop."""
+    """The cost of every set as a part, shape (2^tasks,); meaningless where it was asked to stop."""
     n = len(weights)
     found = np.zeros(1 << n)
     part = np.empty(n, np.int64)
@@ -61,16 +61,10 @@ def costs_of_sets(flag, weights, between, edges):  # type: ignore[no-untyped-def
 
 @kernel("Tuple((f8, i8[::1], b1))(i8[::1], f8[::1], i8)")
 def least_spread(flag, cost, parts):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """The partition whose largest cost exceeds the smallest by least: the difference, the set of each part, whether all were looked at.
+    """The partition with the least difference of largest and smallest cost: difference, set of each part, whether the search was complete.
 
-    Each part in turn takes the lowest task that is left, and any of the others; the spread of the parts so far only grows.
-
-    Parameters
-    ----------
-    flag : array
-    cost : array of shape (2^tasks,)
-    parts : int
-        Some of them may be empty.
+    Each part in turn takes the lowest free task, and any of the others; the spread of the parts so far only grows. ``cost`` has shape
+    (2^tasks,), and some parts may be empty.
     """
     every = len(cost) - 1
     best, shares = math.inf, np.zeros(parts, np.int64)

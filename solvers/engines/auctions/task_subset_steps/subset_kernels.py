@@ -15,15 +15,9 @@ from .....formulations.stop_kernel import asked
 
 @kernel("f8[:, ::1](i8[::1], f8[:, ::1], b1)")
 def costs_to_go(flag, between, waiting):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Least cost of doing every set of tasks, from each task on that is not in it, shape (2^tasks, tasks).
+    """Least cost of doing every set of tasks, starting from each task outside it, shape (2^tasks, tasks); meaningless if stopped.
 
-    Parameters
-    ----------
-    flag : array
-        Of a ``Stop``; what comes back is worth nothing where it was set.
-    between : array of shape (tasks, tasks)
-    waiting : bool
-        Whether a leg counts once for each task that is still to be done (the sum of all tasks' ways), or once.
+    With ``waiting`` a leg counts once for each task still to be done (the sum of all tasks' ways), else once.
     """
     n = len(between)
     found = np.zeros((1 << n, n))
@@ -67,15 +61,9 @@ def costs_of_robots(flag, starts, to_go, waiting):  # type: ignore[no-untyped-de
 
 @kernel("Tuple((f8, i8[::1]))(i8[::1], f8[:, ::1], b1)")
 def best_shares(flag, cost, largest):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """The best way to share all elements among parts: the value, infinite where it was asked to stop, and the set of each part.
+    """The best way to share all elements among parts: its value, infinite where it was asked to stop, and the set of each part.
 
-    Parameters
-    ----------
-    flag : array
-    cost : array of shape (parts, 2^elements)
-        Of every set in each part.
-    largest : bool
-        Whether the largest cost counts, or the sum.
+    ``cost`` is that of every set in each part, shape (parts, 2^elements); with ``largest`` the largest cost counts, else the sum.
     """
     parts, sets = cost.shape
     best = np.empty((parts, sets))

@@ -24,11 +24,8 @@ def test_any_prices_prove_no_more_than_what_holds(scale: float) -> None:
     for _ in range(draws(100)):
         problem = random_assignment(rng, 4, scale)
         best = enumerated(problem)
-        for prices in (
-            rng.integers(-5, 25, problem.num_jobs) * scale,
-            rng.random(problem.num_jobs) * 20 * scale,
-            np.zeros(problem.num_jobs),
-        ):
+        n = problem.num_jobs
+        for prices in (rng.integers(-5, 25, n) * scale, rng.random(n) * 20 * scale, np.zeros(n)):
             bound = check_job_prices(problem, {"prices": prices.tolist()})
             if best is not None:
                 assert bound <= best if problem.objective == "cost" else bound >= best

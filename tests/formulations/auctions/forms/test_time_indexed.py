@@ -8,22 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from draws import draws
-from orchard_cases import ONE_ROUTE, lane, random_jobs, retrievals
+from orchard_cases import ONE_ROUTE, SCHEDULES, lane, random_jobs, retrievals
 from program_text import expected, written
 
 import waybound as wb
 from waybound.formulations.auctions.forms.time_indexed import MOST_STARTS, full_at
 from waybound.instances.errors import InputError, UnsupportedError
-
-DAYS = {
-    "S1": (((0, 2), (1, 1), (0, 4)), (0, 0, 0), ((0, 0), (0, 0)), 6, 15),
-    "S2": (((0, 1), (0, 8), (4, 8)), (5, 0, 0), ((0, 0), (0, 0)), 18, 42),
-    "S3": (((0, 1), (1, 1), (2, 3), (3, 4), (4, 5), (4, 8)), (0,) * 6, ((0, 0), (0, 0)), 28, 85),
-    "S4": (((0, 2), (1, 2)), (0, 0), ((0, 0), (0, 6)), 5, 9),
-    "S5": (((0, 2), (1, 2), (0, 6), (2, 5)), (0, 0, 3, 0), ((0, 0), (0, 6)), 14, 38),
-}
-"""Cells, steps at which bins are full, robots, and the two optima (computed)."""
-
 
 ORCHARD = """
     {"waybound": 1, "kind": "orchard-jobs", "name": "orchard", "problem": "orchard-day",
@@ -62,9 +52,9 @@ def test_a_sum_of_steps_has_no_last_one_and_more_time(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("solver", ["highs", "cpsat"])
-@pytest.mark.parametrize("name", DAYS)
+@pytest.mark.parametrize("name", SCHEDULES)
 def test_worked_days(name: str, solver: str) -> None:
-    cells, full, robots, makespan, completion = DAYS[name]
+    cells, full, robots, _, makespan, completion = SCHEDULES[name]
     for objective, value in (("makespan", makespan), ("completion", completion)):
         found = wb.solve(retrievals(cells, full, robots, objective), solver, form="time-indexed", bound_time=60.0)
         assert (found.status, found.objective) == ("optimal", value)

@@ -26,3 +26,15 @@ def test_the_short_study_writes_tables_and_figures(tmp_path, capsys):
 def test_the_sizes_are_the_sources():
     size = study.Size()
     assert (size.robots, size.steps) == ((2, 3, 4, 5), 1000)
+
+
+@pytest.mark.slow
+def test_three_metrics_are_drawn(tmp_path):
+    rows = [
+        {"robots": m, "method": method, **{f"{name}{end}": 1.0 for name in study.METRICS for end in ("", "_half", "_above", "_above_half")}}
+        for m in (2, 3) for method in study.METHODS
+    ]  # fmt: skip
+    study.metrics_figure(pd.DataFrame(rows), tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
+    assert set(study.COLOURS) == set(study.METHODS)
+    assert set(study.TITLES) == set(study.METRICS)

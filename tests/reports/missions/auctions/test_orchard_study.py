@@ -47,3 +47,18 @@ def test_runs_of_numbers_are_told_shortly():
 def test_sizes_are_the_sources():
     size = study.Size()
     assert (size.robots, size.groups, size.days) == (tuple(range(2, 21)), (4, 8), 100)
+
+
+@pytest.mark.slow
+def test_one_row_a_number_of_groups_is_drawn(tmp_path):
+    steps = pd.DataFrame(
+        {"groups": g, "robots": m, "method": method, "least": 50, "steps": 400 / m, "steps_half": 3.0}
+        for g in (4, 8) for m in (2, 3) for method in study.METHODS
+    )  # fmt: skip
+    effects = pd.DataFrame(
+        {"groups": g, "robots": m, **dict.fromkeys(study.EFFECTS, 1.0), **{f"{name} half": 0.2 for name in study.EFFECTS}}
+        for g in (4, 8) for m in (2, 3)
+    )  # fmt: skip
+    study.ablation_figure(steps, effects, tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
+    assert set(study.COLOURS) == set(study.METHODS)

@@ -10,7 +10,8 @@ from bin_assignments import BOTTLENECKS, OPTIMA, worked
 import waybound as wb
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.stop import NEVER, Stop
-from waybound.solvers.bounds.auctions.assignment_prices import compute, missing
+from waybound.solvers.bounds import BOUNDS
+from waybound.solvers.bounds.auctions.assignment_prices import compute
 from waybound.solvers.linear_programs import LinearPrograms
 
 
@@ -28,4 +29,4 @@ def test_where_there_is_no_answer_that_is_proved_and_when_it_is_stopped_nothing(
     stop.ask()
     assert compute(worked("K4"), stop, LinearPrograms()) is None
     assert wb.bound(worked("K4")).bound == 38.0
-    assert missing(wb.read("demo-tiny")) == {"routing problems"}
+    assert BOUNDS["assignment-prices"].missing(wb.read("demo-tiny")) == {"routing problems"}

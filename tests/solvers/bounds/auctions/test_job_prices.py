@@ -12,7 +12,8 @@ import waybound as wb
 from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import NEVER, Stop
-from waybound.solvers.bounds.auctions.job_prices import compute, missing
+from waybound.solvers.bounds import BOUNDS
+from waybound.solvers.bounds.auctions.job_prices import compute
 from waybound.solvers.bounds.linear_relaxation import linear_relaxation_bound
 from waybound.solvers.linear_programs import LinearPrograms
 
@@ -68,4 +69,4 @@ def test_stopped_it_still_proves_something_or_nothing() -> None:
     stop.ask()
     evidence = compute(worked(), stop, LinearPrograms())
     assert evidence is None or verified_bound(worked(), evidence) <= 6.0
-    assert missing(wb.BinAssignment.from_matrix([[1.0]])) == {"bin-assignment problems"}
+    assert BOUNDS["job-prices"].missing(wb.BinAssignment.from_matrix([[1.0]])) == {"bin-assignment problems"}

@@ -13,7 +13,6 @@ from draws import draws
 import waybound as wb
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.stop import NEVER
-from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.engines.auctions.assignment_steps import auction as steps
 from waybound.solvers.engines.auctions.assignment_steps import recovered_prices
@@ -64,11 +63,6 @@ def test_a_search_that_is_cut_short_has_the_most_pairs() -> None:
     control.stop()
     raw = BACKENDS["epsilon-scaling"]().run(worked("O"), Options(time_limit=10.0), control)
     assert raw.status == "feasible" and raw.answer == worked("O").answer_at_hand() and "cut short" in raw.message
-
-
-def test_bottlenecks_are_refused_by_name() -> None:
-    with pytest.raises(UnsupportedError, match="epsilon-scaling cannot take this problem"):
-        wb.solve(worked("O", objective="bottleneck"), "epsilon-scaling")
 
 
 def scarce(n: int) -> np.ndarray:

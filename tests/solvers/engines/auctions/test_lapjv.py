@@ -9,7 +9,6 @@ from draws import draws
 
 import waybound as wb
 from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.instances.errors import UnsupportedError
 from waybound.instances.generating import generate
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.engines.auctions import lapjv
@@ -44,11 +43,6 @@ def test_no_optimum_is_claimed_that_the_prices_do_not_prove() -> None:
     raw = BACKENDS["lapjv"]().run(BinAssignment.from_matrix(costs), Options(time_limit=10.0), Control())
     assert raw.objective is not None and raw.objective > 4e-9 * 2, "the library is right by now: find other costs"
     assert raw.status == "feasible" and raw.bound is None and "do not prove it optimal" in raw.message
-
-
-def test_bottlenecks_are_refused_by_name() -> None:
-    with pytest.raises(UnsupportedError, match="lapjv cannot take this problem: it does not handle objective:bottleneck"):
-        wb.solve(worked("O", objective="bottleneck"), "lapjv")
 
 
 @pytest.mark.slow

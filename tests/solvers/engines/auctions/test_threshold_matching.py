@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
-from bin_assignments import BOTTLENECKS, worked
+from bin_assignments import BOTTLENECKS, enumerated, random_costs, worked
+from draws import draws
 
 import waybound as wb
-from waybound.instances.errors import UnsupportedError
+from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.formulations.stop import NEVER, Stop
+from waybound.solvers.engines.auctions.threshold_matching import least_threshold
 
 
 @pytest.mark.parametrize("name", BOTTLENECKS)
@@ -16,6 +20,21 @@ def test_worked_bottlenecks_are_optimal_by_what_meets_all_cheaper_pairs(name: st
     assert found.bound_kind == "verified" and found.status == "optimal"
 
 
-def test_sums_are_refused_by_name() -> None:
-    with pytest.raises(UnsupportedError, match="it does not handle objective:sum"):
-        wb.solve(worked("O"), "threshold-matching")
+def test_answer_and_evidence_meet_at_what_enumeration_says() -> None:
+    rng = np.random.default_rng(14)
+    for _ in range(draws(100)):
+        costs = random_costs(rng, 5)
+        problem = BinAssignment.from_matrix(costs, objective="bottleneck")
+        most, _, largest = enumerated(costs)
+        found = least_threshold(problem, NEVER)
+        assert found.complete and problem.evaluate(found.answer).feasible
+        if most:
+            assert found.evidence is not None and found.evidence.value == largest == problem.evaluate(found.answer).values[0]
+
+
+def test_stopped_it_has_an_answer_all_the_same() -> None:
+    stop = Stop()
+    stop.ask()
+    problem = BinAssignment.from_matrix(np.arange(9.0).reshape(3, 3), objective="bottleneck")
+    found = least_threshold(problem, stop)
+    assert not found.complete and problem.evaluate(found.answer).feasible and found.evidence is not None and found.evidence.value == 0.0

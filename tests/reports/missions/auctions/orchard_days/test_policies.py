@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from orchard_cases import retrievals
+from orchard_cases import SCHEDULES, retrievals
 
 from waybound.instances.auctions.orchard_grid import OrchardGrid
 from waybound.instances.auctions.orchard_rules import OrchardRules, Trip
@@ -47,17 +47,17 @@ def event_driven(problem, choice):
 
 
 @pytest.mark.parametrize(
-    ("places", "full", "robots", "nearest", "auction"),
+    ("name", "nearest", "auction"),
     [
-        (((0, 2), (1, 1), (0, 4)), (0, 0, 0), ((0, 0), (0, 0)), (9, 15), (9, 15)),
-        (((0, 1), (0, 8), (4, 8)), (5, 0, 0), ((0, 0), (0, 0)), (18, 44), (24, 42)),
-        (((0, 1), (1, 1), (2, 3), (3, 4), (4, 5), (4, 8)), (0,) * 6, ((0, 0), (0, 0)), (32, 85), (32, 85)),
-        (((0, 2), (1, 2)), (0, 0), ((0, 0), (0, 6)), (8, 11), (8, 11)),
-        (((0, 2), (1, 2), (0, 6), (2, 5)), (0, 0, 3, 0), ((0, 0), (0, 6)), (19, 42), (19, 39)),
+        ("S1", (9, 15), (9, 15)),
+        ("S2", (18, 44), (24, 42)),
+        ("S3", (32, 85), (32, 85)),
+        ("S4", (8, 11), (8, 11)),
+        ("S5", (19, 42), (19, 39)),
     ],
 )
-def test_schedules_of_the_reference(places, full, robots, nearest, auction):
-    problem = retrievals(places, full, robots)
+def test_schedules_of_the_reference(name, nearest, auction):
+    problem = retrievals(*SCHEDULES[name][:3])
     assert event_driven(problem, "greedy") == nearest
     assert event_driven(problem, "auction") == auction
 

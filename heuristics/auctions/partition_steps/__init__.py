@@ -1,3 +1,0 @@
-"""Local search for balanced partitions."""
-
-from .... import _guard as _guard

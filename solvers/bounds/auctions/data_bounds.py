@@ -1,0 +1,27 @@
+"""Bounds that need no search: their checkers read the data of the problem alone, and their evidence is empty."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from ....formulations.evidence import CHECKERS, Evidence
+from .. import BOUNDS, BoundMethod
+
+
+def only(family: str) -> Callable[[Any], frozenset[str]]:
+    """The ``missing`` function of a bound method for one family."""
+    return lambda problem: frozenset() if problem.family == family else frozenset({f"{problem.family} problems"})
+
+
+def _add(kind: str, family: str, source: str, *, valued: bool = False) -> None:
+    def compute(problem: Any, *_: Any) -> Evidence:
+        return Evidence(kind, source, CHECKERS[kind](problem, {}) if valued else 0.0, {})
+
+    BOUNDS.add(kind, BoundMethod(kind, only(family), compute))
+
+
+_add("average-part", "balanced-partition", "mean of what all parts must cost")
+_add("best-increments", "room-exploration", "best visits and observations, one a robot and step")
+_add("retrievals", "orchard-day", "steps of all retrievals, and of each bin", valued=True)
+_add("shortest-ways", "task-allocation", "shortest ways to all tasks")
