@@ -13,11 +13,15 @@ from ..instances.errors import CheckFailedError, InputError, UsageError, in_word
 from ..instances.printable import printable
 from . import tolerance
 from .evaluation import Check, Evaluation, Violation
-from .evidence import CHECKERS, ENDLESS, Evidence, Guarantee
+from .evidence import Evidence, Guarantee
 from .levels import LevelBound, check_levels, with_levels
 from .problem import Problem
 from .rendering import Line, as_html, as_rich, as_text, number, percent
 from .stated import compare_answer, real, stated_evidence, stated_guarantee
+from .verified_bounds import beats_bound as beats_bound
+from .verified_bounds import better_bound as better_bound
+from .verified_bounds import proves_unbounded as proves_unbounded
+from .verified_bounds import verified_bound as verified_bound
 
 SCHEMA = 1
 """Version of the certificate's JSON."""
@@ -164,44 +168,6 @@ class Certificate:
 
 
 Certificate.instance_hash = _Digest()  # type: ignore[assignment]
-
-
-def better_bound(sense: str, a: float, b: float) -> bool:
-    """Whether bound ``a`` says more than ``b``."""
-    return a > b if sense == "min" else a < b
-
-
-def beats_bound(sense: str, objective: float, bound: float, size: float = 0.0) -> bool:
-    """Whether an objective is better than a bound says is possible, beyond rounding."""
-    return better_bound(sense, bound, objective) and not tolerance.same(objective, bound, size)
-
-
-def verified_bound(problem: Problem, evidence: Evidence) -> float:
-    """The bound that the checker derives from ``evidence``; raises InputError where its shape is wrong.
-
-    It is infinite where ``evidence`` proves nothing, or (with the other sign) that there is no answer: see ``EvidenceChecker``.
-    """
-    if evidence.kind in ENDLESS:
-        return -math.inf if problem.sense == "min" else math.inf
-    try:
-        return float(CHECKERS[evidence.kind](problem, evidence.data)) + 0.0  # -0.0 is 0
-    except _MALFORMED as fault:
-        raise _malformed(evidence, fault) from fault
-
-
-def proves_unbounded(problem: Problem, evidence: Evidence) -> bool:
-    """Whether ``evidence`` proves that answers are as good as one wants; raises InputError where its shape is wrong."""
-    try:
-        return evidence.kind in ENDLESS and bool(ENDLESS[evidence.kind](problem, evidence.data))
-    except _MALFORMED as fault:
-        raise _malformed(evidence, fault) from fault
-
-
-_MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError)
-
-
-def _malformed(evidence: Evidence, fault: Exception) -> InputError:
-    return InputError(f"evidence of kind {evidence.kind} is malformed", found=f"{type(fault).__name__}: {fault}")
 
 
 def certify(
@@ -397,12 +363,12 @@ def certificate_title(certificate: Certificate) -> str:
 
 
 def certificate_lines(certificate: Certificate) -> list[Line]:
-    """What a certificate says, one fact a line."""
+    """The facts of a certificate, one a line."""
     return [*answer_lines(certificate), *_bound_lines(certificate)]
 
 
 def answer_lines(c: Certificate) -> list[Line]:
-    """What was found of the answer."""
+    """Lines about the answer."""
     if c.feasible is None:
         return [Line("answer", "none", "quiet")]
     if c.feasible:
@@ -430,7 +396,7 @@ def answer_lines(c: Certificate) -> list[Line]:
 
 
 def bound_line(c: Certificate) -> Line:
-    """What is proved of all answers."""
+    """Line about the bound on all answers."""
     if c.infeasible or c.unbounded:
         return Line("bound", f"none: there is no {'solution' if c.infeasible else 'best solution'}, verified: {_source(c)}", "bad")
     if c.bound is None:
@@ -440,7 +406,7 @@ def bound_line(c: Certificate) -> Line:
 
 
 def bound_lines(c: Certificate) -> list[Line]:
-    """What is proved of all answers, and of which ones a level's bound is, where it is no answer that says so."""
+    """Lines about the bounds on all answers, level by level; without an answer they say for which answers each holds."""
     lines = [bound_line(c)]
     if c.feasible is None:
         lines += [
@@ -458,7 +424,7 @@ def _bound_lines(c: Certificate) -> list[Line]:
 
 
 def _source(c: Certificate) -> str:
-    """What proves the bound: a file's own name for it stands in quotes, behind the kind of evidence that was multiplied out."""
+    """Source of the bound; a name taken from a file stands in quotes behind the kind of evidence that was checked."""
     return f"{c.evidence[0].kind}, in the file {printable(c.bound_source, 200)!r}" if c.from_file and c.evidence else str(c.bound_source)
 
 
@@ -467,7 +433,7 @@ def _level_source(c: Certificate, level: LevelBound) -> str:
 
 
 def ratio_lines(c: Certificate) -> list[Line]:
-    """What ratio is guaranteed, and what was observed."""
+    """Lines about the guaranteed and the observed ratio."""
     lines = []
     if c.guarantee is not None:
         text = f"ratio {number(c.guarantee.ratio)}: {c.guarantee.statement} ({c.guarantee.source})"

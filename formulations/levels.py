@@ -13,6 +13,8 @@ from .evaluation import Evaluation
 from .evidence import Evidence
 from .problem import Problem
 from .rendering import number
+from .stated import real, stated_evidence
+from .verified_bounds import beats_bound, better_bound, verified_bound
 
 if TYPE_CHECKING:
     from .certificate import Certificate
@@ -40,7 +42,7 @@ class LevelBound:
 
     @property
     def source(self) -> str:
-        """What proves it, for people."""
+        """The source of its proof, in words."""
         return self.evidence.source
 
     def to_json(self, *, with_evidence: bool = False) -> dict[str, Any]:
@@ -74,8 +76,6 @@ def best_level_bound(
     CheckFailedError
         If a verified bound contradicts the value that a feasible answer has at the level.
     """
-    from .certificate import beats_bound, better_bound, verified_bound
-
     level = len(before)
     part, sense = problem.given(before), problem.senses[level]
     found: LevelBound | None = None
@@ -135,9 +135,6 @@ def check_levels(problem: Problem, data: Any, evaluation: Evaluation | None, of_
     CheckFailedError
         If one states more than its evidence proves, or speaks of other values than the answer's.
     """
-    from .certificate import better_bound, verified_bound
-    from .stated import real, stated_evidence
-
     if data is None:
         return ()
     if not isinstance(data, list) or len(data) > min(MOST_LEVELS, len(problem.senses) - 1):

@@ -17,8 +17,6 @@ from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import (
     SHOWN_VIOLATIONS,
     Certificate,
-    beats_bound,
-    better_bound,
     certificate_lines,
     certify,
     check_certificate,
@@ -32,7 +30,7 @@ from waybound.formulations.routing.routes import Routes
 from waybound.formulations.stop import Stop
 from waybound.instances.errors import CheckFailedError, InputError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.instances.routing.travel import Travel
 from waybound.solvers.bounds.routing.spanning_tree import spanning_tree_bound
 
 SQUARE = np.array([(0, 0), (3, 0), (3, 4), (0, 4)], dtype=float)
@@ -139,15 +137,6 @@ def test_malformed_evidence_is_an_input_error(says):
         verified_bound(problem, Evidence("hearsay", "", 0.0, {}))
 
 
-def test_comparisons_follow_the_sense():
-    assert better_bound("min", 2.0, 1.0)
-    assert better_bound("max", 1.0, 2.0)
-    assert beats_bound("min", 0.9, 1.0)
-    assert beats_bound("min", 1.0 - 5e-7, 1.0)
-    assert not beats_bound("min", 1.0 - 5e-10, 1.0) and beats_bound("min", 1e-12 - 5e-16, 1e-12)
-    assert beats_bound("max", 1.1, 1.0)
-
-
 # -- certificate files -----------------------------------------------------------------------------------------------
 
 
@@ -226,16 +215,6 @@ def test_files_that_are_malformed_or_for_other_data_are_refused(change):
 def test_what_is_no_object_is_no_certificate():
     with pytest.raises(InputError, match="not a waybound certificate"):
         check_certificate(square(), [], None)  # type: ignore[arg-type]
-
-
-def test_evidence_for_one_instance_is_priced_anew_on_another():
-    near, far = (
-        square(),
-        RoutingProblem(Sites.of("oabc", demand=[0, 1, 1, 1]), Travel(EXPLICIT, matrix=np.full((4, 4), 100.0)), (VehicleType(count=1),)),
-    )
-    evidence = spanning_tree_bound(far, Stop(60.0))
-    assert verified_bound(far, evidence) == pytest.approx(400.0)
-    assert verified_bound(near, evidence) <= 14.0 + 1e-9
 
 
 # -- for people --------------------------------------------------------------------------------------------------------

@@ -135,7 +135,7 @@ def test_more_levels_than_the_problem_has_are_refused(solved: Any) -> None:
 def test_a_bound_that_contradicts_the_answer_is_an_error(solved: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     problem, evaluation, _ = solved
     lie = Evidence("lie", "a lie", 0.0, {})
-    monkeypatch.setattr("waybound.formulations.certificate.verified_bound", lambda problem, evidence: 1e9)
+    monkeypatch.setattr("waybound.formulations.levels.verified_bound", lambda problem, evidence: 1e9)
     with pytest.raises(CheckFailedError, match="one of the two checks is wrong"):
         best_level_bound(problem, evaluation.values[:1], evaluation, [lie])
 
@@ -173,7 +173,7 @@ def test_a_certificate_of_bounds_alone_says_nothing_of_answers_that_are_worse_be
 
 def test_that_no_answer_meets_the_bound_before_is_told_without_one(solved: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     problem, *_ = solved
-    monkeypatch.setattr("waybound.formulations.certificate.verified_bound", lambda problem, evidence: float("inf"))
+    monkeypatch.setattr("waybound.formulations.levels.verified_bound", lambda problem, evidence: float("inf"))
     notes: list[str] = []
     assert best_level_bound(problem, (1.0,), None, [Evidence("some", "some proof", 0.0, {})], notes) is None
     assert notes == ["no solution is worth 1 before level 2: some proof"]

@@ -1,0 +1,48 @@
+"""Bounds that a checker derives from evidence, and which of two says more."""
+
+from __future__ import annotations
+
+import math
+
+from ..instances.errors import InputError
+from . import tolerance
+from .evidence import CHECKERS, ENDLESS, Evidence
+from .problem import Problem
+
+
+def better_bound(sense: str, a: float, b: float) -> bool:
+    """Whether bound ``a`` says more than ``b``."""
+    return a > b if sense == "min" else a < b
+
+
+def beats_bound(sense: str, objective: float, bound: float, size: float = 0.0) -> bool:
+    """Whether an objective is better than a bound says is possible, beyond rounding."""
+    return better_bound(sense, bound, objective) and not tolerance.same(objective, bound, size)
+
+
+def verified_bound(problem: Problem, evidence: Evidence) -> float:
+    """The bound that the checker derives from ``evidence``; raises InputError where its shape is wrong.
+
+    It is infinite where ``evidence`` proves nothing, or (with the other sign) that there is no answer: see ``EvidenceChecker``.
+    """
+    if evidence.kind in ENDLESS:
+        return -math.inf if problem.sense == "min" else math.inf
+    try:
+        return float(CHECKERS[evidence.kind](problem, evidence.data)) + 0.0  # -0.0 is 0
+    except _MALFORMED as fault:
+        raise _malformed(evidence, fault) from fault
+
+
+def proves_unbounded(problem: Problem, evidence: Evidence) -> bool:
+    """Whether ``evidence`` proves that answers are as good as one wants; raises InputError where its shape is wrong."""
+    try:
+        return evidence.kind in ENDLESS and bool(ENDLESS[evidence.kind](problem, evidence.data))
+    except _MALFORMED as fault:
+        raise _malformed(evidence, fault) from fault
+
+
+_MALFORMED = (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError)
+
+
+def _malformed(evidence: Evidence, fault: Exception) -> InputError:
+    return InputError(f"evidence of kind {evidence.kind} is malformed", found=f"{type(fault).__name__}: {fault}")
