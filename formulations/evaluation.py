@@ -71,7 +71,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What ``problem.evaluate(answer)`` returns.
+    """Verdict on an answer, as ``problem.evaluate(answer)`` returns it.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ class Evaluation:
 
     @property
     def size(self) -> float:
-        """Of what was added up to the first value."""
+        """Size of the numbers that were added up to the first value."""
         return self.sizes[0] if self.sizes else abs(self.values[0])
 
     def same_at(self, level: int, value: float, precision: float = 0.0) -> bool:

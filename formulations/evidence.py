@@ -64,7 +64,7 @@ ENDLESS: Registry[Callable[[Any, Mapping[str, Any]], bool]] = Registry(
 
 @dataclass(frozen=True)
 class LeftOut:
-    """What an answer leaves out, and why.
+    """A thing that an answer leaves out, with the reason.
 
     Parameters
     ----------

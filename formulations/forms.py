@@ -15,7 +15,7 @@ from .programs.size import ProgramSize
 
 
 class Asked(Protocol):
-    """What a form looks at in a problem before it is asked to write it down."""
+    """The part of a problem that decides whether a form can write it down."""
 
     @property
     def family(self) -> str: ...

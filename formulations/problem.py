@@ -1,4 +1,4 @@
-"""What every problem can do, whatever its family."""
+"""The base class of all problems."""
 
 from __future__ import annotations
 
@@ -79,21 +79,21 @@ class Problem(ABC):
 
     @abstractmethod
     def features(self) -> frozenset[str]:
-        """What a solver must be able to express, in the problem's words."""
+        """Features that a solver must be able to express."""
 
     @abstractmethod
     def evaluate(self, answer: Any) -> Evaluation:
         """Recompute objective and violations of ``answer`` from the data alone."""
 
     def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
-        """By how much an answer may pass the bound that ``evidence`` proves: what the residuals of its checks are worth.
+        """Amount by which an answer may pass the bound that ``evidence`` proves, because its checks hold only up to their residuals.
 
         0 wherever the checker of the evidence widens all limits, or the judge prices answers within them.
         """
         return 0.0
 
     def facts(self) -> dict[str, Any]:
-        """What is worth knowing of the data beside name, features and the like: plain JSON values by name, for ``waybound info``.
+        """Facts about the data for ``waybound info``, as plain JSON values by name.
 
         ``objective``, a text, is shown beside the sense.
         """
@@ -135,7 +135,7 @@ class Problem(ABC):
         return None
 
     def left_out(self, answer: Any) -> Sequence[LeftOut]:
-        """What ``answer`` might hold and does not, each with the reason."""
+        """Optional things that ``answer`` leaves out, each with the reason."""
         return ()
 
     # -- parts of all answers ----------------------------------------------------------------------------------------
@@ -171,7 +171,7 @@ class Problem(ABC):
         return f"{statement} {'holds' if holds else 'does not hold'}"
 
     def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
-        """What evidence that there is no answer says, for people."""
+        """A proof that there is no answer, in words."""
         return f"there is no answer, by evidence of kind {kind}"
 
     # -- answers as files and tables ---------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""What a user may mean by text and whole numbers where things have both names and indices."""
+"""References to things by name or index, as users write them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was known at each moment of a search: the rows of ``Solution.history``."""
+"""The history of a search: the best answer and bound known at each moment."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Event:
 
     @property
     def gap(self) -> float | None:
-        """Of the first level, None where a side is missing."""
+        """Gap of the first level; None where a side is missing."""
         if self.objective is None or self.bound is None or self.bound[0] is None:
             return None
         return gap(self.objective[0], self.bound[0])

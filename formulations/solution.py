@@ -1,4 +1,4 @@
-"""What ``solve`` returns: an answer with its evidence."""
+"""Solutions: answers with their evidence, as ``solve`` returns them."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def relative_gap(objective: Value | None, bound: Value | None, sizes: Sequence[f
 
 @dataclass(frozen=True)
 class Opinion:
-    """What another solver says of a claim that stands without evidence.
+    """Another solver's view of a claim that stands without evidence.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ class Solution:
 
     @property
     def history(self) -> pd.DataFrame:
-        """What was known at each moment, one row whenever something better was found, and the checked figures as the last row.
+        """The best answer and bound over time: one row whenever something better was found, and the checked figures as the last row.
 
         Columns ``seconds`` since the call of ``solve``, ``phase`` (``solve, bound, check``), ``objective`` and ``bound`` (the best known,
         by the search's own count before the last row), ``bound_kind`` (``claimed``, ``evidence``: to be checked, ``verified``), ``gap``,
@@ -212,7 +212,7 @@ class Solution:
         write_answer(self, path)
 
     def left_out(self) -> pd.DataFrame:
-        """What the answer leaves out, one row each.
+        """Everything that the answer leaves out, one row each.
 
         Columns ``where`` (routing: the id of a site), ``reason``, and ``proved``: whether no answer can hold it, as a checker confirmed;
         all other reasons are of this answer.

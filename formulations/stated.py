@@ -1,4 +1,4 @@
-"""What a certificate file states, field by field, beside what was recomputed. Nothing of the file is taken over unless it agrees."""
+"""Certificate files compared field by field with recomputed values; nothing is taken over from a file unless it agrees."""
 
 from __future__ import annotations
 

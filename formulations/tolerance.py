@@ -1,4 +1,4 @@
-"""What counts as within a limit, as equal and as closed: the one place that decides it, relative to the size of what is compared.
+"""Tolerances: the one place that decides when numbers are within a limit, equal or closed, relative to the sizes compared.
 
 Data multiplied by any power of two give the same verdicts. Nothing here is in units of the data.
 """
@@ -33,7 +33,7 @@ _WHOLE = 2.0**53
 
 
 def allowance(limit: ArrayLike, total: ArrayLike, size: ArrayLike = 0.0) -> NDArray[np.float64]:
-    """By how much ``total`` may exceed ``limit`` and still count as within it.
+    """Amount by which ``total`` may exceed ``limit`` and still count as within it.
 
     Parameters
     ----------

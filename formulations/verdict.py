@@ -1,4 +1,4 @@
-"""What a run proved, by what, and what it did not: sentences for who has never seen the tool."""
+"""Summary of a run in plain sentences: what is proved, by which evidence, and what is not."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def _verified_bounds(s: Solution) -> list[tuple[float, str]]:
 
 
 def _levels(s: Solution, verified: Sequence[tuple[float, str]], values: Sequence[float | None] | None) -> list[Line]:
-    """What each level's verified bound says of the answer, and which levels are open."""
+    """Lines on each level: what its verified bound says of the answer, and whether it is open."""
     lines = []
     senses = s.problem.senses
     for level, sense in enumerate(senses):

@@ -23,7 +23,7 @@ CUT_SHORT = "the time was up, or it was asked to stop"
 
 @dataclass(frozen=True)
 class Context:
-    """What a heuristic may use while it runs.
+    """Time, randomness and the line to the caller of a heuristic that runs.
 
     Parameters
     ----------

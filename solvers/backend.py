@@ -32,7 +32,7 @@ library, which can be interrupted."""
 
 @dataclass(frozen=True)
 class Options:
-    """What every solver is told, in the same words.
+    """Limits and settings of a search, the same for every solver.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class Options:
     extra: dict[str, Any] = field(default_factory=dict)
 
     def asked(self) -> dict[str, Any]:
-        """What a method may not honour and is asked for, by name."""
+        """The limits that are set and that not every method keeps to, by name."""
         given = {"iterations": self.iterations, "no_improvement": self.no_improvement, "gap": self.gap or None}
         return {name: value for name, value in given.items() if value is not None}
 
@@ -84,7 +84,7 @@ class LevelClaim:
 
 @dataclass(frozen=True)
 class RawResult:
-    """What a solver says, before anything of it is believed.
+    """The result of a search as the solver reports it, unchecked.
 
     Parameters
     ----------

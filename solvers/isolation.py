@@ -64,7 +64,7 @@ class SolverWork:
 
     @property
     def modules(self) -> tuple[str, ...]:
-        """What is loaded before time and memory are counted."""
+        """Modules that are loaded before time and memory are counted."""
         return solver_named(self.solver).modules
 
     def __call__(self, control: Control) -> RawResult:
@@ -210,7 +210,7 @@ class _Child:
         return self.asked is not None and now > self.asked + GRACE
 
     def _obituary(self) -> RawResult:
-        """What to say about a child that ended without a last word."""
+        """Message about a child that ended without a result."""
         code = self.process.wait()
         self.output.seek(0)
         said = self.output.read()[-2000:].decode(errors="replace").strip()

@@ -43,7 +43,7 @@ class LinearPrograms:
         return backend
 
     def solve(self, program: Program, stop: Stop = NEVER, suits: Suits | None = None, *, iterations: int | None = None) -> RawResult:
-        """What the solver says of ``program`` until ``stop``.
+        """The solver's result for ``program``, searched until ``stop``.
 
         ``suits`` and ``iterations`` concern those solvers alone that ``suits`` names: what counts as one is not the same for all.
         """

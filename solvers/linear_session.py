@@ -20,7 +20,7 @@ SLICE = 0.2
 
 @dataclass(frozen=True, eq=False)
 class LinearResult:
-    """What a run found.
+    """Status, objective, point and duals of one run.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is installed, told without importing it."""
+"""Installed packages and their versions, found without importing them."""
 
 from __future__ import annotations
 

@@ -132,7 +132,7 @@ class Held:
 
     @property
     def told(self) -> str:
-        """What was held, for people."""
+        """The levels that were held while later ones were improved, in words."""
         return "held " + ", ".join(f"level {k} at {value:.10g}" for k, (_, _, value) in enumerate(self._levels.values(), start=1))
 
 

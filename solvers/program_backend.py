@@ -1,4 +1,4 @@
-"""What all backends do alike: a program is made ready, given to the solver, and its last word taken for what it is worth."""
+"""Base class of solvers that take programs: reduce the program, run the solver, and check what it returns."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class ProgramBackend(Backend):
         return CIRCUITS if features >= CIRCUITS and self.able(features - CIRCUITS) else frozenset({f"{program.kind} programs"})
 
     def missing(self, program: Program) -> frozenset[str]:
-        """What ``program`` asks for and the solver lacks, its numbers considered; empty if it can take it."""
+        """Features of ``program`` that the solver lacks, its numbers included; empty if it can take it."""
         lacking = self.lacking(program)
         try:
             if not lacking and any(reduction.may_refuse for reduction in self.reductions):
@@ -168,7 +168,7 @@ class ProgramBackend(Backend):
 
     @abstractmethod
     def search(self, program: Any, options: Options, control: Control) -> RawResult:
-        """What the solver says of a program that went through ``chain``, in its units.
+        """The solver's result for a program that went through the chain, in that program's units.
 
         ``answer`` may be any point that it left behind, ``status`` its own word: points are checked, objectives computed, a claim of an
         optimum without a bound that meets it taken back, and ``infeasible_or_unbounded`` told apart by ``run``. Who states ``objective``
@@ -183,7 +183,7 @@ class ProgramBackend(Backend):
         return WITHOUT_OBJECTIVE.get(again.status, "infeasible_or_unbounded")
 
     def _concluded(self, program: Any, said: RawResult, control: Control) -> RawResult:
-        """What is true of the solver's last word."""
+        """The solver's result without the claims that its point or bound does not support."""
         if said.status not in ("optimal", "feasible", "unknown"):
             return replace(said, limit="none" if said.status != "error" else said.limit, answer=None, bound=None, row_duals=None)
         status, limit, bound, message = said.status, said.limit, said.bound, said.message
@@ -221,7 +221,7 @@ def _meet(value: float | None, bound: float | None) -> bool:
 
 
 class _Relay(Control):
-    """What a backend publishes of the last program of a chain, handed on in the units of the first; without a chain nothing is."""
+    """Passes on what a backend publishes, translated from the last program of a chain to the first; nothing without a chain."""
 
     def __init__(self, outer: Control, chain: Chain | None) -> None:
         super().__init__()
@@ -268,7 +268,7 @@ def settled(program: Program) -> RawResult | None:
 
 
 def kinds_of(backend: type[ProgramBackend]) -> list[str]:
-    """What it takes, in the usual words: ``LP``, ``MILP``, ..."""
+    """Classes of programs that a backend takes: ``LP``, ``MILP``, ..."""
     further = [LINEAR, CIRCUITS, *(frozenset({cone}) for cone in CONES)]
     asked = (f | more for f in (LINEAR, INTEGERS, QUADRATIC, INTEGERS | QUADRATIC) for more in further)
     return sorted({described(f) for f in asked if backend.takers(f)})

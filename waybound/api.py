@@ -1,4 +1,4 @@
-"""What composes the floors for a user: read, generate, solve, check, bound, explain. ``waybound`` re-exports it."""
+"""The functions that users call: read, generate, solve, check, judge, bound, explain. ``waybound`` re-exports them."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def read(
 
 
 def problem_of(instance: Instance, problem: str | None, convention: str | None, settings: Mapping[str, Any]) -> Problem:
-    """What ``read`` makes of the instance in a file."""
+    """The problem that ``read`` makes of an instance."""
     from .formulations.problem import problem_from_instance
 
     return problem_from_instance(instance, problem, **_settings(convention, settings))

@@ -58,7 +58,7 @@ class BoundMethod:
         return all(kernel.kept() for module in self.kernels for kernel in kernels(module))
 
     def evidence(self, problem: Any, stop: Stop, linear: LinearPrograms, target: float | None = None) -> Evidence | None:
-        """What ``compute`` finds."""
+        """The evidence that ``compute`` finds, if any."""
         return self.compute(problem, stop, linear, target=target) if self.aims else self.compute(problem, stop, linear)
 
 

@@ -90,7 +90,7 @@ class _Costs:
             self.seen[side, column] += 1
 
     def estimates(self, columns: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
-        """What branching on each of ``columns`` is expected to gain, downwards and upwards; the mean of all where nothing is known."""
+        """Expected gain of the bound from branching on each of ``columns``, downwards and upwards; their mean where nothing is known."""
         down = values - np.floor(values)
         found = []
         for side, distance in ((0, down), (1, 1.0 - down)):
@@ -175,7 +175,7 @@ class _Tree(ProofTree[_Node]):
         return same(node.bound, value, judged.size, judged.precision)
 
     def _found(self, problem: Problem, result: LinearResult) -> list[Evidence]:
-        """What the linear program left."""
+        """Point, bound and status of a linear program."""
         if result.status == "optimal":
             return [self.dual_evidence(self.units.duals(result.duals), problem)]
         if result.status == "infeasible" and self.made.ray_evidence is not None:
@@ -248,7 +248,7 @@ class _Tree(ProofTree[_Node]):
         return best
 
     def _tried(self, node: _Node, column: int, value: float, lower: Floats, upper: Floats) -> tuple[float, float]:
-        """What some simplex iterations gain on both sides of a variable; no more than what reaches the target counts."""
+        """Gain of the bound by a few simplex iterations on both sides of a variable, cut off where it reaches the target."""
         most = self._split(value, float(lower[column]), float(upper[column]))
         enough = max(self.target - node.value, 0.0) if math.isfinite(self.target) else math.inf
         dearest = max(abs(node.value), 1.0)

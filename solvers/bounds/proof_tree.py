@@ -63,7 +63,7 @@ class Node:
             node = node.parent
 
     def decisions(self) -> list[Decision]:
-        """Those that lead to it, from the root on."""
+        """The branchings from the root to this node."""
         return [n.decision for n in self.above() if n.decision is not None][::-1]
 
 
@@ -120,7 +120,7 @@ class ProofTree(ABC, Generic[N]):
 
     @property
     def bound(self) -> float:
-        """What the tree proves."""
+        """The bound that the tree proves."""
         return min(self.closed, self.open[0][0] if self.open else math.inf)
 
     def wait(self, node: N) -> None:

@@ -100,7 +100,7 @@ def _judged(problem: Problem, run: Run, searched: Searched, control: Control, op
 
 @dataclass
 class Conclusion:
-    """What is known once a search has ended and its answers are judged; each step adds to it, and ``solution`` tells it.
+    """All that is known after a search: answers are judged first, each step adds bounds or opinions, and ``solution`` sums up.
 
     Attributes
     ----------
@@ -137,7 +137,7 @@ class Conclusion:
 
     @cached_property
     def claim(self) -> Claim:
-        """What the search says of the problem."""
+        """The search's claims about the problem."""
         return self.judge.claim(self.searched.result)
 
     @property
@@ -184,7 +184,7 @@ class Conclusion:
         return False
 
     def _from_bounding(self, budget: float, record: Recorder, beside: Beside | None) -> None:
-        """What was found beside the search; without that, or where it could not begin, what is found now."""
+        """Add the evidence that was found beside the search; without such a run, or where it could not begin, look for bounds now."""
         target, known, notes = None if self.best is None else self.best.values[0], tuple(self.evidence), self.run.notes
         if budget > 0:
             record.begin_phase("bound", budget)
@@ -270,7 +270,7 @@ class Conclusion:
         self.seconds["check"] += time.perf_counter() - began
 
     def _contradicted(self, best: Evaluation | None = None) -> list[str]:
-        """What is refuted of the claim by the best answer, or by ``best``, and by what is proved."""
+        """Parts of the claim that the best answer (or ``best``) or a verified bound refutes."""
         return contradictions(self.claim, self.problem.senses, self.best if best is None else best, self.certificate)
 
     # -- what is told -------------------------------------------------------------------------------------------------------
@@ -321,7 +321,7 @@ class Conclusion:
 
 
 def _why_none(problem: Problem, certificate: Certificate) -> str:
-    """What proves that there is no answer, where the problem has words of its own for it."""
+    """The proof that there is no answer, in the problem's own words where it has some."""
     for evidence in certificate.evidence[:1] if certificate.infeasible else ():
         reason = problem.why_none(evidence.kind, evidence.data)
         if reason != Problem.why_none(problem, evidence.kind, evidence.data):

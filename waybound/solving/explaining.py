@@ -85,7 +85,7 @@ class Explanation:
     interrupted: bool = False
 
     def lines(self) -> list[Line]:
-        """What was found, for people: the verdict and who says so, the proof, and the reasons."""
+        """The explanation in words: verdict, who says so, proof and reasons."""
         verdict, tone = VERDICTS[self.verdict]
         told = [Line("verdict", verdict + (f", according to {self.according_to}" if self.according_to else ""), tone)]
         told += [Line("", self.message)] if self.message else []
@@ -248,7 +248,7 @@ def _proof(problem: Problem, seconds: float, control: Control) -> Evidence | Non
 
 
 def _proofs(problem: Problem, found: Sequence[Evidence]) -> Iterator[Evidence]:
-    """What of ``found`` proves that there is no answer."""
+    """The first of ``found`` that proves that there is no answer."""
     none = math.inf if problem.sense == "min" else -math.inf
     return (evidence for evidence in found if proved(problem, evidence) == none)
 
@@ -261,7 +261,7 @@ def _under(control: Control) -> Control:
 
 
 def in_words(problem: Problem, evidence: Evidence) -> Iterator[str]:
-    """What evidence that there is no answer says, case by case; nothing where there are many."""
+    """The cases of a proof that there is no answer, in words; nothing where there are many."""
     nodes = evidence.data.get("nodes", [{"kind": evidence.kind, "data": evidence.data}])
     if len(nodes) > MOST_NODES:
         return
@@ -351,7 +351,7 @@ def _has_answer(problem: Problem, methods: Sequence[str | None], seconds: float,
 
 
 def _decided(problem: Problem, methods: Sequence[str | None], seconds: float, notes: list[str]) -> Solution | None:
-    """What the first heuristic or the default solver (None) says that quickly finds a verified answer, or a proof that there is none.
+    """The solution of the first heuristic, or default solver (None), that quickly finds a verified answer or a proof that there is none.
 
     What a method says where it fails is noted, unless it is that it does not take the problem.
     """

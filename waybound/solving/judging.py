@@ -1,4 +1,4 @@
-"""What a search says and hands over, judged: one rule for backends, engines and heuristics.
+"""Answers and claims of a search, judged by one rule for backends, engines and heuristics.
 
 The best answer that passes every check is kept. A claim that what was checked contradicts is an error, loudly, and stands for no answer
 that it does not speak of.
@@ -31,7 +31,7 @@ CLAIM_TOLERANCE = 1e-5
 
 @dataclass(frozen=True)
 class Claim:
-    """What a search says of a problem.
+    """Claims of a search about a problem.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class Claim:
         return 0.0 if self.program is None else objective_unit(self.program)
 
     def values(self, levels: int) -> tuple[float, ...]:
-        """Of the best answer by its own account, one a level: as it says, else those of the answer that it hands over; empty if neither."""
+        """Claimed values of the best answer, one a level; those of the returned answer where none are claimed; empty without either."""
         said = self.said
         told = () if said.objective is None else (said.objective, *(level.objective for level in said.further))
         if len(told) == levels:
@@ -68,7 +68,7 @@ class Claim:
         return self.own.values if self.own is not None and self.own.feasible else ()
 
     def bound(self, levels: int) -> float | None:
-        """Of the problem's first level: who claims its optimum claims that nothing is better."""
+        """Claimed bound of the first level; a claimed optimum is one."""
         if self.said.bound is None and self.said.status == "optimal" and self.exactness is Exactness.EXACT:
             return next(iter(self.values(levels)), None)
         return self.said.bound if self.exactness.bound_is_valid else None
@@ -106,7 +106,7 @@ class Claim:
             held = claim.objective
 
     def status(self, senses: Sequence[str], best: Evaluation | None, certificate: Certificate) -> str:
-        """What it says, no answer and no best one being told apart by an answer, or by verified bounds."""
+        """Claimed status; "infeasible or unbounded" is settled by an answer, or by verified bounds, where there are some."""
         if self.said.status == "infeasible_or_unbounded":
             return "infeasible" if _bounded(senses, certificate) else "unbounded" if best is not None else self.said.status
         return self.said.status
@@ -118,7 +118,7 @@ def _bounded(senses: Sequence[str], certificate: Certificate) -> bool:
 
 
 def false_answer(claim: Claim, senses: Sequence[str]) -> Iterator[str]:
-    """What the answer that is handed over refutes of what is said of it.
+    """Claims about the returned answer that the answer itself refutes.
 
     One better than claimed refutes nothing: an incumbent's auxiliary variables may be slack. What it must not beat is a claimed bound or
     optimum.
@@ -235,7 +235,7 @@ class Judge:
         self.faults.extend(false_answer(self.claim(result, prices), self.problem.senses))
 
     def claim(self, result: RawResult, prices: bool = True) -> Claim:
-        """What the solver says, of its own answer and of the problem."""
+        """The solver's claims about its answer and the problem."""
         return Claim(self.solver, result, self.exactness, self.own, prices, self.program)
 
     def incumbent(self, raw: Any) -> None:

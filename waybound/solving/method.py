@@ -45,7 +45,7 @@ LEAST_SECONDS = 0.1
 
 
 def missing_features(name: str, problem: Problem) -> tuple[frozenset[str], tuple[str, ...]]:
-    """What solver ``name`` lacks for ``problem`` where no form is named, at least, and the forms through which it can take it."""
+    """The fewest features that solver ``name`` lacks for ``problem`` in any form, and the forms through which it can take it."""
     backend = BACKENDS[name]
     if issubclass(backend, Engine):
         return backend().missing(problem), ()

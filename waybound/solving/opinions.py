@@ -44,8 +44,10 @@ def independent(made: Compiled, solver: str) -> list[str]:
 
 
 def program_of(problem: Problem) -> Compiled | None:
-    """What others are asked about where no program was searched: the problem in an exact form; None where no solver takes one, where it
-    cannot be written, and where it would take too long to be."""
+    """The problem in an exact form, to be put to others where no program was searched.
+
+    None where no solver takes one, where it cannot be written, or where writing it would take too long.
+    """
     if problem.linear_entries() > MOST_ENTRIES:
         return None
     able = [name for name in able_solvers(problem) if issubclass(BACKENDS[name], ProgramBackend)]
@@ -58,7 +60,7 @@ def program_of(problem: Problem) -> Compiled | None:
 
 
 def second_opinions(made: Compiled, solver: str, seconds: float, options: Options, isolate: bool) -> Iterator[tuple[str, RawResult]]:
-    """What at most ``MOST`` other engines say of the program within ``seconds``, each in a process of its own where the first was.
+    """Results of up to ``MOST`` other engines for the program within ``seconds``, each in a process of its own where the first was.
 
     Who fails says nothing.
     """
@@ -100,7 +102,7 @@ def unproved(claim: Claim, senses: Sequence[str], best: Evaluation | None, certi
 def heard_opinions(
     judge: Judge, run: Run, claim: Claim, best: Evaluation | None, certificate: Certificate, seconds: float, options: Options
 ) -> list[Claim]:
-    """What other solvers say within ``seconds`` where a claim has no evidence, or is refuted; ``judge`` judges their answers."""
+    """Claims of other solvers, found within ``seconds``, where a claim has no evidence or is refuted; ``judge`` judges their answers."""
     senses, compiled = judge.problem.senses, run.compiled
     whole = compiled is None or compiled.program.is_integer
     if not unproved(claim, senses, best, certificate, whole) and not contradictions(claim, senses, best, certificate):
@@ -167,7 +169,7 @@ def _in_words(said: RawResult | Opinion) -> str:
 
 
 def _refuting(refuted: Opinion, certificate: Certificate) -> str:
-    """What refutes a claim."""
+    """The kind of fact that refutes a claim, in words."""
     bound, theirs = certificate.bound, refuted.objective
     ahead = theirs is not None and bound is not None and beats_bound(certificate.sense, theirs, bound)
     return "the verified bound" if ahead or refuted.status == "unbounded" else "the answer"

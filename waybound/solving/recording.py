@@ -59,7 +59,7 @@ class Recorder:
                 hear(*words)
 
     def of_search(self, who: str, answers: bool = True, bounds: bool = True) -> Progress:
-        """What hears a search by ``who``; its objectives and its bounds count only where they are some of the problem."""
+        """A listener to the search by ``who``; objectives and bounds count only where they hold for the problem."""
 
         def hear(event: dict[str, Any]) -> None:
             value, bound = (event.get("objective") if answers else None), (event.get("bound") if bounds else None)

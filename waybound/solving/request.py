@@ -1,4 +1,4 @@
-"""What is asked of a search: by which method, in which form, and within which limits."""
+"""A request to solve: method, form, limits and options."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ class Request:
         return linear_programs(self.lp_solver, self.seed, self.threads)
 
     def search_options(self) -> Options:
-        """What the method is told of it."""
+        """The part of the request that the method receives."""
         return Options(
             self.time_limit, self.iterations, self.gap, self.threads, self.seed, self.start, self.memory_limit, self.no_improvement,
             self.linear.solver, dict(self.options),

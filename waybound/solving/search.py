@@ -30,7 +30,7 @@ _TICK = 0.1
 
 @dataclass(frozen=True)
 class Searched:
-    """What a run left behind.
+    """The outcome of a run.
 
     ``result`` is the engine's own account, or one made from its incumbents if it never came back;
     ``interrupted`` tells whether the user ended it.
@@ -100,7 +100,7 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
 
 
 def in_time(work: Callable[[], T], otherwise: Callable[[], T]) -> T:
-    """What ``work`` returns; after a signal, and once its time is out, what ``otherwise`` returns, which must be quick.
+    """Return ``work()``, or ``otherwise()``, which must be quick, once a signal has come and its time is out.
 
     Raises
     ------

@@ -129,7 +129,7 @@ class SearchLog:
             self._bounder = source if raised else self._bounder
 
     def end(self, solution: Solution) -> None:
-        """What it came to, and the verdict."""
+        """Write the result and the verdict."""
         self._done.set()
         with self._lock:
             self._flush()
@@ -145,7 +145,7 @@ class SearchLog:
             self._line(f"seconds: {spent}")
 
     def tick(self) -> None:
-        """What is due now: what was held back, or a sign of life."""
+        """Write the line that is due: one that was held back, or a sign of life."""
         with self._lock:
             now = time.perf_counter()
             if self._pending and now >= self._due:

@@ -109,7 +109,7 @@ def _answered(
 
 
 def _limits_in_words(options: Options, budget: float) -> str:
-    """What a search was asked to keep to, for people."""
+    """The limits of a search in words."""
     asked = [f"{name.replace('_', ' ')} {value:g}" for name, value in options.asked().items()]
     parts = [f"time limit {options.time_limit:g} s", f"bound time {budget:g} s", *asked, f"seed {options.seed}"]
     return ", ".join([*parts, f"{options.threads} thread{'s' if options.threads != 1 else ''}"])
