@@ -73,3 +73,10 @@ def test_a_pipe_is_read_once(tmp_path):
     text = bundled_path("demo-tiny").read_bytes()
     told = subprocess.run([sys.executable, "-m", "waybound", "info", "/dev/stdin", "--json"], input=text, capture_output=True, check=True)
     assert json.loads(told.stdout)["instance_hash"] == wb.read("demo-tiny").digest()
+
+
+def test_info_leaves_out_who_takes_other_families(run):
+    shown = run("info", "demo-tiny").stdout
+    assert " pyvrp " in shown and " outer-approximation " in shown and " lapjv " not in shown and " auction " not in shown
+    assert "solvers for other families are left out; `waybound solvers demo-tiny` lists all" in " ".join(shown.split())
+    assert " lapjv " in run("solvers", "demo-tiny").stdout

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from .options import Convention, File, Format, Json, Objective, ProblemName, Quiet, Set, Verbose, read_both, read_problem
+
+if TYPE_CHECKING:
+    from ..reports.tables.table import Table
 
 MaybeFile = Annotated[
     str | None,
@@ -30,7 +34,7 @@ def info(
     from ..reports.tables.facts import facts, facts_table
     from ..reports.tables.listing import heuristics_table, solvers_table
     from ..solving.listing import heuristic_table, solver_table
-    from .output import print_json, print_table
+    from .output import print_json, print_table, print_text
 
     source, asked = read_both(file, format, problem, convention, settings, objective)
     data = facts(asked)
@@ -40,8 +44,15 @@ def info(
         print_json({"format": source.format, "problems": list(source.problems), **data, **listed})
         return
     print_table(facts_table(data))
-    print_table(solvers_table(able, asked=True))
-    print_table(heuristics_table(approximate, asked=True))
+    foreign = {f"{asked.family} problems", f"a form for {asked.family} problems"}
+    tables: dict[str, tuple[list[Any], Callable[..., Table]]] = {
+        "solvers": (able, solvers_table), "heuristics": (approximate, heuristics_table),
+    }  # fmt: skip
+    for what, (rows, table) in tables.items():
+        near = [row for row in rows if not foreign & set(row.missing)]
+        print_table(table(near, asked=True))
+        if len(near) < len(rows):
+            print_text(f"{len(rows) - len(near)} {what} for other families are left out; `waybound {what} {file}` lists all")
 
 
 def solvers(
