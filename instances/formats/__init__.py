@@ -66,3 +66,8 @@ class Format:
 
 
 FORMATS: Registry[Format] = Registry("format", "waybound.instances.formats", "waybound.instances.*.formats", group="waybound.formats")
+
+
+def add_format(entry: Format) -> None:
+    """Register a format under its own name."""
+    FORMATS.add(entry.name, entry)
