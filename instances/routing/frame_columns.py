@@ -35,17 +35,7 @@ NUMBERED = re.compile(r"(demand|pickup)[2-9]")
 
 @dataclass
 class Columns:
-    """A frame of sites under waybound's titles.
-
-    Parameters
-    ----------
-    frame : DataFrame
-    titles : dict
-        From waybound's title to that of the frame.
-    extra : tuple
-        Titles of the frame that are kept and not used.
-    ids : tuple of str
-    """
+    """A frame of sites under waybound's titles: ``titles`` maps them to those of the frame, ``extra`` are kept and not used."""
 
     frame: pd.DataFrame
     titles: dict[str, Any]

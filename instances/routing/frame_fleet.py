@@ -33,16 +33,10 @@ MEANT = {"start": "the first depot", "end": "a return to the start"}
 
 
 def fleet_of(given: Any, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
-    """Vehicle types.
+    """Vehicle types of a frame, one row a type, or of a list of mappings and ``VehicleType``.
 
-    Parameters
-    ----------
-    given : DataFrame or sequence of mappings or VehicleType
-        A frame without ``count`` has one vehicle a row, ``inf`` or ``unlimited`` stands for any number; ``shift_start, shift_end`` and
-        ``capacity2, ...`` stand for lists.
-    sites : Sites
-    times : Times
-        Reads ``max_duration, regular_duration`` and shifts.
+    A frame without ``count`` has one vehicle a row, ``inf`` or ``unlimited`` stands for any number; ``shift_start, shift_end`` and
+    ``capacity2, ...`` stand for lists. ``times`` reads ``max_duration, regular_duration`` and shifts.
     """
     framed = hasattr(given, "columns")
     rows = _rows(given) if framed else list(given)

@@ -33,12 +33,10 @@ def is_list(travel: Any, ids: Ids) -> bool:
 
 
 def listed_moves(frame: Any, ids: Ids, times: Times) -> tuple[Floats, Floats | None, tuple[str, ...]]:
-    """Distances, durations if there are any, and notes on columns that count for nothing; a pair without a row is no move.
+    """Distances, durations if there are any, and notes on unused columns; a pair of sites without a row is no move.
 
-    Raises
-    ------
-    InputError
-        For a column that is missing, or called as others call what counts, and for moves that are no moves between the sites.
+    Raises InputError for a column that is missing, or named as other toolkits name one that counts, and for rows that are no moves between
+    the sites.
     """
     titles, idle = _titles(frame)
     index = {site: k for k, site in enumerate(ids)}

@@ -22,15 +22,9 @@ Ids = tuple[str, ...]
 
 @dataclass(frozen=True, eq=False)
 class Moves:
-    """Distances between all sites, durations where there are any, and the moves that cannot be made.
+    """Distances between all sites, shape (sites, sites), durations where there are any, and the moves that cannot be made.
 
-    Parameters
-    ----------
-    distances : array of shape (sites, sites)
-        Finite; of a move that cannot be made it means nothing.
-    durations : array of shape (sites, sites), optional
-    forbidden : bool array of shape (sites, sites), optional
-    notes : tuple of str
+    Distances are finite; those of moves that cannot be made mean nothing.
     """
 
     distances: Floats
@@ -40,21 +34,11 @@ class Moves:
 
 
 def moves_of(travel: Any, durations: Any, sites: Ids, nodes: Ids, times: Times, weight: str, unit: str) -> Moves:
-    """What ``travel`` and ``durations`` of ``instance_from_frame`` tell.
+    """Moves as ``travel`` and ``durations`` of ``instance_from_frame`` give them.
 
-    Parameters
-    ----------
-    travel : object
-        A matrix, a frame, a list of moves, a sparse road graph, a networkx graph, a service's table or its file.
-    durations : object or None
-        A matrix or a frame; of a networkx graph the name of an attribute of edges.
-    sites, nodes : tuple of str
-        Ids, and what a networkx graph calls the sites.
-    times : Times
-    weight : str
-        Attribute of a networkx graph that holds distances.
-    unit : str
-        Unit of distance in which a service's answer is wanted.
+    ``travel`` is a matrix, a frame, a list of moves, a sparse road graph, a networkx graph, a service's table or its file; ``durations`` a
+    matrix or a frame, or the name of an attribute of edges. ``nodes`` are the names of the sites in a networkx graph, ``weight`` is its
+    attribute of distances, and ``unit`` the unit of distance in which a service's answer is wanted.
     """
     notes: tuple[str, ...] = ()
     if isinstance(travel, str | PathLike | Mapping):

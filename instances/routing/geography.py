@@ -27,14 +27,9 @@ SQUARE = 1.15
 
 
 def coordinates_of(table: Columns) -> tuple[bool, Floats | None, tuple[str, ...]]:
-    """Whether they are geographic, the coordinates of shape (sites, 2) or None, and what to tell.
+    """True if coordinates are geographic, the coordinates of shape (sites, 2), longitude before latitude, or None, and notes.
 
-    Longitude stands before latitude, as x before y.
-
-    Raises
-    ------
-    InputError
-        For one column without the other, both kinds, and angles out of range.
+    Raises InputError for one column without the other, both kinds, and angles out of range.
     """
     for pair in (("x", "y"), ("lat", "lon")):
         if (pair[0] in table) != (pair[1] in table):
@@ -68,9 +63,9 @@ def _column(table: Columns, title: str) -> Floats:
 def warn_of_swapped(xy: Floats) -> None:
     """Warn where (longitude, latitude) look like (latitude, longitude).
 
-    Where all latitudes are beyond any road and the longitudes are not; where most sites lie in the open sea, and all on land or by a coast
-    with the two columns exchanged; or where the sites, which seen from above would lie as widely from west to east as from south to north,
-    do so only exchanged.
+    That is the case where all latitudes are beyond any road and the longitudes are not; where most sites lie in the open sea, and all on
+    land or by a coast with the two columns exchanged; or where the sites, which seen from above would lie as widely from west to east as
+    from south to north, do so only exchanged.
     """
     lon, lat = xy.T
     if (np.abs(lat) > INHABITED).all() and (np.abs(lon) <= INHABITED).all():
@@ -86,15 +81,7 @@ def warn_of_swapped(xy: Floats) -> None:
 
 @dataclass(frozen=True)
 class Middle:
-    """Where sites lie.
-
-    Parameters
-    ----------
-    latitude, longitude : float, degrees
-        Of the direction of their mean, as seen from the centre of the globe.
-    within : float, km
-        Of it all lie.
-    """
+    """Direction of the mean of some sites, as seen from the centre of the globe, in degrees, and the km ``within`` which all lie of it."""
 
     latitude: float
     longitude: float
@@ -106,7 +93,7 @@ class Middle:
 
 
 def middle(xy: Floats) -> Middle:
-    """Where (longitude, latitude) lie, also across the date line."""
+    """The middle of sites at (longitude, latitude), also across the date line."""
     lon, lat = np.radians(xy).T
     points = np.column_stack([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)])
     x, y, z = points.mean(axis=0).tolist()

@@ -29,21 +29,14 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ServiceTable:
-    """What a service answered; infinite where it knows no way.
-
-    Parameters
-    ----------
-    service : str
-    metres, seconds : array of shape (sites, sites), optional
-        At least one of them.
-    """
+    """Answer of a service: metres and seconds between all sites, infinite where it knows no way; at least one of them is given."""
 
     service: str
     metres: Floats | None
     seconds: Floats | None
 
     def in_units(self, distance: str, time: str | None) -> tuple[Floats, Floats | None, tuple[str, ...]]:
-        """Distances and durations in these units, and what to tell of them; costs are durations where there are no distances."""
+        """Distances, durations and notes on them, in these units; costs are durations where there are no distances."""
         unit = "s" if time is None else time
         durations = None if self.seconds is None else self.seconds / SECONDS[unit]
         if self.metres is None:
@@ -63,7 +56,7 @@ def unit_of_distance(name: str) -> str:
 
 
 def is_table(data: Any) -> bool:
-    """Whether a document is meant as such a table."""
+    """True if a document is meant as such a table."""
     return isinstance(data, Mapping) and bool({"sources_to_targets", "durations", "distances"} & data.keys())
 
 

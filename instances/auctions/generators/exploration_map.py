@@ -41,19 +41,10 @@ SETTINGS = {
 
 
 def expected_gains(prior: Floats, readings: Floats, times: int = TIMES) -> Floats:
-    """What each further observation tells of a state, in nats: mutual information with that many less that with one fewer.
+    """Information that each further observation of a state brings, in nats: mutual information with that many less that with one fewer.
 
-    Parameters
-    ----------
-    prior : array of shape (states,)
-    readings : array of shape (states, readings)
-        Probability of each reading in each state.
-    times : int
-
-    Returns
-    -------
-    array of shape (times,)
-        None is more than the one before (Cover and Thomas 2006, theorem 2.8.1, for observations that are independent given the state).
+    ``prior`` has shape (states,), and ``readings``, the probability of each reading in each state, shape (states, readings). The gains,
+    shape (times,), do not increase (Cover and Thomas 2006, theorem 2.8.1, for observations that are independent given the state).
     """
 
     def entropy(p: Floats) -> float:

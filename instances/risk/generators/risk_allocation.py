@@ -47,12 +47,12 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> RiskAllocationInstance:
 
 
 def _vary(draw: Draw, settings: Mapping[str, Any], low: float, high: float) -> float:
-    """1 for seed 1, whose problem is fixed; else a factor drawn."""
+    """Factor of a quantity: 1 for seed 1, whose problem is fixed, else drawn."""
     return 1.0 if settings["seed"] == 1 else float(draw.uniform(low, high, 1)[0])
 
 
 def _shorter(steps: int) -> Floats:
-    """What the variances of positions and of speeds are multiplied with, so that many steps spread about as far as 20."""
+    """Factors of the variances of positions and of speeds, with which many steps spread about as far as 20."""
     part = min(1.0, 20 / steps)
     return np.array([part, part**3])
 
