@@ -1,4 +1,4 @@
-"""Columns of a frame of sites: which title means what, and what they hold."""
+"""Columns of a frame of sites: the meaning of each title, and the values below it."""
 
 from __future__ import annotations
 
@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 
 from ..clock import Times
 from ..errors import InputError
+from ..number_arrays import Floats
 from ..suggestions import did_you_mean, nearest
 from ..text import shown
 from .foreign_names import elsewhere, may_be_another_load, ours
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Floats = NDArray[np.float64]
 
 COLUMNS = (
     "id", "x", "y", "lat", "lon", "node", "demand", "pickup", "ready", "due", "service", "reward", "required", "penalty", "depot", "skills",
@@ -54,8 +53,8 @@ class Columns:
 
     def without(self, title: str) -> Columns:
         """The same, with a column that is kept and not used."""
-        left = {own: theirs for own, theirs in self.titles.items() if own != title}
-        return Columns(self.frame, left, (*self.extra, self.titles[title]), self.ids)
+        others = {own: theirs for own, theirs in self.titles.items() if own != title}
+        return Columns(self.frame, others, (*self.extra, self.titles[title]), self.ids)
 
     def reals(self, title: str) -> Floats:
         """Numbers; what is missing at a depot is 0, for nothing is done there."""
@@ -68,41 +67,41 @@ class Columns:
 
     def moments(self, title: str, times: Times, missing: float) -> Floats:
         """Points in time; ``missing`` where there is none."""
-        made = times.moments(self[title], f"column {title}")
-        return np.where(np.isnan(made), missing, made)
+        moments = times.moments(self[title], f"column {title}")
+        return np.where(np.isnan(moments), missing, moments)
 
     def spans(self, title: str, times: Times) -> Floats:
         """Lengths of time, 0 where there is none."""
-        made = times.spans(self[title], f"column {title}")
-        return np.where(np.isnan(made), 0.0, made)
+        spans = times.spans(self[title], f"column {title}")
+        return np.where(np.isnan(spans), 0.0, spans)
 
     def loads(self, title: str) -> Floats:
-        """All load dimensions, shape (sites, dimensions); a dimension that is not there has no load."""
+        """All load dimensions, shape (sites, dimensions), 0 for those without a column."""
         last = max([1, *(int(t[-1]) for t in self.titles if t[:-1] == title)])
         columns = [title, *(f"{title}{k}" for k in range(2, last + 1))]
         return np.column_stack([self.reals(c) if c in self else np.zeros(len(self.ids)) for c in columns])
 
     def flags(self, title: str) -> NDArray[np.bool_]:
-        """Truth values; what is missing is true for ``required``, false for ``depot``."""
-        made = []
+        """Truth values; missing ones are true for ``required``, false for ``depot``."""
+        flags = []
         for value in self[title].tolist():
             absent = value is None or value != value
             if not absent and value not in (True, False):
                 raise InputError(f"column {title} must hold true and false", found=str(value))
-            made.append(title == "required" if absent else bool(value))
-        return np.array(made)
+            flags.append(title == "required" if absent else bool(value))
+        return np.array(flags)
 
     def skills(self) -> dict[int, list[str]]:
         """Words that a site asks for, by its index."""
         return {k: words for k, value in enumerate(self["skills"].tolist()) if (words := words_of(value, "column skills"))}
 
     def attributes(self) -> dict[str, list[Any]]:
-        """What is kept of the other columns, as plain values."""
+        """The other columns that are kept, as plain values."""
         return {str(title): [_plain(value) for value in self.frame[title].tolist()] for title in self.extra}
 
 
 def pairs_of(text: str) -> dict[str, str]:
-    """A mapping of titles that is told as text: ``demand=crates, id=shop``."""
+    """A mapping of titles from a text such as ``demand=crates, id=shop``."""
     pairs = [part.split("=") for part in text.split(",")]
     if any(len(pair) != 2 for pair in pairs):
         raise InputError("columns must pair titles", expected="demand=crates, id=shop", found=shown(text))
@@ -189,7 +188,7 @@ def mapped(titles: list[Any], mapping: Mapping[Any, Any]) -> dict[str, Any]:
 
 
 def known(title: Any) -> bool:
-    """Whether it is one of waybound's titles."""
+    """True if it is one of waybound's titles."""
     return isinstance(title, str) and (title in COLUMNS or NUMBERED.fullmatch(title) is not None)
 
 
@@ -242,7 +241,7 @@ def _ids(frame: pd.DataFrame, found: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def id_text(value: Any) -> str:
-    """As text; numbers that a missing value elsewhere made floats are whole again."""
+    """An id as text; whole numbers that a missing value elsewhere made floats are whole again."""
     return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
 
 

@@ -48,26 +48,26 @@ def see_windows(given: Any, times: Times) -> None:
 
 
 def windows_of(given: Any, index: Index, times: Times) -> dict[int, list[Window]]:
-    """Windows by site index, of a mapping from ids to pairs or a frame; a missing end is no limit."""
+    """Windows by site index, from a mapping of ids to pairs or a frame; a missing end is no limit."""
     if not hasattr(given, "columns"):
         return {
             _at(site, index, "windows"): [_window(pair, str(site), times) for pair in _listed(listed, f"windows of {site}", "[(0, 4)]")]
             for site, listed in _by_site(given).items()
         }
-    found: dict[int, list[tuple[Window, int]]] = {}
+    windows: dict[int, list[tuple[Window, int]]] = {}
     for k, row in enumerate(_rows(given, "windows")):
         with placed(given, k):
             window = _window((row.get("ready"), row.get("due")), row["site"], times)
             if window[0] > window[1]:
                 raise InputError(f"a window of {row['site']} closes before it opens", found=str(window))
-            found.setdefault(_at(row["site"], index, "windows"), []).append((window, k))
+            windows.setdefault(_at(row["site"], index, "windows"), []).append((window, k))
     names = list(index)
-    for site, held in found.items():
+    for site, held in windows.items():
         for (one, _), (after, k) in pairwise(sorted(held)):
             with placed(given, k):
                 if after[0] <= one[1]:
                     raise InputError(f"windows of {names[site]} are not apart from each other", found=f"{one} and {after}")
-    return {site: [window for window, _ in held] for site, held in found.items()}
+    return {site: [window for window, _ in held] for site, held in windows.items()}
 
 
 def _by_site(given: Any) -> Mapping[Any, Any]:
@@ -92,7 +92,7 @@ def _window(pair: Any, site: str, times: Times) -> Window:
 
 
 def shipments_of(given: Any, index: Index) -> list[Shipment]:
-    """Of pairs of ids, perhaps with a load, or of a frame."""
+    """Shipments from pairs of ids, perhaps with a load, or from a frame."""
     if hasattr(given, "columns"):
         loads = LOADS[: max((k for k, title in enumerate(LOADS, start=1) if title in given.columns), default=0)]
         listed: list[Any] = [
@@ -101,11 +101,11 @@ def shipments_of(given: Any, index: Index) -> list[Shipment]:
         ]
     else:
         listed = _listed(given, "shipments", "[('a', 'b', 2)], or a frame")
-    made = []
+    shipments = []
     for k, one in enumerate(listed):
         with placed(given, k):
-            made.append(_shipment(one, index))
-    return made
+            shipments.append(_shipment(one, index))
+    return shipments
 
 
 def _shipment(one: Any, index: Index) -> Shipment:
@@ -120,23 +120,24 @@ def _shipment(one: Any, index: Index) -> Shipment:
 
 
 def groups_of(given: Any, index: Index) -> list[Group]:
-    """Of lists of ids, or mappings with ``sites`` and ``required``, or of a frame."""
+    """Groups from lists of ids, from mappings with ``sites`` and ``required``, or from a frame."""
     if hasattr(given, "columns"):
         return _groups(given, index)
-    made = []
+    groups = []
     for one in _listed(given, "groups", "[['a', 'b']], or a frame"):
         if isinstance(one, Mapping) and not {"sites"} <= one.keys() <= {"sites", "required"}:
-            raise InputError("a group has sites and perhaps required", expected="{'sites': ['a', 'b'], 'required': False}",
-                             found=str(one)[:80])  # fmt: skip
+            expected = "{'sites': ['a', 'b'], 'required': False}"
+            raise InputError("a group has sites and perhaps required", expected=expected, found=str(one)[:80])
         members, required = (one["sites"], one.get("required", True)) if isinstance(one, Mapping) else (one, True)
         if not isinstance(required, bool | np.bool_):
             raise InputError("required of a group must be True or False", found=repr(required)[:80])
-        made.append(Group(tuple(_at(site, index, "groups") for site in _listed(members, "sites of a group", "['a', 'b']")), bool(required)))
-    return made
+        sites = (_at(site, index, "groups") for site in _listed(members, "sites of a group", "['a', 'b']"))
+        groups.append(Group(tuple(sites), bool(required)))
+    return groups
 
 
 def _groups(frame: Any, index: Index) -> list[Group]:
-    """Rows of one name are one group, required where nothing else is said in any of them."""
+    """Groups from a frame: rows of one name, required unless one of them says otherwise."""
     sites: dict[str, list[int]] = {}
     required: dict[str, bool] = {}
     for k, row in enumerate(_rows(frame, "groups")):
@@ -164,15 +165,15 @@ def _rows(frame: Any, what: str) -> list[dict[str, Any]]:
             raise InputError(f"{what} have no column {lacking!r}", expected=", ".join(known))
         if what == "windows" and not {"ready", "due"} & set(frame.columns):
             raise InputError("windows have neither a column 'ready' nor 'due'", expected=", ".join(known))
-    made = []
+    rows = []
     for k, held in enumerate(frame.to_dict("records")):
         row = {str(key): None if pd.api.types.is_scalar(value) and pd.isna(value) else value for key, value in held.items()}
         for title in names:
             if row[title] in (None, ""):
                 raise InputError(f"row {k + 1} of {what} has no {title}", expected="a name in every row")
             row[title] = id_text(row[title])
-        made.append(row)
-    return made
+        rows.append(row)
+    return rows
 
 
 def _at(site: Any, index: Index, what: str) -> int:
