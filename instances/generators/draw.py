@@ -12,17 +12,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from ..number_arrays import Floats as Floats
+
 Integers = NDArray[np.int64]
 
 
 class Draw:
-    """Draws from one generator.
-
-    Parameters
-    ----------
-    rng : numpy.random.Generator
-    """
+    """Draws from one ``numpy.random.Generator``."""
 
     def __init__(self, rng: np.random.Generator) -> None:
         self._rng = rng
@@ -56,7 +52,7 @@ class Draw:
         edges = np.cumsum(weights) / np.sum(weights)
         return np.asarray(values, dtype=np.int64)[np.searchsorted(edges[:-1], self._rng.random(size), side="right")]
 
-    def permutation(self, size: int) -> NDArray[np.int64]:
+    def permutation(self, size: int) -> Integers:
         """The numbers 0 to ``size`` - 1 in random order."""
         return np.argsort(self._rng.random(size), kind="stable")
 

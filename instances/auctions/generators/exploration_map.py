@@ -11,13 +11,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Floats, Generator, Setting, add_generator
 from ..exploration_map import ExplorationMap
-
-Floats = NDArray[np.float64]
 
 READINGS = np.array([[0.5, 0.3, 0.2], [0.05, 0.9, 0.05], [0.1, 0.1, 0.8]])
 """Probability of each reading (corridor, office, laboratory), one row a true type."""
@@ -106,4 +102,4 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> ExplorationMap:
     )  # fmt: skip
 
 
-GENERATORS.add("exploration-map", Generator("exploration-map", "rooms to explore, map and search (room exploration)", SETTINGS, make))
+add_generator(Generator("exploration-map", "rooms to explore, map and search (room exploration)", SETTINGS, make))

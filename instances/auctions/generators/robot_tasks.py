@@ -9,13 +9,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Floats, Generator, Setting, add_generator
 from ..robot_tasks import PROBLEMS, RobotTasks
-
-Floats = NDArray[np.float64]
 
 LAYOUTS = ("plane", "clusters", "grid", "line")
 
@@ -61,4 +57,4 @@ def _places(draw: Draw, robots: int, tasks: int, size: float, layout: str) -> Fl
     return places
 
 
-GENERATORS.add("robot-tasks", Generator("robot-tasks", "robots and tasks in the plane (auctions, balanced partition)", SETTINGS, make))
+add_generator(Generator("robot-tasks", "robots and tasks in the plane (auctions, balanced partition)", SETTINGS, make))

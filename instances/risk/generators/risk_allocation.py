@@ -14,15 +14,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import UsageError
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Floats, Generator, Setting, add_generator
 from ..allocation import MOST_RISK, RISKS, Affine, ChanceConstraints, CostTerm, Risk, RiskAllocationInstance
 from ..gaussian import Dynamics
-
-Floats = NDArray[np.float64]
 
 FAMILIES = ("auv", "corridor", "obstacles")
 
@@ -147,4 +143,4 @@ def _instance(
     )  # fmt: skip
 
 
-GENERATORS.add("risk-allocation", Generator("risk-allocation", "chance-constrained plans of vehicles with linear dynamics", SETTINGS, make))
+add_generator(Generator("risk-allocation", "chance-constrained plans of vehicles with linear dynamics", SETTINGS, make))

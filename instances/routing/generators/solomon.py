@@ -22,15 +22,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Floats, Generator, Integers, Setting, add_generator
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import Travel
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -200,4 +195,4 @@ def _length(d: Floats, tour: list[int]) -> float:
     return float(d[tour, np.roll(tour, -1)].sum())
 
 
-GENERATORS.add("solomon", Generator("solomon", "time windows after Solomon's recipe, classes C1 to RC2", SETTINGS, make))
+add_generator(Generator("solomon", "time windows after Solomon's recipe, classes C1 to RC2", SETTINGS, make))

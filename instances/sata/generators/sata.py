@@ -19,14 +19,10 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import UsageError
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Generator, Integers, Setting, add_generator
 from ..sensing_graph import SensingGraph, graph_of_edges
-
-Keys = NDArray[np.int64]
 
 MOST_EDGES = 50_000_000
 
@@ -78,7 +74,7 @@ def _percent(edges: int, pairs: int) -> str:
     return f"{thousandth / 1000:g}"
 
 
-def _others(draw: Draw, taken: Keys, count: int, pairs: int) -> Keys:
+def _others(draw: Draw, taken: Integers, count: int, pairs: int) -> Integers:
     """``count`` random pairs that are not ``taken``, all different, in the order in which they were drawn."""
     if count == 0:
         return np.zeros(0, dtype=np.int64)
@@ -94,7 +90,7 @@ def _others(draw: Draw, taken: Keys, count: int, pairs: int) -> Keys:
     return drawn[len(taken) : len(taken) + count]
 
 
-def _connecting(keys: Keys, first: int, owner: Keys, robots: int, targets: int) -> int | None:
+def _connecting(keys: Integers, first: int, owner: Integers, robots: int, targets: int) -> int | None:
     """Least number of ``keys``, at least ``first``, whose edges connect all; None if all of them do not."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -118,4 +114,4 @@ def _connecting(keys: Keys, first: int, owner: Keys, robots: int, targets: int) 
     return low
 
 
-GENERATORS.add("sata", Generator("sata", "random sensing graphs of a given density (SATA experiments)", SETTINGS, make))
+add_generator(Generator("sata", "random sensing graphs of a given density (SATA experiments)", SETTINGS, make))
