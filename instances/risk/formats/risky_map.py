@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...formats import FORMATS, Format
-from ...formats.table import Settings, settings_of
-from ...text import label, shown
+from ...formats import Format, add_format
+from ...formats.table import Settings, name_of, settings_of
+from ...text import shown
 from ..element import RiskElement
 from ..elements import LocaleRisk
 from ..occupancy import OccupancyGrid, classed, faded
@@ -26,7 +26,7 @@ CELLS = ".@SG~0123456789"
 
 
 def recognises(text: str) -> bool:
-    """Whether the first line says so."""
+    """True if the first line is ``risk map``."""
     return text.lstrip().split("\n", 1)[0].lstrip("# ").rstrip().lower() == "risk map"
 
 
@@ -50,7 +50,7 @@ def read(text: str, path: Path) -> RiskyGraph:
     return RiskyGraph(
         len(marks), tail, head, tuple(elements), start, goals=tuple(np.nonzero(marks == "G")[0].tolist()), rewards=rewards,
         positions=grid.positions, obstacles=grid.boxes, state_names=grid.names, format="risk-map",
-        name=label(settings["name"][1] if "name" in settings else path.stem), **graph_settings(settings),
+        name=name_of(settings, path), **graph_settings(settings),
     )  # fmt: skip
 
 
@@ -76,24 +76,23 @@ def _one(starts: list[int], line: int) -> list[int]:
 
 def _places(settings: Settings, grid: OccupancyGrid) -> list[RiskElement]:
     """Locale elements: risks that fade with clearance and visibility, and by class of scale."""
-    made: list[RiskElement] = []
+    places: list[RiskElement] = []
     if "clearance" in settings:
         (most, low, high), _ = numbers_of(settings, "clearance", 3, 3)
-        made.append(at_line(settings, "clearance", lambda: LocaleRisk(faded(grid.clearance(), low, high, most), "clearance")))
+        places.append(at_line(settings, "clearance", lambda: LocaleRisk(faded(grid.clearance(), low, high, most), "clearance")))
     if "visibility" in settings:
         (most_seen, near, far, *rays), _ = numbers_of(settings, "visibility", 3, 4)
         seen = at_line(settings, "visibility", lambda: grid.visibility(int(rays[0]) if rays else 16))
-        made.append(at_line(settings, "visibility", lambda: LocaleRisk(faded(seen, near, far, most_seen), "visibility")))
+        places.append(at_line(settings, "visibility", lambda: LocaleRisk(faded(seen, near, far, most_seen), "visibility")))
     if "scale" in settings:
         (size, *risks), _ = numbers_of(settings, "scale", 3, 4)
-        made.append(at_line(settings, "scale", lambda: LocaleRisk(classed(grid.scale(size), *risks), "scale")))
-    return made
+        places.append(at_line(settings, "scale", lambda: LocaleRisk(classed(grid.scale(size), *risks), "scale")))
+    return places
 
 
-FORMATS.add(
-    "risk-map",
+add_format(
     Format(
-        "risk-map", "map with risks drawn in text, a character a cell", recognises, read, None, (), "risky-path", ("risky-path",), "exact",
+        "risk-map", "map with risks drawn in text, a character a cell", recognises, read, problem="risky-path", problems=("risky-path",),
         sense="min or max", answer="path", solutions=(".json",), kinds=("risky-graph",),
-    ),
+    )
 )  # fmt: skip
