@@ -8,9 +8,9 @@ import warnings
 import numpy as np
 import pandas as pd
 import pytest
+from file_cases import refused
 
 import waybound as wb
-from waybound.instances.errors import InputError
 from waybound.instances.routing.frame_columns import columns_of
 from waybound.instances.routing.geography import coordinates_of, middle, warn_of_swapped
 from waybound.instances.routing.travel import Travel
@@ -99,9 +99,7 @@ def test_the_warning_reaches_who_makes_the_problem() -> None:
     ],
 )
 def test_what_is_no_place_is_refused(columns: dict[str, list[object]], message: str) -> None:
-    with pytest.raises(InputError) as error:
-        coordinates_of(columns_of(pd.DataFrame(columns), None, ()))
-    assert str(error.value).startswith(message)
+    assert refused(coordinates_of, columns_of(pd.DataFrame(columns), None, ())).startswith(message)
 
 
 def test_a_square_of_degrees_is_not_warned_of() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from file_cases import refused
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.routing_service import is_table, table_from_file, table_of, unit_of_distance
@@ -63,9 +64,7 @@ def test_miles_are_miles() -> None:
     ],
 )
 def test_what_is_no_table_is_refused(data: Any, message: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError) as error:
-        table_of(data)
-    assert message in str(error.value)
+    assert message in refused(table_of, data)
     path = tmp_path / "table.json"
     path.write_text(json.dumps(data))
     with pytest.raises(InputError, match=r"table\.json"):
