@@ -17,6 +17,12 @@ Differences = Callable[[Any, Any], list[str]]
 Change = Callable[[Any], Any]
 
 
+def tsplib(*headers: str, **sections: str) -> str:
+    """A TSPLIB-like text of headers, a line each, and sections, whose rows are parted by ``|``."""
+    parts = [f"{name}\n{rows}".replace("|", "\n") for name, rows in sections.items()]
+    return "".join(f"{part}\n" for part in (*headers, *parts))
+
+
 def with_line_of(text: str, number: int, line: str) -> str:
     """``text`` with another line in the place of the one with that number, from 1."""
     lines = text.split("\n")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..number_arrays import Floats as Floats
 
+Flags = NDArray[np.bool_]
 Integers = NDArray[np.int64]
 
 
@@ -56,8 +57,8 @@ class Draw:
         """The numbers 0 to ``size`` - 1 in random order."""
         return np.argsort(self._rng.random(size), kind="stable")
 
-    def chosen(self, count: int, of: int) -> NDArray[np.bool_]:
-        """Which ``count`` out of ``of``, without repetition."""
+    def chosen(self, count: int, of: int) -> Flags:
+        """Flags that mark ``count`` random places out of ``of``."""
         marks = np.zeros(of, dtype=bool)
         marks[self.permutation(of)[:count]] = True
         return marks

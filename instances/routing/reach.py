@@ -17,11 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..clock import moment_told
 from ..errors import InputError
+from ..number_arrays import Floats
 from ..text import plain
 from .instance import RoutingInstance, Sites, VehicleType
 from .travel import Travel
 
-Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 Move = Callable[[ArrayLike, ArrayLike], Floats]
@@ -83,10 +83,10 @@ def ways_alone(
 
 def shortest_ways(moves: Floats, through: Indices) -> Floats:
     """Lengths of the shortest ways between all sites over those of ``through`` (Floyd and Warshall); a move of length 0 is a move."""
-    made = moves.copy()
+    lengths = moves.copy()
     for k in through.tolist():
-        np.minimum(made, made[:, k, None] + made[None, k, :], out=made)
-    return made
+        np.minimum(lengths, lengths[:, k, None] + lengths[None, k, :], out=lengths)
+    return lengths
 
 
 # -- limits ------------------------------------------------------------------------------------------------------------
@@ -169,16 +169,16 @@ def refuse_unreachable(instance: RoutingInstance, lines: Sequence[int] | None = 
         return
     at, size = sites.customers, float(np.abs(sites.ready).max())
     for detours in (False, True):  # the direct way settles nearly all; only where it fails is another looked for
-        found = []
+        uses_by_type = []
         for vehicle in fleet:
             travel = instance.travel if vehicle.travel is None else vehicle.travel
             legs = ways_alone(vehicle, at, _at_speed(travel, vehicle.speed), travel.least_distance, detours=detours)
-            found.append(list(least_use(sites, vehicle, [at], legs)))
-        beyond = np.all([np.any([_exceeds(use, size) for use in uses], axis=0) for uses in found], axis=0) & sites.required[at]
+            uses_by_type.append(list(least_use(sites, vehicle, [at], legs)))
+        beyond = np.all([np.any([_exceeds(use, size) for use in uses], axis=0) for uses in uses_by_type], axis=0) & sites.required[at]
         if not beyond.any():
             return
     k = int(np.argmax(beyond))
-    use = next(use for use in found[0] if np.broadcast_to(_exceeds(use, size), len(at))[k])
+    use = next(use for use in uses_by_type[0] if np.broadcast_to(_exceeds(use, size), len(at))[k])
     most = float(np.broadcast_to(use.most, len(at))[k])
     shown = partial(moment_told, instance.clock, digits=12) if use.limit in ("arrival", "return") else plain
     raise InputError(

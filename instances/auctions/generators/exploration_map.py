@@ -47,15 +47,15 @@ def expected_gains(prior: Floats, readings: Floats, times: int = TIMES) -> Float
         p = p[p > 0.0]
         return -float((p * np.log(p)).sum())
 
-    told = [0.0]
+    information = [0.0]
     for count in range(1, times + 1):
-        left = 0.0
+        remaining = 0.0
         for seen in itertools.product(range(readings.shape[1]), repeat=count):
             joint = prior * np.prod(readings[:, seen], axis=1)
             chance = float(joint.sum())
-            left += chance * entropy(joint / chance) if chance > 0.0 else 0.0
-        told.append(entropy(prior) - left)
-    return np.minimum.accumulate(np.maximum(np.diff(told), 0.0))
+            remaining += chance * entropy(joint / chance) if chance > 0.0 else 0.0
+        information.append(entropy(prior) - remaining)
+    return np.minimum.accumulate(np.maximum(np.diff(information), 0.0))
 
 
 def make(draw: Draw, settings: Mapping[str, Any]) -> ExplorationMap:

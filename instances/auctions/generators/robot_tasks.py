@@ -26,11 +26,11 @@ SETTINGS = {
 }
 
 CORNERS = np.array([(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5)])
-"""Where robots of a grid have their bases, the first two opposite as in the source; further ones anywhere."""
+"""Bases of the robots of a grid, the first two opposite as in the source; further ones are anywhere."""
 
 
 def make(draw: Draw, settings: Mapping[str, Any]) -> RobotTasks:
-    """An instance; weights are uniform."""
+    """The instance; weights are uniform."""
     robots, tasks, size, layout = settings["robots"], settings["tasks"], settings["size"], settings["layout"]
     places = _places(draw, robots, tasks, size, layout)
     weights = draw.uniform(0.0, settings["weight"], tasks) if settings["weight"] else None

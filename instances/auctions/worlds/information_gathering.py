@@ -7,18 +7,14 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...errors import InputError, UsageError
-from ...generators import Draw
+from ...generators import Draw, Floats, Integers
 from ...worlds import WORLDS, Setting, World, WorldKind
 
-Flags = NDArray[np.bool_]
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
 EXCESS = 1e-9
-"""By how much, relative to it, an amount may exceed what is there: rounding."""
+"""Relative rounding error by which an amount may exceed the amount that is there."""
 
 
 class Move(NamedTuple):

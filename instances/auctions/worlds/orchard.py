@@ -7,19 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...generators import Draw
+from ...generators import Draw, Flags, Floats, Integers
 from ...worlds import WORLDS, World, WorldKind
 from ..orchard_rules import NONE, ORCHARD, OrchardRules, OrchardStart, Trip, checked_start, draw_start, orchard_rules
 
-Flags = NDArray[np.bool_]
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
 IDLE, DELIVERING, FETCHING, WAITING, HAULING, RETURNING = range(6)
-"""What a robot is about: nothing; on its way with a new bin; to its bin; at its bin, which is not full; home with it; home without one."""
+"""States of a robot: idle; on its way with a new bin; to its bin; at its bin, which is not full; home with it; home without one."""
 
 
 @dataclass(frozen=True, eq=False)

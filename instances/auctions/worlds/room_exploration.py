@@ -7,17 +7,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...generators import Draw
+from ...generators import Draw, Flags, Floats, Integers
 from ...worlds import WORLDS, Setting, World, WorldKind
 from ..exploration_map import ExplorationMap
 from ..generators import exploration_map as buildings
-
-Flags = NDArray[np.bool_]
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 GO, MAP, SEARCH = range(3)
 
@@ -38,7 +33,7 @@ class Reading(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ExplorationObservation:
-    """What robots that have contact know at one time.
+    """Knowledge of the robots that have contact, at one time.
 
     ``building`` holds doors, rooms that hear each other and the base; its gains are those before anything is known. ``robots`` is the room
     of each robot, ``silent`` the steps in a row that each is without contact, and ``visits`` the number of times that each room was
@@ -102,12 +97,12 @@ class ExplorationWorld(World):
         }  # fmt: skip
 
     def _contact(self) -> Flags:
-        found: Flags = self._linked[self.building.base, self.robots]
+        linked: Flags = self._linked[self.building.base, self.robots]
         while True:
-            more = found | (self._linked[np.ix_(self.robots, self.robots)] & found[None, :]).any(axis=1)
-            if (more == found).all():
-                return found
-            found = more
+            more = linked | (self._linked[np.ix_(self.robots, self.robots)] & linked[None, :]).any(axis=1)
+            if (more == linked).all():
+                return linked
+            linked = more
 
     def _refuse(self, robot: Any, deed: Any) -> None:
         if not isinstance(robot, int) or not 0 <= robot < len(self.robots):

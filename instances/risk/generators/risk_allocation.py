@@ -36,10 +36,10 @@ SETTINGS = {
 def make(draw: Draw, settings: Mapping[str, Any]) -> RiskAllocationInstance:
     """One instance."""
     family, steps = settings["family"], settings["steps"]
-    made = {"auv": _auv, "corridor": _corridor, "obstacles": _obstacles}[family](draw, settings)
+    instance = {"auv": _auv, "corridor": _corridor, "obstacles": _obstacles}[family](draw, settings)
     name = settings["name"] or f"risk-{family}-t{steps}-s{settings['seed']}"
-    object.__setattr__(made, "name", name)
-    return made
+    object.__setattr__(instance, "name", name)
+    return instance
 
 
 def _vary(draw: Draw, settings: Mapping[str, Any], low: float, high: float) -> float:

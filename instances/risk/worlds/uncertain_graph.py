@@ -8,17 +8,14 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError, UsageError
 from ...generating import generate
-from ...generators import Draw
+from ...generators import Draw, Floats
 from ...reading import read_instance
 from ...worlds import WORLDS, Setting, World, WorldKind
 from ..generators.prm_graph import PRM, RASTER
 from ..uncertain_graph import UncertainGraph
-
-Floats = NDArray[np.float64]
 
 ROBOT = 0
 """The number of the only agent."""
@@ -99,9 +96,9 @@ class UncertainGraphWorld(World):
 
 @lru_cache(maxsize=32)
 def _drawn(roadmap: str, seed: int, settings: tuple[tuple[str, Any], ...]) -> UncertainGraph:
-    made = generate(roadmap, seed, **dict(settings))
-    assert isinstance(made, UncertainGraph)
-    return made
+    graph = generate(roadmap, seed, **dict(settings))
+    assert isinstance(graph, UncertainGraph)
+    return graph
 
 
 def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> UncertainGraphWorld:

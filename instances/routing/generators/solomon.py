@@ -30,7 +30,7 @@ from ..travel import Travel
 
 @dataclass(frozen=True)
 class SolomonClass:
-    """What the files of one class share: units of time and load as in the files, sides of the region in units of distance."""
+    """Figures that the files of one class share: units of time and load as in the files, sides of the region in units of distance."""
 
     clustered: float
     horizon: int
@@ -163,11 +163,11 @@ def _arrivals(travel: Travel, cluster: Integers, service: float) -> tuple[Floats
 def _good_tour(d: Floats) -> Integers:
     """A tour from 0 by nearest neighbours, then 2-opt and Or-opt moves (segments of up to three) until none helps."""
     n = len(d)
-    tour, left = [0], list(range(1, n))
-    while left:
-        nearest = min(left, key=lambda k: (d[tour[-1], k], k))
+    tour, unvisited = [0], list(range(1, n))
+    while unvisited:
+        nearest = min(unvisited, key=lambda k: (d[tour[-1], k], k))
         tour.append(nearest)
-        left.remove(nearest)
+        unvisited.remove(nearest)
     improved = True
     while improved:
         improved = False

@@ -59,9 +59,9 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> SensingGraph:
     keys = np.concatenate([first, _others(draw, first, max(wanted - len(first), 0), pairs)])
     enough = _connecting(keys, len(first), owner, robots, targets)
     if enough is None or enough > wanted:
-        found = f"{enough} edges" if enough is not None else f"more than {len(keys)} edges"
+        count = f"{enough} edges" if enough is not None else f"more than {len(keys)} edges"
         hint = f"ask for phi of at least {_percent(enough or len(keys) + 1, pairs)}, or try another seed"
-        raise UsageError(f"phi={phi:g} asks for {wanted} edges, but with this seed it takes {found} to reach all and connect them: {hint}")
+        raise UsageError(f"phi={phi:g} asks for {wanted} edges, but with this seed it takes {count} to reach all and connect them: {hint}")
     weight = np.ones(wanted) if settings["weights"] == "binary" else draw.uniform(0.5, 1.5, wanted)
     keys = np.sort(keys)
     name = settings["name"] or f"sata-r{robots}-t{targets}-phi{phi:g}-s{settings['seed']}"
@@ -79,8 +79,8 @@ def _others(draw: Draw, taken: Integers, count: int, pairs: int) -> Integers:
     if count == 0:
         return np.zeros(0, dtype=np.int64)
     if 2 * (len(taken) + count) > pairs:
-        left = np.delete(np.arange(pairs), taken)
-        return left[draw.permutation(len(left))[:count]]
+        free = np.delete(np.arange(pairs), taken)
+        return free[draw.permutation(len(free))[:count]]
     drawn = taken
     while len(drawn) < len(taken) + count:
         missing = len(taken) + count - len(drawn)

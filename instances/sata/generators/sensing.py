@@ -39,8 +39,8 @@ def regular(draw: Draw, robots: int) -> dict[str, Any]:
 
 
 def ring(draw: Draw, robots: int) -> dict[str, Any]:
-    """As many targets as robots in a circle. Two actions a robot, each with two targets drawn from the 17 around the robot's own,
-    weight 1; a target drawn twice is seen once."""
+    """A circle of as many targets as robots. Two actions a robot, each with two targets drawn from the 17 around the robot's own, weight 1;
+    a target drawn twice is seen once."""
     owner = np.arange(2 * robots) // 2
     target = (owner[:, None] + draw.integers(-NEIGHBOURS, NEIGHBOURS, (len(owner), 2))) % robots
     action, seen = np.divmod(np.unique(np.arange(len(owner))[:, None] * robots + target), robots)

@@ -8,19 +8,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...errors import InputError, UsageError
-from ...generators import Draw
+from ...generators import Draw, Flags, Floats, Integers
 from ...text import an
 from ...worlds import WORLDS, Setting, World, WorldKind
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Integers = NDArray[np.int64]
-
 TOLERANCE = 1e-9
-"""By how much, relative to its length, a robot's move may exceed what it can do: rounding."""
+"""Relative rounding error by which a robot's move may exceed its longest one."""
 
 SCENARIOS: dict[str, dict[str, Any]] = {
     "matlab": {
@@ -78,7 +74,7 @@ class TrackingRules:
 
 @dataclass(frozen=True, eq=False)
 class TrackingObservation:
-    """What some robots, with the numbers ``ids``, know at one time.
+    """Knowledge of some robots, with the numbers ``ids``, at one time.
 
     ``positions``, shape (robots, 2), are in metres, and ``headings`` in radians, the direction of each robot's last move. ``seen``, shape
     (robots, targets), tells which targets each robot sees now; only these can it predict. ``measured``, shape (robots, targets, 2), is
@@ -150,7 +146,7 @@ class TrackingWorld(World):
     # -- the three things that every world does ------------------------------------------------------------------------
 
     def observe(self) -> TrackingObservation:
-        """What all robots know now; ``TrackingObservation.part`` gives the share of some of them."""
+        """The observation of all robots; ``TrackingObservation.part`` gives the share of some of them."""
         return self._observation
 
     def step(self, actions: Mapping[int, ArrayLike]) -> None:

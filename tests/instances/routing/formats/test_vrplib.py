@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from file_cases import Change, Differences, Read, Refusal, check_fault, check_unwritable, refused
+from file_cases import Change, Differences, Read, Refusal, check_fault, check_unwritable, refused, tsplib
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.generating import generate
@@ -18,28 +18,10 @@ from waybound.instances.routing.formats.vrplib import read, recognises
 from waybound.instances.routing.instance import VehicleType
 from waybound.instances.routing.sites import Shipment
 
-CVRP = """\
-NAME : small
-COMMENT : (nobody, No of trucks: 2)
-TYPE : CVRP
-DIMENSION : 4
-EDGE_WEIGHT_TYPE : EUC_2D
-CAPACITY : 10
-NODE_COORD_SECTION
-1 0 0
-2 3 4
-3 1.5 2
-4 -3 4.5
-DEMAND_SECTION
-1 0
-2 5
-3 7
-4 2
-DEPOT_SECTION
- 1
- -1
-EOF
-"""
+CVRP = tsplib(
+    "NAME : small", "COMMENT : (nobody, No of trucks: 2)", "TYPE : CVRP", "DIMENSION : 4", "EDGE_WEIGHT_TYPE : EUC_2D", "CAPACITY : 10",
+    NODE_COORD_SECTION="1 0 0|2 3 4|3 1.5 2|4 -3 4.5", DEMAND_SECTION="1 0|2 5|3 7|4 2", DEPOT_SECTION=" 1| -1",
+) + "EOF\n"  # fmt: skip
 VRPTW = (
     CVRP.replace("TYPE : CVRP", "TYPE : VRPTW")
     .replace("CAPACITY : 10", "CAPACITY : 10\nVEHICLES : 3")
@@ -104,26 +86,10 @@ def test_nodes_may_come_in_any_order_and_the_depot_anywhere(read_text_as: Read) 
     assert (made.fleet[0].start, made.fleet[0].end) == (1, 1)
 
 
-OP = """\
-NAME : three
-TYPE : OP
-DIMENSION : 3
-TSPSOL : 12
-COST_LIMIT : 9
-EDGE_WEIGHT_TYPE : EUC_2D
-NODE_COORD_SECTION
-1 0 0
-2 3 0
-3 0 4
-NODE_SCORE_SECTION
-1 1
-2 7
-3 5
-DEPOT_SECTION
-2
--1
-EOF
-"""
+OP = tsplib(
+    "NAME : three", "TYPE : OP", "DIMENSION : 3", "TSPSOL : 12", "COST_LIMIT : 9", "EDGE_WEIGHT_TYPE : EUC_2D",
+    NODE_COORD_SECTION="1 0 0|2 3 0|3 0 4", NODE_SCORE_SECTION="1 1|2 7|3 5", DEPOT_SECTION="2|-1",
+) + "EOF\n"  # fmt: skip
 
 
 def test_everything_in_an_op_file_is_read(read_text_as: Read) -> None:
@@ -156,26 +122,11 @@ def test_a_fault_of_an_op_is_refused_with_its_line(old: str, new: str, message: 
     check_fault(refusal(cvrp(old, new, OP)), message, line)
 
 
-VRPSPD = """\
-NAME : both
-TYPE : MVRPB
-DIMENSION : 3
-VEHICLES : 2
-CAPACITY : 10
-EDGE_WEIGHT_TYPE : EXACT_2D
-NODE_COORD_SECTION
-1 0 0
-2 1 1
-3 0 4
-PICKUP_AND_DELIVERY_SECTION
-1 0 0 10000000 0 0 0
-2 0 0 10000000 0 3 7
-3 0 0 10000000 5 2 8
-DEPOT_SECTION
-1
--1
-EOF
-"""
+VRPSPD = tsplib(
+    "NAME : both", "TYPE : MVRPB", "DIMENSION : 3", "VEHICLES : 2", "CAPACITY : 10", "EDGE_WEIGHT_TYPE : EXACT_2D",
+    NODE_COORD_SECTION="1 0 0|2 1 1|3 0 4", PICKUP_AND_DELIVERY_SECTION="1 0 0 10000000 0 0 0|2 0 0 10000000 0 3 7|3 0 0 10000000 5 2 8",
+    DEPOT_SECTION="1|-1",
+) + "EOF\n"  # fmt: skip
 
 
 def test_everything_in_a_file_with_simultaneous_pickups_and_deliveries_is_read(read_text_as: Read) -> None:
@@ -191,30 +142,12 @@ def test_everything_in_a_file_with_simultaneous_pickups_and_deliveries_is_read(r
     assert made.notes == ("published values of simultaneous pickups and deliveries keep no number of vehicles: set vehicles=unlimited",)
 
 
-PDPTW = """\
-NAME : pairs
-TYPE : PDPTW
-DIMENSION : 5
-VEHICLES : 2
-CAPACITY : 20
-EDGE_WEIGHT_TYPE : EXACT_2D
-NODE_COORD_SECTION
-1 40 50
-2 45 68
-3 42.5 66
-4 42 68
-5 40 69
-PICKUP_AND_DELIVERY_SECTION
-1 0 0 1236 0 0 0
-2 -10 0 967 90 4 0
-3 7 65 246 90 0 5
-4 10 0 782 90 0 2
-5 -7 15 467 90 3 0
-DEPOT_SECTION
-1
--1
-EOF
-"""
+PDPTW = tsplib(
+    "NAME : pairs", "TYPE : PDPTW", "DIMENSION : 5", "VEHICLES : 2", "CAPACITY : 20", "EDGE_WEIGHT_TYPE : EXACT_2D",
+    NODE_COORD_SECTION="1 40 50|2 45 68|3 42.5 66|4 42 68|5 40 69",
+    PICKUP_AND_DELIVERY_SECTION="1 0 0 1236 0 0 0|2 -10 0 967 90 4 0|3 7 65 246 90 0 5|4 10 0 782 90 0 2|5 -7 15 467 90 3 0",
+    DEPOT_SECTION="1|-1",
+) + "EOF\n"  # fmt: skip
 
 
 def test_pairs_of_lkh_are_shipments_as_pyvrp_reads_them(read_text_as: Read, tmp_path: Path) -> None:
@@ -247,37 +180,11 @@ def test_a_fault_of_pairs_is_refused(read_text_as: Read, old: str, new: str, mes
     assert message in refused(read_text_as, PDPTW.replace(old, new))
 
 
-SECTIONS = """\
-NAME : pairs
-TYPE : PDPTW
-DIMENSION : 3
-VEHICLES : 1
-CAPACITY : 20 3
-EDGE_WEIGHT_TYPE : EXACT_2D
-NODE_COORD_SECTION
-1 40 50
-2 45 68
-3 42.5 66
-DEMAND_SECTION
-1 0 0
-2 7 2
-3 -7 -2
-TIME_WINDOW_SECTION
-1 0 900
-2 5 400
-3 0 500
-SERVICE_TIME_SECTION
-1 0
-2 9
-3 8
-PICKUP_AND_DELIVERY_SECTION
-1 0 0
-2 0 3
-3 2 0
-DEPOT_SECTION
-1
-EOF
-"""
+SECTIONS = tsplib(
+    "NAME : pairs", "TYPE : PDPTW", "DIMENSION : 3", "VEHICLES : 1", "CAPACITY : 20 3", "EDGE_WEIGHT_TYPE : EXACT_2D",
+    NODE_COORD_SECTION="1 40 50|2 45 68|3 42.5 66", DEMAND_SECTION="1 0 0|2 7 2|3 -7 -2", TIME_WINDOW_SECTION="1 0 900|2 5 400|3 0 500",
+    SERVICE_TIME_SECTION="1 0|2 9|3 8", PICKUP_AND_DELIVERY_SECTION="1 0 0|2 0 3|3 2 0", DEPOT_SECTION="1",
+) + "EOF\n"  # fmt: skip
 
 
 def test_pairs_have_windows_and_several_loads_in_sections_of_their_own(read_text_as: Read) -> None:

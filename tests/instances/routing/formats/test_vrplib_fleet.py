@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from file_cases import Refusal, refused
+from file_cases import Refusal, refused, tsplib
 
 import waybound as wb
 from waybound.instances.errors import InputError
@@ -16,29 +16,10 @@ DIMENSION : 6
 EDGE_WEIGHT_TYPE : EUC_2D
 CAPACITY : 10
 """
-PLACES = """NODE_COORD_SECTION
-1 0 0
-2 10 0
-3 1 2
-4 2 1
-5 9 2
-6 8 1
-DEMAND_SECTION
-1 0
-2 0
-3 4
-4 4
-5 4
-6 4
-DEPOT_SECTION
-1
-2
--1
-VEHICLES_DEPOT_SECTION
-1 1
-2 2
-3 2
-"""
+PLACES = tsplib(
+    NODE_COORD_SECTION="1 0 0|2 10 0|3 1 2|4 2 1|5 9 2|6 8 1", DEMAND_SECTION="1 0|2 0|3 4|4 4|5 4|6 4", DEPOT_SECTION="1|2|-1",
+    VEHICLES_DEPOT_SECTION="1 1|2 2|3 2",
+)  # fmt: skip
 PRIZES = "PRIZE_SECTION\n1 0\n2 0\n3 0\n4 0\n5 1\n6 30\n"
 MIXED = (HEAD.replace("CAPACITY : 10\n", "VEHICLES_UNIT_DISTANCE_COST : 2\n") + PLACES
          + "CAPACITY_SECTION\n1 10\n2 4\n3 8\nVEHICLES_FIXED_COST_SECTION\n1 7\n2 1\n3 1\n")  # fmt: skip
