@@ -30,12 +30,6 @@ def with_line_of(text: str, number: int, line: str) -> str:
     return "\n".join(lines)
 
 
-def replaced(text: str, old: str, new: str) -> str:
-    """``text`` with ``new`` in the place of the first ``old``, which is there."""
-    assert old in text
-    return text.replace(old, new, 1)
-
-
 def check_fault(error: InputError, message: str, line: int | None, expected: str | None = None, found: str | None = None) -> None:
     """Check the message of an error, or its whole text where more is given, its line, and what it expected and found unless None."""
     whole = "; expected" in message or message.startswith(("expected ", "found "))

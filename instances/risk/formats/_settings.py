@@ -60,19 +60,21 @@ def at_line(settings: Settings, key: str, make: Callable[[], Any]) -> Any:
         raise error.at(line=settings[key][0]) from None
 
 
+def element_of(
+    settings: Settings, key: str, least: int, most: int, make: Callable[..., RiskElement], words: Sequence[str] = ()
+) -> list[RiskElement]:  # fmt: skip
+    """The element that ``make`` makes of the numbers of a setting, and of its word where there are ``words``; none without the setting."""
+    if key not in settings:
+        return []
+    numbers, word = numbers_of(settings, key, least, most, words)
+    return [at_line(settings, key, lambda: make(*numbers, *([word] if words else [])))]
+
+
 def elements_of(settings: Settings, obstacles: Any, spacing: float | None) -> list[RiskElement]:
     """The elements of action and traverse that the settings ask for."""
-    elements: list[RiskElement] = []
-    if "length" in settings:
-        (rate,), growth = numbers_of(settings, "length", 1, 1, GROWTHS)
-        elements.append(at_line(settings, "length", lambda: LengthRisk(rate, growth or "exponential")))
-    if "turn" in settings:
-        (turn,), measure = numbers_of(settings, "turn", 1, 1, MEASURES)
-        elements.append(at_line(settings, "turn", lambda: TurnRisk(turn, measure or "angle")))
-    if "travelled" in settings:
-        way, _ = numbers_of(settings, "travelled", 1, 2)
-        elements.append(at_line(settings, "travelled", lambda: TravelledRisk(way[0], way[1] if len(way) > 1 else 0.0)))
-    if "tether" in settings:
-        (x, y, long, contact), _ = numbers_of(settings, "tether", 4, 4)
-        elements.append(at_line(settings, "tether", lambda: TetherRisk(Tether((x, y), obstacles, spacing), long, contact)))
-    return elements
+    return [
+        *element_of(settings, "length", 1, 1, lambda rate, growth: LengthRisk(rate, growth or "exponential"), GROWTHS),
+        *element_of(settings, "turn", 1, 1, lambda turn, measure: TurnRisk(turn, measure or "angle"), MEASURES),
+        *element_of(settings, "travelled", 1, 2, lambda rate, free=0.0: TravelledRisk(rate, free)),
+        *element_of(settings, "tether", 4, 4, lambda x, y, long, contact: TetherRisk(Tether((x, y), obstacles, spacing), long, contact)),
+    ]

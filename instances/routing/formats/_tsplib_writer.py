@@ -58,13 +58,8 @@ def write(instance: RoutingInstance) -> str:
             raise cannot(instance, "vrplib", why)
         kind = "VRPSPDTW" if windows else "VRPSPD"
     out = [f"NAME : {instance.name.strip()}", f"TYPE : {kind}", f"DIMENSION : {n}", *_metric(instance)]
-    if not tsp:
-        if vehicle.count is not None:
-            out.append(f"VEHICLES : {vehicle.count}")
-        if math.isfinite(vehicle.capacity):
-            out.append(f"CAPACITY : {plain(vehicle.capacity)}")
-        if math.isfinite(vehicle.max_duration):
-            out.append(f"DISTANCE : {plain(vehicle.max_duration)}")
+    limits = (("VEHICLES", vehicle.count), ("CAPACITY", vehicle.capacity), ("DISTANCE", vehicle.max_duration))
+    out += [f"{key} : {plain(limit)}" for key, limit in limits if not tsp and limit is not None and math.isfinite(limit)]
     out += _sections(instance, windows, tsp)
     return "\n".join([*out, "EOF"]) + "\n"
 
