@@ -217,7 +217,9 @@ class RoutingProblem(Problem):
         UsageError
             For a unit, a problem or a term that does not exist.
         """
-        arguments = {name: value for name, value in locals().items() if name not in ("cls", "sites", "objective", "problem")}
+        arguments = dict(locals())  # all parameters, and nothing else yet
+        for own in ("cls", "sites", "objective", "problem"):
+            del arguments[own]
         from ...instances.routing.frames import instance_from_frame
 
         instance = instance_from_frame(sites, **arguments)

@@ -19,7 +19,12 @@ Integers = NDArray[np.int64]
 
 
 class Draw:
-    """Draws from one ``numpy.random.Generator``."""
+    """Draws from one generator.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    """
 
     def __init__(self, rng: np.random.Generator) -> None:
         self._rng = rng

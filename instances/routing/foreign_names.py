@@ -168,7 +168,7 @@ UNITS = _words(
 """Last words that say in what a column is measured."""
 
 OWNERS = _words("site sites customer customers client clients node nodes job jobs task tasks stop stops visit order location")
-"""First words that say whose quantity it is; of a fleet, those below."""
+"""First words that say whose quantity it is; those of a fleet are below."""
 VEHICLES = _words("vehicle vehicles truck van route")
 
 MORE_LOADS = _words("quantity quantities qty amount load loads weight volume mass units pallets parcels packages boxes vol kg")

@@ -26,7 +26,7 @@ COLUMNS = (
 )  # fmt: skip
 
 ALIASES = {"latitude": "lat", "longitude": "lon", "lng": "lon", "long": "lon"}
-"""Titles that can mean nothing else."""
+"""Other spellings of titles, which can mean nothing else."""
 
 NUMBERED = re.compile(r"(demand|pickup)[2-9]")
 """Titles of further loads."""
@@ -52,12 +52,12 @@ class Columns:
         return self.frame[self.titles[title]]
 
     def without(self, title: str) -> Columns:
-        """The same, with a column that is kept and not used."""
+        """The same columns, of which one more is kept and not used."""
         others = {own: theirs for own, theirs in self.titles.items() if own != title}
         return Columns(self.frame, others, (*self.extra, self.titles[title]), self.ids)
 
     def reals(self, title: str) -> Floats:
-        """Numbers; what is missing at a depot is 0, for nothing is done there."""
+        """Numbers; missing ones at a depot are 0, for nothing is done there."""
         try:
             values = np.array(self[title].to_numpy(dtype=np.float64, na_value=np.nan))
         except (TypeError, ValueError) as error:

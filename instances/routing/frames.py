@@ -44,13 +44,13 @@ def instance_from_frame(sites: pd.DataFrame, *, source: str = "frame", **argumen
             raise InputError(message, expected="travel=graph (networkx)")
         table = table.without("node") if "node" in table else table
     _see_moments(given, table, fleet, times)
-    geographic, xy, notes = coordinates_of(table)
+    geographic, xy = coordinates_of(table)
     if table.depot.all():
         all_of_them = f"{len(table.ids)} sites, all of them depots" if len(table.ids) > 1 else "the depot alone"
         raise InputError("there is no customer", expected="a row that is no depot", found=all_of_them)
     places = _sites(given, table, times, xy, geographic)
     moves = _moves(given, table, times, xy, geographic)
-    notes += moves.notes if isinstance(moves, Moves) else ()
+    notes = moves.notes if isinstance(moves, Moves) else ()
     if unit != "km" and not (_is_service(travel, moves) or (travel is None and geographic)):
         expected = "columns lat and lon, the table of a routing service, or no distance_unit"
         raise InputError(f"distance_unit={unit!r} counts for nothing: distances are as they are given", expected=expected)

@@ -27,8 +27,8 @@ SQUARE = 1.15
 """Ratio of the spreads in degrees up to which sites may have been drawn from a square of them."""
 
 
-def coordinates_of(table: Columns) -> tuple[bool, Floats | None, tuple[str, ...]]:
-    """True if coordinates are geographic, the coordinates of shape (sites, 2), longitude before latitude, or None, and notes.
+def coordinates_of(table: Columns) -> tuple[bool, Floats | None]:
+    """A flag for geographic coordinates, and the coordinates of shape (sites, 2), longitude before latitude; None without any.
 
     Raises InputError for one column without the other, both kinds, and angles out of range.
     """
@@ -37,7 +37,7 @@ def coordinates_of(table: Columns) -> tuple[bool, Floats | None, tuple[str, ...]
             alone = table.titles[pair[0] if pair[0] in table else pair[1]]
             raise InputError("coordinates need two columns", expected=" and ".join(pair), found=f"{alone!r} alone")
     if "lat" not in table:
-        return False, np.column_stack([_column(table, "x"), _column(table, "y")]) if "x" in table else None, ()
+        return False, np.column_stack([_column(table, "x"), _column(table, "y")]) if "x" in table else None
     if "x" in table:
         four = ", ".join(repr(table.titles[own]) for own in ("x", "y", "lat", "lon"))
         raise InputError("there are two kinds of coordinates", expected="x and y, or lat and lon", found=four)
@@ -51,7 +51,7 @@ def coordinates_of(table: Columns) -> tuple[bool, Floats | None, tuple[str, ...]
             )
             found = f"{values[k]}{swapped}"
             raise InputError(f"{what} of site {table.ids[k]} is out of range", expected=f"{-most:g} to {most:g} degrees", found=found)
-    return True, np.column_stack([lon, lat]), ()
+    return True, np.column_stack([lon, lat])
 
 
 def _column(table: Columns, title: str) -> Floats:
@@ -82,7 +82,8 @@ def warn_of_swapped(xy: Floats) -> None:
 
 @dataclass(frozen=True)
 class Middle:
-    """Direction of the mean of some sites, as seen from the centre of the globe, in degrees, and the km ``within`` which all lie of it."""
+    """Direction of the mean of some sites, as seen from the centre of the globe, in degrees, and the distance in km ``within`` which all of
+    them lie."""
 
     latitude: float
     longitude: float

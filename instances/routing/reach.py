@@ -31,7 +31,7 @@ Legs = Callable[[str], Sequence[Floats]]
 """From ``time, travel`` or ``distance`` to shortest ways: to the first stop, between stops, and from the last one to the end of a route."""
 
 STRIP = 1 << 17
-"""Moves that are looked at at once."""
+"""Number of moves that are computed at once."""
 
 
 # -- ways --------------------------------------------------------------------------------------------------------------

@@ -59,7 +59,7 @@ def is_table(data: Any) -> bool:
 
 
 def table_from_file(path: str | PathLike[str]) -> ServiceTable:
-    """The table in a JSON file; raises InputError with the file for what is none."""
+    """The table in a JSON file; an InputError names the file."""
     try:
         return table_of(parse_json(read_text(path)))
     except InputError as error:
@@ -67,7 +67,7 @@ def table_from_file(path: str | PathLike[str]) -> ServiceTable:
 
 
 def table_of(data: Any) -> ServiceTable:
-    """The table in a parsed answer; raises InputError for what is none."""
+    """The table in a parsed answer; InputError for anything else."""
     if not isinstance(data, Mapping):
         raise InputError("is no table of a routing service", expected="an object", found=kind_of(data))
     if data.get("code", "Ok") != "Ok" or "error" in data:

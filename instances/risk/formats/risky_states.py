@@ -24,7 +24,7 @@ from ._settings import COMMON, elements_of, graph_settings, numbers_of
 Indices = NDArray[np.integer[Any]]
 
 FARTHEST = 1e150
-"""Coordinates beyond have squares that are no numbers."""
+"""Largest coordinate and reach; squares of much larger ones overflow."""
 
 KEYS = (*COMMON, "reach", "start", "goals")
 AXES = ("easting", "northing", "height")

@@ -25,7 +25,7 @@ from ..travel import METRICS
 if TYPE_CHECKING:
     import pandas as pd
 
-Given = Mapping[str, tuple[int | None, Any]]
+Settings = Mapping[str, tuple[int | None, Any]]
 """Line and value of each setting; without a line it is one of ``--set``, and files are named from the working directory."""
 
 Reader = Callable[[str, int | None, str], Any]
@@ -49,11 +49,11 @@ def of_set(settings: Mapping[str, Any]) -> dict[str, tuple[int | None, Any]]:
     return {key: (None, value) for key, value in settings.items() if value is not None}
 
 
-def arguments(given: Given, folder: Path, n: int) -> dict[str, Any]:
+def arguments(settings: Settings, folder: Path, n: int) -> dict[str, Any]:
     """Arguments of ``instance_from_frame`` for ``n`` sites; an InputError has the line of the setting, or the file that it names and the
     line there."""
     read: dict[str, Any] = {}
-    for key, (line, value) in given.items():
+    for key, (line, value) in settings.items():
         name = "travel" if key in ("matrix", "metric") else key.replace("-", "_")
         try:
             read[name] = _argument(key, line, value, folder, n)
@@ -61,8 +61,8 @@ def arguments(given: Given, folder: Path, n: int) -> dict[str, Any]:
             if error.line or error.file is not None:
                 raise
             raise InputError(f"--set {error.message}", expected=error.expected, found=error.found) from None
-    if "matrix" in given and "metric" in given:
-        raise InputError("metric stands beside a matrix", line=given["metric"][0], expected="one of them")
+    if "matrix" in settings and "metric" in settings:
+        raise InputError("metric stands beside a matrix", line=settings["metric"][0], expected="one of them")
     return read
 
 

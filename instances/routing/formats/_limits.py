@@ -26,7 +26,7 @@ def refuse_inexpressible(instance: object, format_name: str, expressible: Collec
 
 
 def cannot(instance: RoutingInstance, format_name: str, why: str) -> UsageError:
-    """The error that ``instance`` cannot be written, and why."""
+    """The error for an instance that cannot be written, with the reason."""
     return UsageError(f"{instance.name} cannot be written as {format_name}: {why}; use json")
 
 

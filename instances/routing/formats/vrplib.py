@@ -359,7 +359,7 @@ def _pairs(spec: Specification, n: int, depot: int) -> tuple[Columns, list[int]]
 
 
 def _capacities(spec: Specification, dimensions: int) -> tuple[float, ...]:
-    """One for each load; infinite where the file has none."""
+    """One capacity for each load, infinite without the header."""
     if dimensions == 1 or "CAPACITY" not in spec.headers:
         return (_limit(spec, "CAPACITY"),)
     tokens, line = spec.value("CAPACITY").replace(",", " ").split(), spec.line("CAPACITY")
