@@ -52,6 +52,12 @@ def refused(read: Callable[..., Any], *arguments: Any, **settings: Any) -> str:
     return str(error_of(read, *arguments, **settings))
 
 
+def check_refused(error: type[Exception], message: str, call: Callable[..., Any], *arguments: Any, **settings: Any) -> None:
+    """A call ends with an error whose text matches a regular expression."""
+    with pytest.raises(error, match=message):
+        call(*arguments, **settings)
+
+
 def check_unwritable(write: Callable[[Any], str], instance: Any, message: str) -> None:
     """An instance that cannot be written is refused with ``message``."""
     with pytest.raises(UsageError, match=message):

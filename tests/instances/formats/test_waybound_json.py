@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 import pytest
-from file_cases import Refusal, check_fault
+from file_cases import Refusal, check_fault, check_refused
 
 from waybound.instances.errors import UsageError
 from waybound.instances.formats.waybound_json import recognises, write
@@ -72,8 +72,7 @@ def test_an_instance_of_a_kind_without_json_is_refused() -> None:
         kind = "sudoku"
         name = "s1"
 
-    with pytest.raises(UsageError, match="s1 is of kind sudoku"):
-        write(Other())
+    check_refused(UsageError, "s1 is of kind sudoku", write, Other())
 
 
 @pytest.mark.parametrize(

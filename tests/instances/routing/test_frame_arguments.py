@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from file_cases import refused
+from file_cases import check_refused, refused
 
 import waybound as wb
 from waybound.instances.errors import InputError, WayboundError
@@ -50,8 +50,7 @@ def test_what_is_no_number_is_refused_by_the_name_of_the_argument(key: str, valu
 
 @pytest.mark.parametrize("value", [5, None, ["x"], b"x", 3.5, True])
 def test_a_name_is_a_text(value: Any) -> None:
-    with pytest.raises(InputError, match="name must be a text; found"):
-        wb.RoutingProblem.from_frame(SITES, name=value)
+    check_refused(InputError, "name must be a text; found", wb.RoutingProblem.from_frame, SITES, name=value)
 
 
 def test_numbers_of_any_library_are_numbers() -> None:
@@ -91,5 +90,4 @@ def test_a_fleet_may_be_read_once_alone() -> None:
 
 @pytest.mark.parametrize("frame", [SITES[:1], SITES.assign(depot=True)])
 def test_sites_without_a_customer_are_refused(frame: pd.DataFrame) -> None:
-    with pytest.raises(InputError, match="there is no customer; expected a row that is no depot"):
-        wb.RoutingProblem.from_frame(frame)
+    check_refused(InputError, "there is no customer; expected a row that is no depot", wb.RoutingProblem.from_frame, frame)

@@ -8,7 +8,7 @@ import networkx as nx
 import numpy as np
 import pandas as pd
 import pytest
-from file_cases import refused
+from file_cases import check_refused, refused
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -94,8 +94,7 @@ def test_infinities_become_forbidden_moves_and_nothing_else_changes(n: int, rng:
 
 
 def test_a_matrix_has_the_size_of_the_sites() -> None:
-    with pytest.raises(InputError, match=r"expected \(3, 3\); found \(2, 3\)"):
-        matrix_of(D[:2], IDS, "distance", None)
+    check_refused(InputError, r"expected \(3, 3\); found \(2, 3\)", matrix_of, D[:2], IDS, "distance", None)
 
 
 # -- lists of moves ------------------------------------------------------------------------------------------------------

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from file_cases import check_fault, error_of
+from file_cases import check_fault, check_refused, error_of
 
 from waybound.instances.errors import UsageError
 from waybound.instances.routing.instance import Sites
@@ -124,5 +124,4 @@ def test_the_text_of_both_forms() -> None:
 
 
 def test_several_routes_are_no_tour() -> None:
-    with pytest.raises(UsageError, match=r"six: 2 routes from 1 depots are no tour; write a .sol file"):
-        tour_text(FIRST, [(1,), (2,)], name="six")
+    check_refused(UsageError, r"six: 2 routes from 1 depots are no tour; write a .sol file", tour_text, FIRST, [(1,), (2,)], name="six")

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from file_cases import Change, Differences, Read, Refusal, check_fault, check_unwritable, with_line_of
+from file_cases import Change, Differences, Read, Refusal, check_fault, check_refused, check_unwritable, with_line_of
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.reading import read_instance
@@ -150,8 +150,7 @@ def test_a_file_that_may_be_another_is_settled_by_its_problem(tmp_path: Path) ->
     assert caught.value.exit_code == 2
     assert read_instance(path, problem="vrptw").format == "cordeau"
     assert read_instance(path, problem="team-orienteering").format == "toptw"
-    with pytest.raises(UsageError, match="more than one format"):
-        read_instance(path, problem="tsp")
+    check_refused(UsageError, "more than one format", read_instance, path, problem="tsp")
 
 
 @pytest.mark.parametrize(
@@ -182,8 +181,7 @@ def test_without_windows_a_site_is_always_open() -> None:
     "row", ["1 5 6 7 8 1", "1 5 6 7 8 1 2 1", "1 5 6 7 8 1 -1", "1 5 6 7 8 1 0.5", "1 5 6 7 8 1 1 1 9", "1 5 6 7 8 1 1e300 1"]
 )
 def test_a_row_that_is_as_long_as_it_says_alone_is_read(row: str) -> None:
-    with pytest.raises(InputError, match="row of a site has a wrong length"):
-        Table().read(Rows.of(row), "site", 1, 1, windows=False)
+    check_refused(InputError, "row of a site has a wrong length", Table().read, Rows.of(row), "site", 1, 1, windows=False)
 
 
 def test_a_table_without_rows_keeps_its_columns() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 import pytest
-from file_cases import refused
+from file_cases import check_refused, refused
 
 from waybound.instances.clock import moment_of, span_of
 from waybound.instances.errors import InputError, UsageError
@@ -103,8 +103,7 @@ def test_a_setting_of_the_command_line_has_no_line(given: dict[str, Any]) -> Non
 
 
 def test_a_unit_of_the_command_line_has_no_line() -> None:
-    with pytest.raises(UsageError, match="unknown unit of time 'week'"):
-        arguments(of_set({"time-unit": "week"}), Path(), 2)
+    check_refused(UsageError, "unknown unit of time 'week'", arguments, of_set({"time-unit": "week"}), Path(), 2)
 
 
 @pytest.mark.parametrize(
@@ -153,8 +152,7 @@ def test_lengths_of_time(cell: str, meant: Any) -> None:
 
 @pytest.mark.parametrize("cell", ["noon", "25:00", "24:01", "08:60", "2026-13-04", "2026-05-04T25:00", "-08:00", "1_0"])
 def test_what_is_no_moment_is_refused(cell: str) -> None:
-    with pytest.raises(InputError, match="line 3: ready must be a number or a moment"):
-        moment_of(cell, 3, "ready")
+    check_refused(InputError, "line 3: ready must be a number or a moment", moment_of, cell, 3, "ready")
 
 
 @pytest.mark.parametrize(
@@ -162,8 +160,7 @@ def test_what_is_no_moment_is_refused(cell: str) -> None:
 )
 def test_what_is_no_length_of_time_is_refused(cell: str) -> None:
     """Hours and minutes with a colon may be minutes and seconds as well."""
-    with pytest.raises(InputError, match="line 3: service must be a number or a length of time"):
-        span_of(cell, 3, "service")
+    check_refused(InputError, "line 3: service must be a number or a length of time", span_of, cell, 3, "service")
 
 
 def test_flags_and_what_is_only_kept() -> None:

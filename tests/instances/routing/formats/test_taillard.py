@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 import pytest
-from file_cases import Differences, Read, Refusal, with_line_of
+from file_cases import Differences, Read, Refusal, check_refused, with_line_of
 
 from waybound.instances.errors import UsageError
 from waybound.instances.routing.formats.taillard import read, recognises, write
@@ -74,5 +74,4 @@ def test_what_the_format_cannot_express_is_refused(change: Any, message: str | N
     if message is None:
         assert write(made).startswith("2\n")
         return
-    with pytest.raises(UsageError, match=message):
-        write(made)
+    check_refused(UsageError, message, write, made)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from file_cases import Change, Differences, Read, Refusal, check_fault, check_unwritable, refused, tsplib
+from file_cases import Change, Differences, Read, Refusal, check_fault, check_refused, check_unwritable, refused, tsplib
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.generating import generate
@@ -468,8 +468,7 @@ def test_generated_instances_read_back_the_same(differences: Differences) -> Non
 def test_a_written_name_does_not_limit_the_fleet_by_accident(read_text_as: Read) -> None:
     made = read_text_as(cvrp("NAME : small", "NAME : A-n4-k2"))
     unlimited = replace(made, fleet=(replace(made.fleet[0], count=None),))
-    with pytest.raises(UsageError, match="would be read as a limit"):
-        write(unlimited)
+    check_refused(UsageError, "would be read as a limit", write, unlimited)
     assert written(made).fleet[0].count == 2
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from file_cases import Read, Refusal
+from file_cases import Read, Refusal, check_refused
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -142,7 +142,5 @@ def test_weights_that_are_all_1_are_not_written() -> None:
 
 
 def test_what_has_no_place_in_the_format_is_refused() -> None:
-    with pytest.raises(UsageError, match="no place for positions; use json"):
-        write(graph_of_edges([0], [0], [0], action_positions=[(0, 0)]))
-    with pytest.raises(UsageError, match="no place for a choice of problems"):
-        write(graph_of_edges([0], [0], [0], problems=("bottleneck",)))
+    check_refused(UsageError, "no place for positions; use json", write, graph_of_edges([0], [0], [0], action_positions=[(0, 0)]))
+    check_refused(UsageError, "no place for a choice of problems", write, graph_of_edges([0], [0], [0], problems=("bottleneck",)))
