@@ -32,36 +32,36 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-def instance_from_frame(sites: pd.DataFrame, *, source: str = "frame", **arguments: Any) -> RoutingInstance:
-    """An instance of format ``source`` from pandas frames; ``arguments`` are those of ``RoutingProblem.from_frame``, with its errors."""
-    given = FrameArguments(**arguments)
-    travel, fleet = given.travel, entries_of(given.fleet)
-    table, times = columns_of(sites, given.columns, titles_of(given.extra, "extra")), Times(given.time_unit)
-    unit = unit_of_distance(given.distance_unit)
+def instance_from_frame(sites: pd.DataFrame, *, source: str = "frame", **keywords: Any) -> RoutingInstance:
+    """An instance of format ``source`` from pandas frames; ``keywords`` and errors are those of ``RoutingProblem.from_frame``."""
+    arguments = FrameArguments(**keywords)
+    travel, fleet = arguments.travel, entries_of(arguments.fleet)
+    table, times = columns_of(sites, arguments.columns, titles_of(arguments.extra, "extra")), Times(arguments.time_unit)
+    unit = unit_of_distance(arguments.distance_unit)
     if not is_graph(travel):
-        if given.weight != "weight":
-            message = f"weight={given.weight!r} names the distances of a graph's edges, and there is no graph"
+        if arguments.weight != "weight":
+            message = f"weight={arguments.weight!r} names the distances of a graph's edges, and there is no graph"
             raise InputError(message, expected="travel=graph (networkx)")
         table = table.without("node") if "node" in table else table
-    _see_moments(given, table, fleet, times)
+    _see_moments(arguments, table, fleet, times)
     geographic, xy = coordinates_of(table)
     if table.depot.all():
         all_of_them = f"{len(table.ids)} sites, all of them depots" if len(table.ids) > 1 else "the depot alone"
         raise InputError("there is no customer", expected="a row that is no depot", found=all_of_them)
-    places = _sites(given, table, times, xy, geographic)
-    moves = _moves(given, table, times, xy, geographic)
+    places = _sites(arguments, table, times, xy, geographic)
+    moves = _moves(arguments, table, times, xy, geographic)
     notes = moves.notes if isinstance(moves, Moves) else ()
     if unit != "km" and not (_is_service(travel, moves) or (travel is None and geographic)):
         expected = "columns lat and lon, the table of a routing service, or no distance_unit"
         raise InputError(f"distance_unit={unit!r} counts for nothing: distances are as they are given", expected=expected)
-    _need_units(given, places, moves, fleet)
-    ways, forbidden = _travel(given, places, moves, times, xy)
+    _need_units(arguments, places, moves, fleet)
+    ways, forbidden = _travel(arguments, places, moves, times, xy)
     if fleet is None:
-        kinds = _equal(given, places, times)
+        kinds = _equal(arguments, places, times)
         if len(kinds) > 1:
-            count = "any number of" if given.vehicles is None else given.vehicles
+            count = "any number of" if arguments.vehicles is None else arguments.vehicles
             notes += (f"{count} vehicles at each of {len(kinds)} depots",)
-    elif given.limits_vehicles:
+    elif arguments.limits_vehicles:
         expected = "fleet, or vehicles, capacity, max_duration, max_distance, fixed_cost and unit_cost"
         raise InputError("fleet tells the vehicles already", expected=expected)
     else:
@@ -70,28 +70,28 @@ def instance_from_frame(sites: pd.DataFrame, *, source: str = "frame", **argumen
     notes += unused(map(str, table.extra))
     clock = times.clock
     notes += () if clock is None else (f"times are in {clock}",)
-    min_vehicles = whole_of(given.min_vehicles, "min_vehicles")
-    team_risk = None if given.team_risk is None else number_of(given.team_risk, "team_risk")
+    min_vehicles = whole_of(arguments.min_vehicles, "min_vehicles")
+    team_risk = None if arguments.team_risk is None else number_of(arguments.team_risk, "team_risk")
     instance = RoutingInstance(
-        label(given.name), source, places, ways, kinds, min_vehicles=min_vehicles, notes=notes, team_risk=team_risk, forbidden=forbidden,
+        label(arguments.name), source, places, ways, kinds, min_vehicles=min_vehicles, notes=notes, team_risk=team_risk, forbidden=forbidden,
         clock=clock,
     )  # fmt: skip
     refuse_powerless(instance)
     return with_problems(instance)
 
 
-def _see_moments(given: FrameArguments, table: Columns, fleet: Any, times: Times) -> None:
+def _see_moments(arguments: FrameArguments, table: Columns, fleet: Any, times: Times) -> None:
     """Let all moments count for the origin of time."""
     for title in ("ready", "due"):
         if title in table:
             times.see(table[title])
-    see_windows(given.windows, times)
+    see_windows(arguments.windows, times)
     see_times(fleet, times)
-    if given.closing is not None:
-        times.see(given.closing)
+    if arguments.closing is not None:
+        times.see(arguments.closing)
 
 
-def _sites(given: FrameArguments, table: Columns, times: Times, xy: Floats | None, geographic: bool) -> Sites:
+def _sites(arguments: FrameArguments, table: Columns, times: Times, xy: Floats | None, geographic: bool) -> Sites:
     index = {site: k for k, site in enumerate(table.ids)}
     columns: dict[str, Any] = {key: table.reals(key) for key in ("reward", "penalty") if key in table}
     columns |= {key: table.loads(key) for key in ("demand", "pickup")}
@@ -101,15 +101,15 @@ def _sites(given: FrameArguments, table: Columns, times: Times, xy: Floats | Non
     if "required" in table:
         columns["required"] = table.flags("required")
     return Sites.of(
-        table.ids, depot=table.depot, coordinates=xy, windows=windows_of(given.windows, index, times),
-        skills=table.skills() if "skills" in table else None, shipments=shipments_of(given.shipments, index),
-        groups=groups_of(given.groups, index), attributes=table.attributes(), geographic=geographic, **columns,
+        table.ids, depot=table.depot, coordinates=xy, windows=windows_of(arguments.windows, index, times),
+        skills=table.skills() if "skills" in table else None, shipments=shipments_of(arguments.shipments, index),
+        groups=groups_of(arguments.groups, index), attributes=table.attributes(), geographic=geographic, **columns,
     )  # fmt: skip
 
 
-def _moves(given: FrameArguments, table: Columns, times: Times, xy: Floats | None, geographic: bool) -> Moves | str:
+def _moves(arguments: FrameArguments, table: Columns, times: Times, xy: Floats | None, geographic: bool) -> Moves | str:
     """Moves with distances of their own, or the name of a metric."""
-    travel, unit = given.travel, given.distance_unit
+    travel, unit = arguments.travel, arguments.distance_unit
     if isinstance(travel, str) and (travel in METRICS or not Path(travel).suffix):
         if travel not in METRICS:
             expected = f"a matrix, the file of a table, or one of {', '.join(METRICS)}"
@@ -123,7 +123,7 @@ def _moves(given: FrameArguments, table: Columns, times: Times, xy: Floats | Non
         return travel
     if travel is not None:
         nodes = tuple(str(v) for v in table["node"].tolist()) if "node" in table else table.ids
-        return moves_of(travel, given.durations, table.ids, nodes, times, given.weight, unit)
+        return moves_of(travel, arguments.durations, table.ids, nodes, times, arguments.weight, unit)
     if xy is None:
         raise InputError("there are neither coordinates nor distances", expected="columns x and y, lat and lon, or travel=matrix")
     if geographic:
@@ -132,13 +132,13 @@ def _moves(given: FrameArguments, table: Columns, times: Times, xy: Floats | Non
     return "euclidean"
 
 
-def _travel(given: FrameArguments, sites: Sites, moves: Moves | str, times: Times, xy: Floats | None) -> tuple[Travel, Any]:
+def _travel(arguments: FrameArguments, sites: Sites, moves: Moves | str, times: Times, xy: Floats | None) -> tuple[Travel, Any]:
     """Distances and durations at the speed of all vehicles, and the moves that are forbidden, None for none."""
-    closing = None if given.closing is None else _closing(given.closing, sites.ids, times)
-    if hasattr(given.variances, "tocsr"):
+    closing = None if arguments.closing is None else _closing(arguments.closing, sites.ids, times)
+    if hasattr(arguments.variances, "tocsr"):
         raise InputError("variances belong to moves, not to roads", expected="a full matrix", found="a sparse one")
-    variances = None if given.variances is None else matrix_of(given.variances, sites.ids, "variance", None)
-    own: dict[str, Any] = {"convention": given.convention, "closing": closing, "variances": variances}
+    variances = None if arguments.variances is None else matrix_of(arguments.variances, sites.ids, "variance", None)
+    own: dict[str, Any] = {"convention": arguments.convention, "closing": closing, "variances": variances}
     forbidden = None
     if isinstance(moves, Moves):
         forbidden = moves.forbidden
@@ -146,29 +146,29 @@ def _travel(given: FrameArguments, sites: Sites, moves: Moves | str, times: Time
             raise InputError("all distances between sites are infinite, so that no move can be made", expected="inf for some moves")
         ways = Travel(EXPLICIT, matrix=moves.distances, duration_matrix=moves.durations, **own)
     else:
-        durations = None if given.durations is None else matrix_of(given.durations, sites.ids, "duration", times)
+        durations = None if arguments.durations is None else matrix_of(arguments.durations, sites.ids, "duration", times)
         ways = Travel(moves, coordinates=xy, duration_matrix=durations, **own)
-    return ways.at_speed(1.0 if given.speed is None else _speed(given.speed, ways, times)), forbidden
+    return ways.at_speed(1.0 if arguments.speed is None else _speed(arguments.speed, ways, times)), forbidden
 
 
-def _need_units(given: FrameArguments, sites: Sites, moves: Moves | str, fleet: Any) -> None:
+def _need_units(arguments: FrameArguments, sites: Sites, moves: Moves | str, fleet: Any) -> None:
     """Raise InputError where times of sites or vehicles would be compared with distances, or with durations of another unit."""
-    if not (sites.ready.any() or np.isfinite(sites.due).any() or sites.service.any() or given.max_duration != math.inf):
+    if not (sites.ready.any() or np.isfinite(sites.due).any() or sites.service.any() or arguments.max_duration != math.inf):
         return
-    if _is_service(given.travel, moves) and given.time_unit is None:
+    if _is_service(arguments.travel, moves) and arguments.time_unit is None:
         raise InputError("durations of the routing service are in seconds, and the unit of the other times is not said",
                          expected="time_unit='s', min, h or d")  # fmt: skip
-    if not (isinstance(moves, str) and moves in GEOGRAPHIC and given.durations is None):
+    if not (isinstance(moves, str) and moves in GEOGRAPHIC and arguments.durations is None):
         return
     rows = [] if fleet is None or hasattr(fleet, "columns") else list(fleet)
     own = "speed" in getattr(fleet, "columns", ()) or any(isinstance(row, Mapping) and "speed" in row for row in rows)
-    speed = given.speed
+    speed = arguments.speed
     if own and speed is not None:
         raise InputError("speeds are told twice", expected="speed, or the column speed of the fleet", found=f"speed={speed:g} and a column")
     if speed is None and not own:
         raise InputError("distances on the globe are lengths, and there are times of sites or vehicles beside them",
                          expected="speed=50 (an hour), or durations=matrix")  # fmt: skip
-    if given.time_unit is None:
+    if arguments.time_unit is None:
         raise InputError("a speed is a distance in an hour, and the unit of times is not said", expected="time_unit='min', or s, h, d")
 
 
@@ -187,12 +187,12 @@ def _speed(speed: float, travel: Travel, times: Times) -> float:
     return float(speed) * clock.seconds / 3600.0
 
 
-def _equal(given: FrameArguments, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
+def _equal(arguments: FrameArguments, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
     """Vehicles that are all alike, one type a depot."""
-    longest = times.span(given.max_duration, "max_duration")
-    count = None if given.vehicles is None else whole_of(given.vehicles, "the number of vehicles")
-    capacity, *further = loads_of(given.capacity, "capacity")
-    limits = {key: number_of(getattr(given, key), key) for key in ("max_distance", "fixed_cost", "unit_cost")}
+    longest = times.span(arguments.max_duration, "max_duration")
+    count = None if arguments.vehicles is None else whole_of(arguments.vehicles, "the number of vehicles")
+    capacity, *further = loads_of(arguments.capacity, "capacity")
+    limits = {key: number_of(getattr(arguments, key), key) for key in ("max_distance", "fixed_cost", "unit_cost")}
     return equal_fleet(sites, count=count, capacity=capacity, further_capacity=tuple(further), max_duration=longest, **limits)
 
 
