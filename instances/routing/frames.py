@@ -73,8 +73,8 @@ def instance_from_frame(sites: pd.DataFrame, *, source: str = "frame", **keyword
     min_vehicles = whole_of(arguments.min_vehicles, "min_vehicles")
     team_risk = None if arguments.team_risk is None else number_of(arguments.team_risk, "team_risk")
     instance = RoutingInstance(
-        label(arguments.name), source, places, ways, kinds, min_vehicles=min_vehicles, notes=notes, team_risk=team_risk, forbidden=forbidden,
-        clock=clock,
+        label(arguments.name), source, places, ways, kinds, min_vehicles=min_vehicles, notes=notes, team_risk=team_risk,
+        forbidden=forbidden, clock=clock,
     )  # fmt: skip
     refuse_powerless(instance)
     return with_problems(instance)
