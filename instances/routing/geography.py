@@ -6,9 +6,10 @@ import base64
 import math
 import warnings
 import zlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,10 +33,7 @@ def coordinates_of(table: Columns) -> tuple[bool, Floats | None]:
 
     Raises InputError for one column without the other, both kinds, and angles out of range.
     """
-    for pair in (("x", "y"), ("lat", "lon")):
-        if (pair[0] in table) != (pair[1] in table):
-            alone = table.titles[pair[0] if pair[0] in table else pair[1]]
-            raise InputError("coordinates need two columns", expected=" and ".join(pair), found=f"{alone!r} alone")
+    refuse_alone(table.titles)
     if "lat" not in table:
         return False, np.column_stack([_column(table, "x"), _column(table, "y")]) if "x" in table else None
     if "x" in table:
@@ -52,6 +50,13 @@ def coordinates_of(table: Columns) -> tuple[bool, Floats | None]:
             found = f"{values[k]}{swapped}"
             raise InputError(f"{what} of site {table.ids[k]} is out of range", expected=f"{-most:g} to {most:g} degrees", found=found)
     return True, np.column_stack([lon, lat])
+
+
+def refuse_alone(titles: Mapping[str, Any]) -> None:
+    """Raise InputError for a coordinate without the other one; ``titles`` maps waybound's titles to those of the frame."""
+    for pair in (("x", "y"), ("lat", "lon")):
+        if len(present := [titles[own] for own in pair if own in titles]) == 1:
+            raise InputError("coordinates need two columns", expected=" and ".join(pair), found=f"{present[0]!r} alone")
 
 
 def _column(table: Columns, title: str) -> Floats:

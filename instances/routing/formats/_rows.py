@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -97,3 +97,10 @@ def refuse_negative(lines: Sequence[int] | np.ndarray, **columns: Floats) -> Non
 def refuse_closed(lines: Sequence[int] | np.ndarray, windows: Floats) -> None:
     """Raise InputError for the first window, shape (rows, 2), that closes before it opens."""
     refuse(windows[:, 0] > windows[:, 1], lines, "time window closes before it opens", windows, "ready time <= due date")
+
+
+def refuse_other_size(name: str, what: str, sizes: Collection[int], count: int, line: int) -> None:
+    """Raise InputError where the name of a published file stands for another number: not ``count``, but one of ``sizes``."""
+    if count not in sizes:
+        message = f"ends early or is changed: the name {name} stands for another number of {what}; rename it if this is meant"
+        raise InputError(message, line=line, expected=" or ".join(map(str, sizes)), found=str(count))

@@ -27,7 +27,7 @@ from ...text import label, number, plain, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import Travel
 from ._limits import ORIENTEERING, numbered, points_of, refuse_inexpressible, refuse_where
-from ._rows import Rows, head, refuse_negative, widths
+from ._rows import Rows, head, refuse_negative, refuse_other_size, widths
 
 POINT = ("x", "y", "score")
 EXPRESSIBLE = frozenset({"rewards", "optional-sites", "limited-fleet", "multiple-depots", "open-routes", "max-duration"})
@@ -71,11 +71,7 @@ def read_tsiligirides(text: str, path: Path) -> RoutingInstance:
     points, lines = rows.table("point", POINT)
     name = label(path.stem)
     size = next((size for pattern, size in PUBLISHED if re.match(pattern, name)), len(points))
-    if len(points) != size:
-        raise InputError(
-            f"ends early or is changed: the name {name} stands for another number of points; rename it if this is meant",
-            line=lines[-1] if lines else line, expected=str(size), found=str(len(points)),
-        )  # fmt: skip
+    refuse_other_size(name, "points", (size,), len(points), lines[-1] if lines else line)
     refuse_negative(lines, score=points[:, 2])
     if (n := len(points)) < 3:
         raise InputError("ends early", line=rows.lines[-1][0], expected="a start, an end and a point between", found=f"{n} points")

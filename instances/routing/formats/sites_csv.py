@@ -24,6 +24,7 @@ from ...text import is_number, number, plain, refuse, shown
 from ..fleet import equal_fleet
 from ..foreign_names import ours
 from ..frame_columns import COLUMNS, columns_of, known, mapped, own_title
+from ..geography import refuse_alone
 from ..instance import RoutingInstance, VehicleType
 from ..reach import refuse_unreachable
 from ..travel import EXPLICIT, GEOGRAPHIC, convention_named
@@ -73,10 +74,7 @@ def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> Ro
         columns = {title: _column(table, k, meant) for k, title in enumerate(table.titles)}
         frame = pd.DataFrame({title: pd.Series(column) for title, column in columns.items()}, index=pd.RangeIndex(n))
         titles = columns_of(frame, given.get("columns"), given.get("extra", ())).titles
-        for pair in (("x", "y"), ("lat", "lon")):
-            if (pair[0] in titles) != (pair[1] in titles):
-                alone = titles[pair[0] if pair[0] in titles else pair[1]]
-                raise InputError("coordinates need two columns", expected=" and ".join(pair), found=f"{alone!r} alone")
+        refuse_alone(titles)
     except InputError as error:
         raise in_file(error).at(line=start + 1) from None
     if "depot" in titles and not frame[titles["depot"]].eq(True).any():

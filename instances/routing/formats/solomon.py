@@ -26,7 +26,7 @@ from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..travel import Travel
 from ._limits import finite, numbered, refuse_inexpressible
-from ._rows import Rows, refuse_closed, refuse_negative
+from ._rows import Rows, refuse_closed, refuse_negative, refuse_other_size
 
 _MARK = re.compile(r"^[ \t]*VEHICLE[ \t]*\n\s*NUMBER[ \t]+CAPACITY", re.I | re.M)
 _SOLOMON = re.compile(r"(?:R|C|RC)[12]\d\d\Z", re.I)
@@ -100,16 +100,13 @@ def _refuse_cut(text: str, name: str, at: list[int]) -> None:
     widths = {len(raw[line - 1].rstrip()) for line in at[:-1]}
     if raw[-1].strip() and len(at) > 3 and len(widths) == 1 and (length := len(raw[-1].rstrip())) < min(widths):
         raise InputError("last row is cut off", line=at[-1], expected=f"{min(widths)} characters as in the rows above", found=str(length))
-    sizes: tuple[int, ...] = ()
+    customers = max(len(at) - 1, 0)
+    sizes: tuple[int, ...] = (customers,)
     if _SOLOMON.match(name):
         sizes = (25, 50, 100)
     elif match := _HOMBERGER.match(name):
         sizes = (100 * int(match[1]),)
-    if sizes and len(at) - 1 not in sizes:
-        raise InputError(
-            f"ends early or is changed: the name {name} stands for another number of customers; rename it if this is meant",
-            line=at[-1] if at else len(raw), expected=" or ".join(map(str, sizes)), found=str(max(len(at) - 1, 0)),
-        )  # fmt: skip
+    refuse_other_size(name, "customers", sizes, customers, at[-1] if at else len(raw))
 
 
 def write(instance: RoutingInstance) -> str:
