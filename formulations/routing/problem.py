@@ -220,14 +220,12 @@ class RoutingProblem(Problem):
         UsageError
             For a unit, a problem or a term that does not exist.
         """
+        arguments = dict(locals())  # all parameters, and nothing else yet
+        for own in ("cls", "sites", "objective", "problem"):
+            del arguments[own]
         from ...instances.routing.frames import instance_from_frame
 
-        instance = instance_from_frame(
-            sites, travel=travel, durations=durations, vehicles=vehicles, capacity=capacity, max_duration=max_duration,
-            max_distance=max_distance, fixed_cost=fixed_cost, unit_cost=unit_cost, speed=speed, fleet=fleet, columns=columns, extra=extra,
-            time_unit=time_unit, distance_unit=distance_unit, weight=weight, convention=convention, name=name, closing=closing,
-            min_vehicles=min_vehicles, windows=windows, shipments=shipments, groups=groups, variances=variances, team_risk=team_risk,
-        )  # fmt: skip
+        instance = instance_from_frame(sites, **arguments)
         return cls.from_instance(instance, problem, {} if objective is None else {"objective": objective})
 
     @classmethod

@@ -22,7 +22,7 @@ class Format:
     summary : str
         One line.
     recognises : callable
-        Whether a text is meant as this format; cheap, and never raises.
+        Tells if a text is meant as this format; cheap, and never raises.
     read : callable
         From the text and the path, and a mapping of ``settings`` where there are any, to the instance. Raises InputError with the line,
         without the file.
@@ -37,13 +37,13 @@ class Format:
     convention : str
         Default distance convention.
     sense, answer : str
-        For the documentation: of the problems' objectives, and what an answer is.
+        For the documentation: the sense of the problems' objectives, and the kind of answer.
     solutions : tuple of str
         Suffixes of solution files.
     kinds : tuple of str
         Kinds of instances that it can hold; empty for every kind.
     lacks : callable, optional
-        Of a text that no format recognises: what it would have to begin with to be this one, None where it is nothing like it.
+        From a text that no format recognises to the beginning that it lacks to be this one; None where it is nothing like it.
     settings : tuple of str
         Keys of ``--set`` that are the reader's, because the text cannot be understood without them.
     """
@@ -66,3 +66,8 @@ class Format:
 
 
 FORMATS: Registry[Format] = Registry("format", "waybound.instances.formats", "waybound.instances.*.formats", group="waybound.formats")
+
+
+def add_format(entry: Format) -> None:
+    """Register a format under its own name."""
+    FORMATS.add(entry.name, entry)

@@ -1,14 +1,18 @@
-"""Tables in text: settings in comment lines, a line of titles, and rows; what the CSV formats share."""
+"""Tables in text, which all CSV formats are: settings in comment lines, a line of titles, and rows."""
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
 
 from ..errors import InputError
-from ..text import shown
+from ..number_arrays import Floats
+from ..text import label, number, shown
 
 Settings = dict[str, tuple[int, str]]
 """Line and value of each setting."""
@@ -32,9 +36,22 @@ class Table:
         k = self.titles.index(title)
         return [row[k] for row in self.rows]
 
+    def columns(self, titles: Sequence[str], line: int, expected: Sequence[str]) -> list[list[str]]:
+        """The cells under each of ``titles``; InputError with the line of the titles where one is missing."""
+        for title in titles:
+            if title not in self.titles:
+                found = ", ".join(self.titles)
+                raise InputError(f"column {title} is missing", line=line, expected=", ".join(expected), found=found)
+        return [self.column(title) or [] for title in titles]
+
+    def numbers(self, title: str, rows: Iterable[int] | None = None) -> Floats:
+        """The finite numbers under a title, in some rows or in all."""
+        column = self.column(title) or []
+        return np.array([number(column[k], self.at[k], title) for k in (range(len(column)) if rows is None else rows)])
+
 
 def delimiter_of(line: str) -> str:
-    """The one of ``, ; | tab`` that occurs most often."""
+    """The delimiter ``, ; |`` or tab that occurs most often."""
     return max(",;\t|", key=line.count)
 
 
@@ -51,50 +68,66 @@ def titles_of(text: str) -> frozenset[str]:
     return frozenset()
 
 
-def settings_of(text: str, known: Collection[str], columns: Collection[str]) -> tuple[Settings, int]:
-    """Settings in the comment lines above the table, and the index of its first line."""
-    found: Settings = {}
+def settings_of(
+    text: str, known: Collection[str], columns: Collection[str], choices: Mapping[str, Collection[str]] | None = None
+) -> tuple[Settings, int]:
+    """Settings in the comment lines above the table, with values out of their ``choices``, and the index of the table's first line."""
+    settings: Settings = {}
     for k, line in enumerate(text.split("\n")):
         if not line.strip():
             continue
         if not line.lstrip().startswith("#"):
-            return found, k
+            for key, values in (choices or {}).items():
+                at, value = settings.get(key, (0, ""))
+                if key in settings and value not in values:
+                    raise InputError(f"{key} {shown(value)} is unknown", line=at, expected=", ".join(values))
+            return settings, k
         key, colon, value = line.strip().lstrip("#").partition(":")
         key = key.strip().lower().replace("_", "-")
         if not colon:
             continue  # a remark
         if key not in known:
             raise InputError(f"setting {shown(key)} is unknown", line=k + 1, expected=", ".join(known))
-        if key in found:
-            raise InputError(f"setting {key} stands twice, first in line {found[key][0]}", line=k + 1)
+        if key in settings:
+            raise InputError(f"setting {key} stands twice, first in line {settings[key][0]}", line=k + 1)
         if not value.strip():
             raise InputError(f"setting {key} has no value", line=k + 1)
-        found[key] = k + 1, value.strip()
+        settings[key] = k + 1, value.strip()
     raise InputError("holds no table", expected=f"a line of titles out of {', '.join(columns)}", found="the end of the file")
 
 
-def table_of(text: str, start: int, columns: Collection[str] | Callable[[str], str], what: str) -> Table:
-    """The table that begins in line ``start`` (from 0), with titles out of ``columns`` in any case, or whatever a function makes of them.
+def name_of(settings: Settings, path: Path) -> str:
+    """The name of the instance: the setting ``name``, or else that of the file."""
+    return label(settings["name"][1] if "name" in settings else path.stem)
 
-    ``what`` is what its rows are, for messages.
-    """
+
+def rows_of(text: str, start: int) -> Iterator[tuple[int, list[str]]]:
+    """Line and stripped cells of each row from line ``start`` on (from 0) that is not empty."""
     lines = text.split("\n")[start:]
     reader = csv.reader(io.StringIO("\n".join(lines)), delimiter=delimiter_of(lines[0]), strict=True)
-    table = Table([], [], [])
     try:
         for row in reader:
-            cells, line = [cell.strip() for cell in row], start + reader.line_num
-            if not any(cells):
-                continue
-            if not table.titles:
-                table.titles.extend(_titles(cells, line, columns))
-            elif len(cells) != len(table.titles):
-                raise InputError("row has a wrong length", line=line, expected=f"{len(table.titles)} values", found=f"{len(cells)} values")
-            else:
-                table.rows.append(cells)
-                table.at.append(line)
+            cells = [cell.strip() for cell in row]
+            if any(cells):
+                yield start + reader.line_num, cells
     except csv.Error as error:
         raise InputError(f"is no CSV: {error}", line=start + reader.line_num) from None
+
+
+def table_of(text: str, start: int, columns: Collection[str] | Callable[[str], str], what: str) -> Table:
+    """The table that begins in line ``start`` (from 0), whose rows are called ``what`` in messages.
+
+    Its titles are out of ``columns`` in any case, or whatever a function makes of them.
+    """
+    table = Table([], [], [])
+    for line, cells in rows_of(text, start):
+        if not table.titles:
+            table.titles.extend(_titles(cells, line, columns))
+        elif len(cells) != len(table.titles):
+            raise InputError("row has a wrong length", line=line, expected=f"{len(table.titles)} values", found=f"{len(cells)} values")
+        else:
+            table.rows.append(cells)
+            table.at.append(line)
     if not table.rows:
         raise InputError(f"holds no {what}", line=start + 1, expected="at least one row below the titles", found="the end of the file")
     return table

@@ -10,7 +10,7 @@ from ..document import dump_json, fields, integer, kind_of, parse_json, string
 from ..errors import InputError, UsageError
 from ..instance import Instance, settings_of, with_settings
 from ..kinds import KINDS
-from . import FORMATS, Format
+from . import Format, add_format
 
 VERSION = 1
 
@@ -19,7 +19,7 @@ _VERSION, _VEHICLES = re.compile(r'"waybound"\s*:'), re.compile(r'"vehicles"\s*:
 
 
 def recognises(text: str) -> bool:
-    """Whether the text is meant as a JSON object, and not as VROOM's, which has vehicles, or as GeoJSON."""
+    """True if the text is meant as a JSON object, and not as VROOM's, which has vehicles, or as GeoJSON."""
     return text.lstrip().startswith("{") and (_VERSION.search(text) is not None or _VEHICLES.search(text) is None)
 
 
@@ -39,17 +39,17 @@ def read(text: str, path: Path) -> Instance:
     kind = string(data["kind"], "kind")
     if kind not in KINDS:
         raise InputError("kind is unknown", expected=", ".join(KINDS.names()), found=kind)
-    made = KINDS[kind].decode({key: value for key, value in data.items() if key not in ("waybound", "kind", "settings")})
-    return with_settings(made, _settings(data["settings"])) if "settings" in data else made
+    instance = KINDS[kind].decode({key: value for key, value in data.items() if key not in ("waybound", "kind", "settings")})
+    return with_settings(instance, _settings(data["settings"])) if "settings" in data else instance
 
 
 def _settings(data: Any) -> dict[str, Any]:
     """Plain values by name, as ``--set`` takes them."""
-    given = fields(data, "settings", data if isinstance(data, dict) else ())
-    for name, value in given.items():
+    settings = fields(data, "settings", data if isinstance(data, dict) else ())
+    for name, value in settings.items():
         if not isinstance(value, str | int | float):
             raise InputError(f"settings.{name} must be a text, a number, true or false", found=kind_of(value))
-    return dict(given)
+    return dict(settings)
 
 
 def write(instance: Any) -> str:
@@ -61,10 +61,9 @@ def write(instance: Any) -> str:
     return dump_json({"waybound": VERSION, "kind": instance.kind, **KINDS[instance.kind].encode(instance), **more})
 
 
-FORMATS.add(
-    "json",
+add_format(
     Format(
-        "json", "waybound JSON (every kind of instance)", recognises, read, write, (".json",),
-        sense="of the problem", answer="of the problem", kinds=(),
-    ),
+        "json", "waybound JSON (every kind of instance)", recognises, read, write, (".json",), sense="of the problem",
+        answer="of the problem", kinds=(),
+    )
 )  # fmt: skip

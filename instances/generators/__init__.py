@@ -12,7 +12,10 @@ from ..instance import Instance
 from ..registry import Registry
 from ..suggestions import did_you_mean
 from .draw import Draw as Draw
-from .settings import Setting
+from .draw import Flags as Flags
+from .draw import Floats as Floats
+from .draw import Integers as Integers
+from .settings import Setting as Setting
 
 
 @dataclass(frozen=True)
@@ -39,11 +42,16 @@ class Generator:
     def values(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """A value for each setting; UsageError for one that does not exist or is out of range."""
         named = {key.replace("_", "-"): value for key, value in given.items()}
-        for key in named:
-            if key not in self.settings:
-                known = f"{', '.join(self.settings)}{did_you_mean(key, self.settings)}"
-                raise UsageError(f"{self.name} has no setting {key!r}; it takes {known}")
+        strange = next((key for key in named if key not in self.settings), None)
+        if strange is not None:
+            known = f"{', '.join(self.settings)}{did_you_mean(strange, self.settings)}"
+            raise UsageError(f"{self.name} has no setting {strange!r}; it takes {known}")
         return {key: setting.value(key, named[key]) if key in named else setting.default for key, setting in self.settings.items()}
 
 
 GENERATORS: Registry[Generator] = Registry("generator", "waybound.instances.*.generators", group="waybound.generators")
+
+
+def add_generator(entry: Generator) -> None:
+    """Register a generator under its own name."""
+    GENERATORS.add(entry.name, entry)

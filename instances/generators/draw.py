@@ -12,7 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from ..number_arrays import Floats as Floats
+
+Flags = NDArray[np.bool_]
 Integers = NDArray[np.int64]
 
 
@@ -56,12 +58,12 @@ class Draw:
         edges = np.cumsum(weights) / np.sum(weights)
         return np.asarray(values, dtype=np.int64)[np.searchsorted(edges[:-1], self._rng.random(size), side="right")]
 
-    def permutation(self, size: int) -> NDArray[np.int64]:
+    def permutation(self, size: int) -> Integers:
         """The numbers 0 to ``size`` - 1 in random order."""
         return np.argsort(self._rng.random(size), kind="stable")
 
-    def chosen(self, count: int, of: int) -> NDArray[np.bool_]:
-        """Which ``count`` out of ``of``, without repetition."""
+    def chosen(self, count: int, of: int) -> Flags:
+        """Flags that mark ``count`` random places out of ``of``."""
         marks = np.zeros(of, dtype=bool)
         marks[self.permutation(of)[:count]] = True
         return marks

@@ -168,7 +168,7 @@ UNITS = _words(
 """Last words that say in what a column is measured."""
 
 OWNERS = _words("site sites customer customers client clients node nodes job jobs task tasks stop stops visit order location")
-"""First words that say whose quantity it is; of a fleet, those below."""
+"""First words that say whose quantity it is; those of a fleet are below."""
 VEHICLES = _words("vehicle vehicles truck van route")
 
 MORE_LOADS = _words("quantity quantities qty amount load loads weight volume mass units pallets parcels packages boxes vol kg")
@@ -181,7 +181,7 @@ _CAMEL = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 
 
 def ours(title: str, table: str = "sites") -> str | None:
-    """Waybound's title of what others call ``title``, in any case, spacing and unit; of further loads with their number. None if none."""
+    """Waybound's title of what others call ``title``, in any case, spacing and unit, or None; titles of further loads keep their number."""
     known = _squashed(table)
     for name, number in _variants(title, table):
         if name in known and not (number and known[name] in PLACES):
@@ -191,26 +191,26 @@ def ours(title: str, table: str = "sites") -> str | None:
 
 
 def elsewhere(title: str, table: str = "sites") -> str | None:
-    """What to say of a name that stands for something, and for no column of ``table``; None for any other name."""
+    """The reason why a name that stands for something has no column in ``table``, and what to do; None for any other name."""
     known = _told(table)
     return next((known[name] for name, _ in _variants(title, table) if name in known), None)
 
 
 def hint(title: str, table: str, known: Collection[str]) -> str:
-    """For the end of a message on an unknown title: what it is called here, what to do instead, or what it may be misspelt of."""
-    own, told = ours(title, table), elsewhere(title, table)
+    """End of a message on an unknown title: its name here, what to do instead, or the title that it is likely misspelt for."""
+    own, reason = ours(title, table), elsewhere(title, table)
     if own is not None:
         return f"; did you mean {own!r}?"
-    return f"; {told}" if told is not None else did_you_mean(title, known)
+    return f"; {reason}" if reason is not None else did_you_mean(title, known)
 
 
 def may_be_another_load(title: str) -> bool:
-    """Whether a name of loads may mean another load than the one that is there."""
+    """True if a name of loads may mean another load than the one that is there."""
     return any(name in MORE_LOADS for name, _ in _variants(title, "sites"))
 
 
 def _variants(title: str, table: str) -> Iterator[tuple[str, str]]:
-    """The title in one word, then without units, owner and number, each with the number that it ended with."""
+    """The title in one word, then without units, owner and number, each with the number at its end."""
     words = [word for word in re.split(r"[^a-z0-9]+", _CAMEL.sub("_", title).casefold()) if word]
     owners = VEHICLES if table == "fleet" else OWNERS
     seen = set()
@@ -235,4 +235,4 @@ def _squashed(table: str) -> Mapping[str, str]:
 
 @cache
 def _told(table: str) -> Mapping[str, str]:
-    return {name.replace("_", ""): told for told, names in ELSEWHERE[table].items() for name in names.split()}
+    return {name.replace("_", ""): reason for reason, names in ELSEWHERE[table].items() for name in names.split()}

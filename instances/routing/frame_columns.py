@@ -1,4 +1,4 @@
-"""Columns of a frame of sites: which title means what, and what they hold."""
+"""Columns of a frame of sites: the meaning of each title, and the values below it."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..clock import Times
 from ..errors import InputError
+from ..number_arrays import Floats
 from ..suggestions import did_you_mean, nearest
 from ..text import shown
 from .foreign_names import elsewhere, may_be_another_load, ours
@@ -20,14 +21,12 @@ from .foreign_names import elsewhere, may_be_another_load, ours
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
-
 COLUMNS = (
     "id", "x", "y", "lat", "lon", "node", "demand", "pickup", "ready", "due", "service", "reward", "required", "penalty", "depot", "skills",
 )  # fmt: skip
 
 ALIASES = {"latitude": "lat", "longitude": "lon", "lng": "lon", "long": "lon"}
-"""Titles that can mean nothing else."""
+"""Other spellings of titles, which can mean nothing else."""
 
 NUMBERED = re.compile(r"(demand|pickup)[2-9]")
 """Titles of further loads."""
@@ -35,17 +34,7 @@ NUMBERED = re.compile(r"(demand|pickup)[2-9]")
 
 @dataclass
 class Columns:
-    """A frame of sites under waybound's titles.
-
-    Parameters
-    ----------
-    frame : DataFrame
-    titles : dict
-        From waybound's title to that of the frame.
-    extra : tuple
-        Titles of the frame that are kept and not used.
-    ids : tuple of str
-    """
+    """A frame of sites under waybound's titles: ``titles`` maps them to those of the frame, ``extra`` are kept and not used."""
 
     frame: pd.DataFrame
     titles: dict[str, Any]
@@ -63,12 +52,12 @@ class Columns:
         return self.frame[self.titles[title]]
 
     def without(self, title: str) -> Columns:
-        """The same, with a column that is kept and not used."""
-        left = {own: theirs for own, theirs in self.titles.items() if own != title}
-        return Columns(self.frame, left, (*self.extra, self.titles[title]), self.ids)
+        """The same columns, of which one more is kept and not used."""
+        others = {own: theirs for own, theirs in self.titles.items() if own != title}
+        return Columns(self.frame, others, (*self.extra, self.titles[title]), self.ids)
 
     def reals(self, title: str) -> Floats:
-        """Numbers; what is missing at a depot is 0, for nothing is done there."""
+        """Numbers; missing ones at a depot are 0, for nothing is done there."""
         try:
             values = np.array(self[title].to_numpy(dtype=np.float64, na_value=np.nan))
         except (TypeError, ValueError) as error:
@@ -78,41 +67,41 @@ class Columns:
 
     def moments(self, title: str, times: Times, missing: float) -> Floats:
         """Points in time; ``missing`` where there is none."""
-        made = times.moments(self[title], f"column {title}")
-        return np.where(np.isnan(made), missing, made)
+        moments = times.moments(self[title], f"column {title}")
+        return np.where(np.isnan(moments), missing, moments)
 
     def spans(self, title: str, times: Times) -> Floats:
         """Lengths of time, 0 where there is none."""
-        made = times.spans(self[title], f"column {title}")
-        return np.where(np.isnan(made), 0.0, made)
+        spans = times.spans(self[title], f"column {title}")
+        return np.where(np.isnan(spans), 0.0, spans)
 
     def loads(self, title: str) -> Floats:
-        """All load dimensions, shape (sites, dimensions); a dimension that is not there has no load."""
+        """All load dimensions, shape (sites, dimensions), 0 for those without a column."""
         last = max([1, *(int(t[-1]) for t in self.titles if t[:-1] == title)])
         columns = [title, *(f"{title}{k}" for k in range(2, last + 1))]
         return np.column_stack([self.reals(c) if c in self else np.zeros(len(self.ids)) for c in columns])
 
     def flags(self, title: str) -> NDArray[np.bool_]:
-        """Truth values; what is missing is true for ``required``, false for ``depot``."""
-        made = []
+        """Truth values; missing ones are true for ``required``, false for ``depot``."""
+        flags = []
         for value in self[title].tolist():
             absent = value is None or value != value
             if not absent and value not in (True, False):
                 raise InputError(f"column {title} must hold true and false", found=str(value))
-            made.append(title == "required" if absent else bool(value))
-        return np.array(made)
+            flags.append(title == "required" if absent else bool(value))
+        return np.array(flags)
 
     def skills(self) -> dict[int, list[str]]:
         """Words that a site asks for, by its index."""
         return {k: words for k, value in enumerate(self["skills"].tolist()) if (words := words_of(value, "column skills"))}
 
     def attributes(self) -> dict[str, list[Any]]:
-        """What is kept of the other columns, as plain values."""
+        """The other columns that are kept, as plain values."""
         return {str(title): [_plain(value) for value in self.frame[title].tolist()] for title in self.extra}
 
 
 def pairs_of(text: str) -> dict[str, str]:
-    """A mapping of titles that is told as text: ``demand=crates, id=shop``."""
+    """A mapping of titles from a text such as ``demand=crates, id=shop``."""
     pairs = [part.split("=") for part in text.split(",")]
     if any(len(pair) != 2 for pair in pairs):
         raise InputError("columns must pair titles", expected="demand=crates, id=shop", found=shown(text))
@@ -133,8 +122,8 @@ def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | str | None, ext
     titles = list(frame.columns)
     if len(set(titles)) < len(titles):
         raise InputError(f"column {next(t for t in titles if titles.count(t) > 1)!r} stands twice")
-    found = mapped(titles, mapping or {})
-    told = {own for own in found if mapping and own in {*mapping, *mapping.values()}}
+    titles_by_own = mapped(titles, mapping or {})
+    mapped_titles = {own for own in titles_by_own if mapping and own in {*mapping, *mapping.values()}}
     granted = titles if extra is True else [] if extra is False else list(extra)
     for title in granted:
         if title not in titles:
@@ -142,30 +131,30 @@ def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | str | None, ext
     for exact in (True, False):
         for title in titles:
             own = own_title(title)
-            if own is None or title in found.values() or own in told or (own == title) != exact:
+            if own is None or title in titles_by_own.values() or own in mapped_titles or (own == title) != exact:
                 continue
             if not exact and title in granted and extra is not True:
                 continue  # the user says that it does not count
-            if own not in found:
-                found[own] = title
+            if own not in titles_by_own:
+                titles_by_own[own] = title
             elif own in ALIASES.values():
-                raise InputError(f"columns {found[own]!r} and {title!r} both tell {own}", expected="one of them")
+                raise InputError(f"columns {titles_by_own[own]!r} and {title!r} both tell {own}", expected="one of them")
     named = next((t for t in titles if str(t).casefold() == "name"), None)
     counted = isinstance(frame.index, pd.RangeIndex)
-    if "id" not in found and counted and named is not None:
+    if "id" not in titles_by_own and counted and named is not None:
         names = frame[named].tolist()
         if all(isinstance(name, str | int) for name in names) and len(set(names)) == len(names):
-            found["id"] = named
+            titles_by_own["id"] = named
     for level in frame.index.names:  # an index holds ids alone
         own = None if level is None else own_title(level) or ours(str(level))
-        if own not in (None, "id") and own not in found:
+        if own not in (None, "id") and own not in titles_by_own:
             raise InputError(f"the index is called {shown(str(level))}, and columns alone tell {own}", expected="frame.reset_index()")
-    used = set(found.values())
+    used = set(titles_by_own.values())
     kept = [title for title in titles if title not in used]
     for title in kept:
         if title not in granted:
-            _refuse_dropping(title, found, told, frame[title])
-    return Columns(frame, found, tuple(kept), _ids(frame, found))
+            _refuse_dropping(title, titles_by_own, mapped_titles, frame[title])
+    return Columns(frame, titles_by_own, tuple(kept), _ids(frame, titles_by_own))
 
 
 def own_title(title: Any) -> str | None:
@@ -179,7 +168,7 @@ def mapped(titles: list[Any], mapping: Mapping[Any, Any]) -> dict[str, Any]:
     """``mapping`` from waybound's titles to the frame's, whichever way round it is given."""
     if not isinstance(mapping, Mapping):
         raise InputError("columns must be a mapping of titles", expected="{'demand': 'crates'}", found=str(mapping)[:80])
-    found: dict[str, Any] = {}
+    titles_by_own: dict[str, Any] = {}
     own: Any
     for one, other in mapping.items():
         own, theirs = (one, other) if known(one) else (other, one) if known(other) else (None, None)
@@ -192,37 +181,37 @@ def mapped(titles: list[Any], mapping: Mapping[Any, Any]) -> dict[str, Any]:
             listed = ", ".join(map(str, titles[:12]))
             hint = did_you_mean(str(theirs), map(str, titles))
             raise InputError(f"columns maps {own!r} to the column {theirs!r}, which is not there{hint}", found=f"columns {listed}")
-        if own in found:
-            raise InputError(f"columns maps {own!r} twice", found=f"{found[own]!r} and {theirs!r}")
-        found[own] = theirs
-    return found
+        if own in titles_by_own:
+            raise InputError(f"columns maps {own!r} twice", found=f"{titles_by_own[own]!r} and {theirs!r}")
+        titles_by_own[own] = theirs
+    return titles_by_own
 
 
 def known(title: Any) -> bool:
-    """Whether it is one of waybound's titles."""
+    """True if it is one of waybound's titles."""
     return isinstance(title, str) and (title in COLUMNS or NUMBERED.fullmatch(title) is not None)
 
 
-def _refuse_dropping(title: Any, found: Mapping[str, Any], told: Collection[str], values: pd.Series) -> None:
+def _refuse_dropping(title: Any, titles_by_own: Mapping[str, Any], mapped_titles: Collection[str], values: pd.Series) -> None:
     """Raise InputError for a column that would not count, though its title says that it should: that of others, or a misspelt one.
 
-    ``told`` are the titles for which the user says which column counts.
+    ``mapped_titles`` are those for which the user says which column counts.
     """
     text, column = str(title), f"column {shown(str(title))} is unknown"
     keep = f"extra=[{title!r}] to keep it only"
     own, instead = ours(text), elsewhere(text)
     if instead is None and _plain_words(text) == "location" and not all(isinstance(v, str) for v in values.dropna()):
         instead = elsewhere("coordinates")  # an address is no place to compute with
-    if own is not None and own in found and may_be_another_load(text):
-        own = next((further for k in range(2, 10) if (further := f"{own.rstrip('23456789')}{k}") not in found), own)
-    own = own or own_title(title) or next((o for o in found if _plain_words(text).rstrip("s") == o.rstrip("s")), None)
-    if own is not None and own in found:
-        if own not in told:
+    if own is not None and own in titles_by_own and may_be_another_load(text):
+        own = next((further for k in range(2, 10) if (further := f"{own.rstrip('23456789')}{k}") not in titles_by_own), own)
+    own = own or own_title(title) or next((o for o in titles_by_own if _plain_words(text).rstrip("s") == o.rstrip("s")), None)
+    if own is not None and own in titles_by_own:
+        if own not in mapped_titles:
             cure = f"one of them, or extra=[{title!r}] to keep the other only"
-            raise InputError(f"columns {found[own]!r} and {title!r} both tell {own}", expected=cure)
+            raise InputError(f"columns {titles_by_own[own]!r} and {title!r} both tell {own}", expected=cure)
         return
-    elsewhere_placed = (own in ("x", "y") and "lat" in found) or (own in ("lat", "lon") and "x" in found)
-    meant = None if elsewhere_placed else own or _misspelt(text, found)
+    elsewhere_placed = (own in ("x", "y") and "lat" in titles_by_own) or (own in ("lat", "lon") and "x" in titles_by_own)
+    meant = None if elsewhere_placed else own or _misspelt(text, titles_by_own)
     if meant is not None:
         raise InputError(f"{column}; did you mean {meant!r}?", expected=f"columns={{{meant!r}: {title!r}}} to use it, {keep}")
     if instead is not None:
@@ -233,17 +222,17 @@ def _plain_words(title: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", title.casefold()).strip("_")
 
 
-def _misspelt(title: str, found: Mapping[str, Any]) -> str | None:
+def _misspelt(title: str, titles_by_own: Mapping[str, Any]) -> str | None:
     """The known title, not there, that an unknown one is likely meant for."""
     plain = _plain_words(title)
-    absent = [c for c in COLUMNS if c not in found and len(c) > 2]
+    absent = [c for c in COLUMNS if c not in titles_by_own and len(c) > 2]
     long = [c for c in (*absent, *ALIASES) if len(c) > 4]  # short words are near to too many: a note is no node
     word = next((word for word in plain.split("_") if word in absent), None) or nearest(plain, long)
     return next((known for known in (word, ALIASES.get(word or "")) if known in absent), None)
 
 
-def _ids(frame: pd.DataFrame, found: Mapping[str, Any]) -> tuple[str, ...]:
-    values = frame[found["id"]] if "id" in found else frame.index
+def _ids(frame: pd.DataFrame, titles_by_own: Mapping[str, Any]) -> tuple[str, ...]:
+    values = frame[titles_by_own["id"]] if "id" in titles_by_own else frame.index
     if values.ndim > 1 or getattr(values, "nlevels", 1) > 1:
         raise InputError("the index has several levels", expected="ids in one: a column id, or frame.reset_index()")
     if values.isna().any():
@@ -252,7 +241,7 @@ def _ids(frame: pd.DataFrame, found: Mapping[str, Any]) -> tuple[str, ...]:
 
 
 def id_text(value: Any) -> str:
-    """As text; numbers that a missing value elsewhere made floats are whole again."""
+    """An id as text; whole numbers that a missing value elsewhere made floats are whole again."""
     return str(int(value)) if isinstance(value, float) and value.is_integer() else str(value)
 
 

@@ -37,50 +37,50 @@ def placed(frame: Any, row: int = -1) -> Iterator[None]:
         raise error if lines is None else error.at(file, lines[row + 1]) from None
 
 
-def see_windows(given: Any, times: Times) -> None:
+def see_windows(windows: Any, times: Times) -> None:
     """Let the moments of windows count for the origin of time."""
-    if hasattr(given, "columns"):
+    if hasattr(windows, "columns"):
         for title in ("ready", "due"):
-            if title in given.columns:
-                times.see(given[title])
+            if title in windows.columns:
+                times.see(windows[title])
     else:
-        times.see(list(_by_site(given).values()))
+        times.see(list(_by_site(windows).values()))
 
 
-def windows_of(given: Any, index: Index, times: Times) -> dict[int, list[Window]]:
-    """Windows by site index, of a mapping from ids to pairs or a frame; a missing end is no limit."""
-    if not hasattr(given, "columns"):
+def windows_of(windows: Any, index: Index, times: Times) -> dict[int, list[Window]]:
+    """Windows by site index, from a mapping of ids to pairs or a frame; a missing end is no limit."""
+    if not hasattr(windows, "columns"):
         return {
             _at(site, index, "windows"): [_window(pair, str(site), times) for pair in _listed(listed, f"windows of {site}", "[(0, 4)]")]
-            for site, listed in _by_site(given).items()
+            for site, listed in _by_site(windows).items()
         }
-    found: dict[int, list[tuple[Window, int]]] = {}
-    for k, row in enumerate(_rows(given, "windows")):
-        with placed(given, k):
+    windows_by_site: dict[int, list[tuple[Window, int]]] = {}
+    for k, row in enumerate(_rows(windows, "windows")):
+        with placed(windows, k):
             window = _window((row.get("ready"), row.get("due")), row["site"], times)
             if window[0] > window[1]:
                 raise InputError(f"a window of {row['site']} closes before it opens", found=str(window))
-            found.setdefault(_at(row["site"], index, "windows"), []).append((window, k))
+            windows_by_site.setdefault(_at(row["site"], index, "windows"), []).append((window, k))
     names = list(index)
-    for site, held in found.items():
+    for site, held in windows_by_site.items():
         for (one, _), (after, k) in pairwise(sorted(held)):
-            with placed(given, k):
+            with placed(windows, k):
                 if after[0] <= one[1]:
                     raise InputError(f"windows of {names[site]} are not apart from each other", found=f"{one} and {after}")
-    return {site: [window for window, _ in held] for site, held in found.items()}
+    return {site: [window for window, _ in held] for site, held in windows_by_site.items()}
 
 
-def _by_site(given: Any) -> Mapping[Any, Any]:
-    if given is not None and not isinstance(given, Mapping):
-        raise InputError("windows must be a mapping or a frame", expected="{'a': [(0, 4), (9, 20)]}", found=str(given)[:80])
-    return given or {}
+def _by_site(windows: Any) -> Mapping[Any, Any]:
+    if windows is not None and not isinstance(windows, Mapping):
+        raise InputError("windows must be a mapping or a frame", expected="{'a': [(0, 4), (9, 20)]}", found=str(windows)[:80])
+    return windows or {}
 
 
-def _listed(given: Any, what: str, expected: str) -> list[Any]:
+def _listed(entries: Any, what: str, expected: str) -> list[Any]:
     """The entries of a list or any other iterable; None has none."""
-    if isinstance(given, str | Mapping) or not isinstance(given, Iterable | None):
-        raise InputError(f"{what} must be a list", expected=expected, found=str(given)[:80])
-    return [] if given is None else list(given)
+    if isinstance(entries, str | Mapping) or not isinstance(entries, Iterable | None):
+        raise InputError(f"{what} must be a list", expected=expected, found=str(entries)[:80])
+    return [] if entries is None else list(entries)
 
 
 def _window(pair: Any, site: str, times: Times) -> Window:
@@ -91,21 +91,21 @@ def _window(pair: Any, site: str, times: Times) -> Window:
     return 0.0 if math.isnan(opens) else opens, math.inf if math.isnan(closes) else closes
 
 
-def shipments_of(given: Any, index: Index) -> list[Shipment]:
-    """Of pairs of ids, perhaps with a load, or of a frame."""
-    if hasattr(given, "columns"):
-        loads = LOADS[: max((k for k, title in enumerate(LOADS, start=1) if title in given.columns), default=0)]
+def shipments_of(shipments: Any, index: Index) -> list[Shipment]:
+    """Shipments from pairs of ids, perhaps with a load, or from a frame."""
+    if hasattr(shipments, "columns"):
+        loads = LOADS[: max((k for k, title in enumerate(LOADS, start=1) if title in shipments.columns), default=0)]
         listed: list[Any] = [
             (row["pickup"], row["delivery"], [0.0 if row.get(title) is None else row[title] for title in loads] or 0.0)
-            for row in _rows(given, "shipments")
+            for row in _rows(shipments, "shipments")
         ]
     else:
-        listed = _listed(given, "shipments", "[('a', 'b', 2)], or a frame")
-    made = []
+        listed = _listed(shipments, "shipments", "[('a', 'b', 2)], or a frame")
+    read = []
     for k, one in enumerate(listed):
-        with placed(given, k):
-            made.append(_shipment(one, index))
-    return made
+        with placed(shipments, k):
+            read.append(_shipment(one, index))
+    return read
 
 
 def _shipment(one: Any, index: Index) -> Shipment:
@@ -119,24 +119,25 @@ def _shipment(one: Any, index: Index) -> Shipment:
         raise InputError(f"load of the shipment from {parts[0]} to {parts[1]} must be a number", found=str(parts[2])[:80]) from None
 
 
-def groups_of(given: Any, index: Index) -> list[Group]:
-    """Of lists of ids, or mappings with ``sites`` and ``required``, or of a frame."""
-    if hasattr(given, "columns"):
-        return _groups(given, index)
-    made = []
-    for one in _listed(given, "groups", "[['a', 'b']], or a frame"):
+def groups_of(groups: Any, index: Index) -> list[Group]:
+    """Groups from lists of ids, from mappings with ``sites`` and ``required``, or from a frame."""
+    if hasattr(groups, "columns"):
+        return _groups(groups, index)
+    read = []
+    for one in _listed(groups, "groups", "[['a', 'b']], or a frame"):
         if isinstance(one, Mapping) and not {"sites"} <= one.keys() <= {"sites", "required"}:
-            raise InputError("a group has sites and perhaps required", expected="{'sites': ['a', 'b'], 'required': False}",
-                             found=str(one)[:80])  # fmt: skip
+            expected = "{'sites': ['a', 'b'], 'required': False}"
+            raise InputError("a group has sites and perhaps required", expected=expected, found=str(one)[:80])
         members, required = (one["sites"], one.get("required", True)) if isinstance(one, Mapping) else (one, True)
         if not isinstance(required, bool | np.bool_):
             raise InputError("required of a group must be True or False", found=repr(required)[:80])
-        made.append(Group(tuple(_at(site, index, "groups") for site in _listed(members, "sites of a group", "['a', 'b']")), bool(required)))
-    return made
+        sites = (_at(site, index, "groups") for site in _listed(members, "sites of a group", "['a', 'b']"))
+        read.append(Group(tuple(sites), bool(required)))
+    return read
 
 
 def _groups(frame: Any, index: Index) -> list[Group]:
-    """Rows of one name are one group, required where nothing else is said in any of them."""
+    """Groups from a frame: rows of one name, required unless one of them says otherwise."""
     sites: dict[str, list[int]] = {}
     required: dict[str, bool] = {}
     for k, row in enumerate(_rows(frame, "groups")):
@@ -164,15 +165,15 @@ def _rows(frame: Any, what: str) -> list[dict[str, Any]]:
             raise InputError(f"{what} have no column {lacking!r}", expected=", ".join(known))
         if what == "windows" and not {"ready", "due"} & set(frame.columns):
             raise InputError("windows have neither a column 'ready' nor 'due'", expected=", ".join(known))
-    made = []
+    rows = []
     for k, held in enumerate(frame.to_dict("records")):
         row = {str(key): None if pd.api.types.is_scalar(value) and pd.isna(value) else value for key, value in held.items()}
         for title in names:
             if row[title] in (None, ""):
                 raise InputError(f"row {k + 1} of {what} has no {title}", expected="a name in every row")
             row[title] = id_text(row[title])
-        made.append(row)
-    return made
+        rows.append(row)
+    return rows
 
 
 def _at(site: Any, index: Index, what: str) -> int:

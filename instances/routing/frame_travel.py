@@ -13,24 +13,24 @@ from numpy.typing import NDArray
 
 from ..clock import Times
 from ..errors import InputError
-from .frame_moves import is_list, listed_moves
+from ..number_arrays import Floats
+from .foreign_names import hint, ours
+from .frame_columns import id_text
 from .routing_service import table_from_file, table_of
+from .sites import in_lines
 
-Floats = NDArray[np.float64]
 Ids = tuple[str, ...]
+
+MOVES = ("from", "to", "distance", "duration")
+"""Titles of a list of moves; durations may be missing."""
+UNUSED = "columns of moves that are not used: "
 
 
 @dataclass(frozen=True, eq=False)
 class Moves:
-    """Distances between all sites, durations where there are any, and the moves that cannot be made.
+    """Distances between all sites, shape (sites, sites), durations where there are any, and the moves that cannot be made.
 
-    Parameters
-    ----------
-    distances : array of shape (sites, sites)
-        Finite; of a move that cannot be made it means nothing.
-    durations : array of shape (sites, sites), optional
-    forbidden : bool array of shape (sites, sites), optional
-    notes : tuple of str
+    Distances are finite; those of moves that cannot be made mean nothing.
     """
 
     distances: Floats
@@ -40,70 +40,54 @@ class Moves:
 
 
 def moves_of(travel: Any, durations: Any, sites: Ids, nodes: Ids, times: Times, weight: str, unit: str) -> Moves:
-    """What ``travel`` and ``durations`` of ``instance_from_frame`` tell.
+    """Moves as ``travel`` and ``durations`` of ``instance_from_frame`` give them.
 
-    Parameters
-    ----------
-    travel : object
-        A matrix, a frame, a list of moves, a sparse road graph, a networkx graph, a service's table or its file.
-    durations : object or None
-        A matrix or a frame; of a networkx graph the name of an attribute of edges.
-    sites, nodes : tuple of str
-        Ids, and what a networkx graph calls the sites.
-    times : Times
-    weight : str
-        Attribute of a networkx graph that holds distances.
-    unit : str
-        Unit of distance in which a service's answer is wanted.
+    ``travel`` is a matrix, a frame, a list of moves, a sparse road graph, a networkx graph, a service's table or its file; ``durations`` a
+    matrix or a frame, or the name of an attribute of edges. ``nodes`` are the names of the sites in a networkx graph, ``weight`` is its
+    attribute of distances, and ``unit`` the unit of distance in which a service's answer is wanted.
     """
     notes: tuple[str, ...] = ()
+    own: Floats | None = None
     if isinstance(travel, str | PathLike | Mapping):
         table = table_of(travel) if isinstance(travel, Mapping) else table_from_file(travel)
         distance, own, notes = table.in_units(unit, times.unit)
         distance = _sized(distance, sites, "distance")
-        held = None if own is None else _sized(own, sites, "duration")
-        held = held if durations is None else matrix_of(durations, sites, "duration", times)
+        own = None if own is None else _sized(own, sites, "duration")
     elif is_graph(travel):
         distance = _along_roads(travel, nodes, sites, weight, "distance")
-        if durations is None or isinstance(durations, str):
-            held = None if durations is None else _along_roads(travel, nodes, sites, durations, "duration")
-        else:
-            held = matrix_of(durations, sites, "duration", times)
+        if isinstance(durations, str):
+            own, durations = _along_roads(travel, nodes, sites, durations, "duration"), None
     elif is_list(travel, sites):
-        distance, held, notes = listed_moves(travel, sites, times)
-        if held is not None and durations is not None:
+        distance, own, notes = listed_moves(travel, sites, times)
+        if own is not None and durations is not None:
             raise InputError("durations are told twice", expected="durations, or the column duration of the moves")
-        held = held if durations is None else matrix_of(durations, sites, "duration", times)
     else:
         distance = matrix_of(travel, sites, "distance", None)
-        held = None if durations is None else matrix_of(durations, sites, "duration", times)
-    return Moves(*without_infinities(distance, held), notes)
+    own = own if durations is None else matrix_of(durations, sites, "duration", times)
+    return Moves(*without_infinities(distance, own), notes)
 
 
 def is_graph(travel: Any) -> bool:
-    """Whether it looks like a networkx graph."""
+    """True if it looks like a networkx graph."""
     return hasattr(travel, "edges") and hasattr(travel, "nodes")
 
 
 def without_infinities(distances: Floats, durations: Floats | None) -> tuple[Floats, Floats | None, NDArray[np.bool_] | None]:
-    """The same with finite numbers, and the moves that were infinite: they are no moves.
+    """The same with finite numbers, and the moves that were infinite, which cannot be made; None for none.
 
-    What stands there then is twice the largest number of the matrix, so that methods which look at numbers alone leave them out too.
+    Their numbers are then twice the largest one of the matrix, so that methods which look at numbers alone leave them out too.
     """
-    shut = np.isinf(distances)
-    if durations is not None:
-        shut = shut | np.isinf(durations)
+    shut = np.isinf(distances) if durations is None else np.isinf(distances) | np.isinf(durations)
     np.fill_diagonal(shut, True)
-    made = [None if held is None else _filled(held, shut) for held in (distances, durations)]
+    distances, durations = _filled(distances, shut), None if durations is None else _filled(durations, shut)
     np.fill_diagonal(shut, False)
-    assert made[0] is not None
-    return made[0], made[1], shut if shut.any() else None
+    return distances, durations, shut if shut.any() else None
 
 
 def _filled(values: Floats, shut: NDArray[np.bool_]) -> Floats:
-    made = np.where(shut, 2.0 * float(values[~shut].max(initial=0.0)), values)
-    np.fill_diagonal(made, 0.0)
-    return made
+    filled = np.where(shut, 2.0 * float(values[~shut].max(initial=0.0)), values)
+    np.fill_diagonal(filled, 0.0)
+    return filled
 
 
 def matrix_of(values: Any, ids: Ids, what: str, times: Times | None) -> Floats:
@@ -137,10 +121,8 @@ def _sized(matrix: Floats, ids: Ids, what: str) -> Floats:
     np.fill_diagonal(bad, False)
     if bad.any():
         i, j = np.argwhere(bad)[0].tolist()
-        raise InputError(
-            f"{what} from site {ids[i]} to site {ids[j]} must be a number and not negative",
-            expected="a finite number" if finite else "inf for a move that cannot be made", found=str(matrix[i, j]),
-        )  # fmt: skip
+        message = f"{what} from site {ids[i]} to site {ids[j]} must be a number and not negative"
+        raise InputError(message, expected="a finite number" if finite else "inf for a move that cannot be made", found=str(matrix[i, j]))
     return matrix
 
 
@@ -166,14 +148,13 @@ def _along_roads(graph: Any, nodes: Ids, ids: Ids, weight: str, what: str) -> Fl
     named = {str(node): k for node, k in number.items()}
     absent = next((k for k, node in enumerate(nodes) if node not in named), None)
     if absent is not None:
-        raise InputError(
-            f"the graph has no node {nodes[absent]!r} for site {ids[absent]}", expected="a node named as the site, or a column node"
-        )
+        message = f"the graph has no node {nodes[absent]!r} for site {ids[absent]}"
+        raise InputError(message, expected="a node named as the site, or a column node")
     lengths: dict[tuple[int, int], float] = {}
     for tail, head, data in graph.edges(data=True):
         if weight not in data:
-            raise InputError(f"the edge from {tail} to {head} has no attribute {weight!r}", expected="weight= the one that holds distances",
-                             found=", ".join(map(str, data)) or "none")  # fmt: skip
+            message, held = f"the edge from {tail} to {head} has no attribute {weight!r}", ", ".join(map(str, data)) or "none"
+            raise InputError(message, expected="weight= the one that holds distances", found=held)
         length = float(data[weight])
         if not length >= 0 or math.isinf(length):
             raise InputError(f"{weight} of the edge from {tail} to {head} must be finite and not negative", found=str(data[weight]))
@@ -195,9 +176,8 @@ def _refuse_cut_off(ways: Floats, ids: Ids, what: str) -> None:
     apart = np.isinf(ways)
     np.fill_diagonal(apart, True)
     for k in np.nonzero(apart.all(axis=1) | apart.all(axis=0))[0].tolist():
-        raise InputError(
-            f"no road leads {'from' if apart[k].all() else 'to'} site {ids[k]}", expected=f"{what}s that connect it to some site"
-        )
+        way = "from" if apart[k].all() else "to"
+        raise InputError(f"no road leads {way} site {ids[k]}", expected=f"{what}s that connect it to some site")
 
 
 def _shortest_paths(graph: Any, ids: Ids, what: str) -> Floats:
@@ -210,12 +190,94 @@ def _shortest_paths(graph: Any, ids: Ids, what: str) -> Floats:
     if bad.any():
         at = int(np.argmax(bad))
         i = int(np.searchsorted(roads.indptr, at, side="right")) - 1
-        raise InputError(
-            f"{what} of the road from site {ids[i]} to site {ids[int(roads.indices[at])]} must be finite and not negative",
-            found=str(roads.data[at]),
-        )
+        road = f"the road from site {ids[i]} to site {ids[int(roads.indices[at])]}"
+        raise InputError(f"{what} of {road} must be finite and not negative", found=str(roads.data[at]))
     lengths = np.asarray(dijkstra(roads, directed=True), dtype=np.float64)
     if np.isinf(lengths).any():
         i, j = np.argwhere(np.isinf(lengths))[0].tolist()
         raise InputError(f"no path leads from site {ids[i]} to site {ids[j]}", expected="a road graph that connects all sites")
     return lengths
+
+
+# -- lists of moves -----------------------------------------------------------------------------------------------------
+
+
+def is_list(travel: Any, ids: Ids) -> bool:
+    """True if it is a frame of moves: its titles tell both ends of one, in our words or those of others, and are no sites."""
+    if not hasattr(travel, "columns"):
+        return False
+    titles = [str(title) for title in travel.columns]
+    own = {title.casefold() for title in titles}
+    meant = {ours(title, "moves") for title in titles}
+    return not set(titles) <= set(ids) and (bool({"from", "to"} & own) or {"from", "to"} <= meant)
+
+
+def listed_moves(frame: Any, ids: Ids, times: Times) -> tuple[Floats, Floats | None, tuple[str, ...]]:
+    """Distances, durations if there are any, and notes on unused columns; a pair of sites without a row is no move.
+
+    Raises InputError for a column that is missing, or named as other toolkits name one that counts, and for rows that are no moves between
+    the sites.
+    """
+    titles, unused = _titles(frame)
+    index = {site: k for k, site in enumerate(ids)}
+    ends = []
+    for title in ("from", "to"):
+        column = frame[titles[title]]
+        if column.isna().any():
+            row = int(np.argmax(np.asarray(column.isna()))) + 1
+            raise InputError(f"row {row} of the moves has no {title}", expected="the id of a site")
+        names = [id_text(v) for v in column.tolist()]
+        strange = next((name for name in names if name not in index), None)
+        if strange is not None:
+            raise InputError(f"the list of moves names the unknown site {strange!r}", expected="an id of the sites")
+        ends.append(np.array([index[name] for name in names], dtype=np.int64))
+    place = ends[0] * len(ids) + ends[1]
+    if len(np.unique(place)) < len(place):
+        order = np.argsort(place, kind="stable")
+        k = int(order[1:][np.diff(place[order]) == 0][0])
+        raise InputError(f"the move from {ids[ends[0][k]]} to {ids[ends[1][k]]} stands twice in the list of moves")
+
+    def square(values: Any, what: str) -> Floats:
+        matrix = np.full((len(ids), len(ids)), math.inf)
+        matrix.ravel()[place] = values
+        np.fill_diagonal(matrix, 0.0)
+        if (bad := ~(matrix >= 0)).any():
+            i, j = np.argwhere(bad)[0].tolist()
+            message = f"{what} of the move from {ids[i]} to {ids[j]} must be a number and not negative"
+            raise InputError(message, expected="no row, or inf, for a move that cannot be made", found=str(matrix[i, j]))
+        return matrix
+
+    try:
+        lengths = np.asarray(frame[titles["distance"]], dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError("column distance of the moves must hold numbers", found=str(error)) from None
+    distances = square(lengths, "distance")
+    durations = square(times.spans(frame[titles["duration"]], "column duration of the moves"), "duration") if "duration" in titles else None
+    return distances, durations, in_lines(UNUSED, unused)
+
+
+def _titles(frame: Any) -> tuple[dict[str, Any], list[str]]:
+    """The frame's titles by ours, in any case, and those of columns that are not used."""
+    known: dict[str, Any] = {}
+    others = []
+
+    def refuse_second(own: str, title: Any) -> None:
+        if own in known:
+            raise InputError(f"columns {str(known[own])!r} and {str(title)!r} of the moves both tell {own}", expected="one of them")
+
+    for title in frame.columns:
+        own = str(title).casefold()
+        if own in MOVES:
+            refuse_second(own, title)
+            known[own] = title
+        else:
+            others.append(str(title))
+    for title in others:
+        refuse_second(ours(title, "moves") or "", title)
+        if cure := hint(title, "moves", [own for own in MOVES if own not in known]):
+            expected = f"{', '.join(MOVES)}; leave out what shall not count"
+            raise InputError(f"the moves have an unknown column {title!r}{cure}", expected=expected)
+    lacking = next((own for own in MOVES[:3] if own not in known), None)
+    if lacking is not None:
+        raise InputError(f"the moves have no column {lacking!r}", expected=", ".join(MOVES), found=", ".join(map(str, frame.columns))[:80])
+    return known, others

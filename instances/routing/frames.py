@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..clock import Times
 from ..errors import InputError
+from ..number_arrays import Floats
 from ..suggestions import did_you_mean
 from ..text import label
 from .fleet import equal_fleet, with_problems
-from .frame_arguments import loads_given, number_given, text_given, titles_given, whole_given
+from .frame_arguments import FrameArguments, loads_of, number_of, titles_of, whole_of
 from .frame_columns import Columns, columns_of
-from .frame_fleet import fleet_given, fleet_of, see_times, shared_bans
+from .frame_fleet import entries_of, fleet_of, see_times, shared_bans
 from .frame_lists import groups_of, see_windows, shipments_of, windows_of
 from .frame_travel import Moves, in_order, is_graph, matrix_of, moves_of
 from .geography import coordinates_of, warn_of_swapped
@@ -31,224 +31,150 @@ from .travel import EXPLICIT, GEOGRAPHIC, METRICS, Travel
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
 
-
-def instance_from_frame(
-    sites: pd.DataFrame,
-    *,
-    travel: Any = None,
-    durations: Any = None,
-    vehicles: int | None = None,
-    capacity: float | Sequence[float] = math.inf,
-    max_duration: Any = math.inf,
-    max_distance: float = math.inf,
-    fixed_cost: float = 0.0,
-    unit_cost: float = 1.0,
-    speed: float | None = None,
-    fleet: Any = None,
-    columns: Mapping[Any, Any] | str | None = None,
-    extra: Iterable[Any] | bool = (),
-    time_unit: str | None = None,
-    distance_unit: str = "km",
-    weight: str = "weight",
-    convention: str = "",
-    name: str = "frame",
-    closing: Any = None,
-    min_vehicles: int = 0,
-    windows: Any = None,
-    shipments: Any = (),
-    groups: Any = (),
-    variances: Any = None,
-    team_risk: float | None = None,
-    source: str = "frame",
-) -> RoutingInstance:
-    """An instance from pandas frames; parameters as of ``RoutingProblem.from_frame``, and the ``source`` that is told as its format.
-
-    Returns
-    -------
-    RoutingInstance
-        Of format ``source``.
-
-    Raises
-    ------
-    InputError
-        Naming the column, site or pair of sites that is wrong, and what to do.
-    UsageError
-        For a unit that does not exist.
-    """
-    for what, text in (("name", name), ("distance_unit", distance_unit), ("weight", weight), ("convention", convention)):
-        text_given(text, what)
-    fleet = fleet_given(fleet)
-    table, times, unit = columns_of(sites, columns, titles_given(extra, "extra")), Times(time_unit), unit_of_distance(distance_unit)
-    if weight != "weight" and not is_graph(travel):
-        raise InputError(
-            f"weight={weight!r} names the distances of a graph's edges, and there is no graph", expected="travel=graph (networkx)"
-        )
-    if "node" in table and not is_graph(travel):
-        table = table.without("node")
-    for title in ("ready", "due"):
-        if title in table:
-            times.see(table[title])
-    see_windows(windows, times)
-    see_times(fleet, times)
-    if closing is not None:
-        times.see(closing)
-    geographic, xy, notes = coordinates_of(table)
+def instance_from_frame(sites: pd.DataFrame, *, source: str = "frame", **keywords: Any) -> RoutingInstance:
+    """An instance of format ``source`` from pandas frames; ``keywords`` and errors are those of ``RoutingProblem.from_frame``."""
+    arguments = FrameArguments(**keywords)
+    travel, fleet = arguments.travel, entries_of(arguments.fleet)
+    table, times = columns_of(sites, arguments.columns, titles_of(arguments.extra, "extra")), Times(arguments.time_unit)
+    unit = unit_of_distance(arguments.distance_unit)
+    if not is_graph(travel):
+        if arguments.weight != "weight":
+            message = f"weight={arguments.weight!r} names the distances of a graph's edges, and there is no graph"
+            raise InputError(message, expected="travel=graph (networkx)")
+        table = table.without("node") if "node" in table else table
+    _see_moments(arguments, table, fleet, times)
+    geographic, xy = coordinates_of(table)
     if table.depot.all():
-        raise InputError("there is no customer", expected="a row that is no depot", found=f"{len(table.ids)} sites, all of them depots"
-                         if len(table.ids) > 1 else "the depot alone")  # fmt: skip
-    made = _sites(table, times, xy, geographic, windows, shipments, groups)
-    moves = _moves(travel, durations, table, times, weight, unit, geographic, xy)
-    notes += moves.notes if isinstance(moves, Moves) else ()
+        all_of_them = f"{len(table.ids)} sites, all of them depots" if len(table.ids) > 1 else "the depot alone"
+        raise InputError("there is no customer", expected="a row that is no depot", found=all_of_them)
+    places = _sites(arguments, table, times, xy, geographic)
+    moves = _moves(arguments, table, times, xy, geographic)
+    notes = moves.notes if isinstance(moves, Moves) else ()
     if unit != "km" and not (_is_service(travel, moves) or (travel is None and geographic)):
         expected = "columns lat and lon, the table of a routing service, or no distance_unit"
         raise InputError(f"distance_unit={unit!r} counts for nothing: distances are as they are given", expected=expected)
-    _need_units(made, moves, durations, speed, fleet, time_unit, max_duration, xy is not None and geographic, travel)
-    closes = None if closing is None else _closing(closing, table.ids, times)
-    if hasattr(variances, "tocsr"):
-        raise InputError("variances belong to moves, not to roads", expected="a full matrix", found="a sparse one")
-    own: dict[str, Any] = {
-        "convention": convention, "closing": closes,
-        "variances": None if variances is None else matrix_of(variances, table.ids, "variance", None),
-    }  # fmt: skip
-    forbidden = None
-    if isinstance(moves, Moves):
-        forbidden = moves.forbidden
-        if len(made) > 1 and made.required.any() and forbidden is not None and forbidden.sum() == len(made) * (len(made) - 1):
-            raise InputError("all distances between sites are infinite, so that no move can be made", expected="inf for some moves")
-        ways = Travel(EXPLICIT, matrix=moves.distances, duration_matrix=moves.durations, **own)
-    else:
-        held = None if durations is None else matrix_of(durations, table.ids, "duration", times)
-        ways = Travel(moves, coordinates=xy, duration_matrix=held, **own)
-    ways = ways.at_speed(1.0 if speed is None else _speed(speed, ways, times))
-    if fleet is not None and (
-        vehicles is not None
-        or (_plain(capacity), max_duration, max_distance, fixed_cost, unit_cost) != (math.inf, math.inf, math.inf, 0.0, 1.0)
-    ):
+    _need_units(arguments, places, moves, fleet)
+    ways, forbidden = _travel(arguments, places, moves, times, xy)
+    if fleet is None:
+        kinds = _equal(arguments, places, times)
+        if len(kinds) > 1:
+            count = "any number of" if arguments.vehicles is None else arguments.vehicles
+            notes += (f"{count} vehicles at each of {len(kinds)} depots",)
+    elif arguments.limits_vehicles:
         expected = "fleet, or vehicles, capacity, max_duration, max_distance, fixed_cost and unit_cost"
         raise InputError("fleet tells the vehicles already", expected=expected)
-    if fleet is None:
-        kinds = _equal(made, vehicles, capacity, times.span(max_duration, "max_duration"), max_distance, fixed_cost, unit_cost)
-        if len(kinds) > 1:
-            notes += (f"{'any number of' if vehicles is None else vehicles} vehicles at each of {len(kinds)} depots",)
     else:
-        kinds, forbidden = shared_bans(fleet_of(fleet, made, times), forbidden, made)
-    _need_capacities(made, kinds, fleet)
+        kinds, forbidden = shared_bans(fleet_of(fleet, places, times), forbidden, places)
+    _need_capacities(places, kinds, fleet)
     notes += unused(map(str, table.extra))
     clock = times.clock
-    if clock is not None:
-        notes += (f"times are in {clock}",)
+    notes += () if clock is None else (f"times are in {clock}",)
+    min_vehicles = whole_of(arguments.min_vehicles, "min_vehicles")
+    team_risk = None if arguments.team_risk is None else number_of(arguments.team_risk, "team_risk")
     instance = RoutingInstance(
-        label(name),
-        source,
-        made,
-        ways,
-        kinds,
-        min_vehicles=whole_given(min_vehicles, "min_vehicles"),
-        notes=notes,
-        team_risk=None if team_risk is None else number_given(team_risk, "team_risk"),
-        forbidden=forbidden,
-        clock=clock,
-    )
+        label(arguments.name), source, places, ways, kinds, min_vehicles=min_vehicles, notes=notes, team_risk=team_risk,
+        forbidden=forbidden, clock=clock,
+    )  # fmt: skip
     refuse_powerless(instance)
     return with_problems(instance)
 
 
-def _sites(
-    table: Columns,
-    times: Times,
-    xy: Floats | None,
-    geographic: bool,
-    windows: Any,
-    shipments: Any,
-    groups: Any,
-) -> Sites:
+def _see_moments(arguments: FrameArguments, table: Columns, fleet: Any, times: Times) -> None:
+    """Let all moments count for the origin of time."""
+    for title in ("ready", "due"):
+        if title in table:
+            times.see(table[title])
+    see_windows(arguments.windows, times)
+    see_times(fleet, times)
+    if arguments.closing is not None:
+        times.see(arguments.closing)
+
+
+def _sites(arguments: FrameArguments, table: Columns, times: Times, xy: Floats | None, geographic: bool) -> Sites:
     index = {site: k for k, site in enumerate(table.ids)}
-    held: dict[str, Any] = {key: table.reals(key) for key in ("reward", "penalty") if key in table}
-    held |= {key: table.loads(key) for key in ("demand", "pickup")}
-    if "ready" in table:
-        held["ready"] = table.moments("ready", times, 0.0)
-    if "due" in table:
-        held["due"] = table.moments("due", times, math.inf)
+    columns: dict[str, Any] = {key: table.reals(key) for key in ("reward", "penalty") if key in table}
+    columns |= {key: table.loads(key) for key in ("demand", "pickup")}
+    columns |= {key: table.moments(key, times, missing) for key, missing in (("ready", 0.0), ("due", math.inf)) if key in table}
     if "service" in table:
-        held["service"] = table.spans("service", times)
+        columns["service"] = table.spans("service", times)
     if "required" in table:
-        held["required"] = table.flags("required")
+        columns["required"] = table.flags("required")
     return Sites.of(
-        table.ids, depot=table.depot, coordinates=xy, windows=windows_of(windows, index, times),
-        skills=table.skills() if "skills" in table else None, shipments=shipments_of(shipments, index), groups=groups_of(groups, index),
-        attributes=table.attributes(), geographic=geographic, **held,
+        table.ids, depot=table.depot, coordinates=xy, windows=windows_of(arguments.windows, index, times),
+        skills=table.skills() if "skills" in table else None, shipments=shipments_of(arguments.shipments, index),
+        groups=groups_of(arguments.groups, index), attributes=table.attributes(), geographic=geographic, **columns,
     )  # fmt: skip
 
 
-def _moves(
-    travel: Any, durations: Any, table: Columns, times: Times, weight: str, unit: str, geographic: bool, xy: Floats | None
-) -> Moves | str:
-    """What tells distances: moves of their own, or the name of a metric."""
+def _moves(arguments: FrameArguments, table: Columns, times: Times, xy: Floats | None, geographic: bool) -> Moves | str:
+    """Moves with distances of their own, or the name of a metric."""
+    travel, unit = arguments.travel, arguments.distance_unit
     if isinstance(travel, str) and (travel in METRICS or not Path(travel).suffix):
         if travel not in METRICS:
             expected = f"a matrix, the file of a table, or one of {', '.join(METRICS)}"
             raise InputError(f"travel by {travel!r} is unknown{did_you_mean(travel, METRICS)}", expected=expected)
+        angles = travel in GEOGRAPHIC
         if xy is None:
-            raise InputError(
-                f"travel by {travel} needs coordinates", expected="columns lat and lon" if travel in GEOGRAPHIC else "columns x and y"
-            )
-        if (travel in GEOGRAPHIC) != geographic:
-            expected = "columns lat and lon" if travel in GEOGRAPHIC else "travel='haversine', or columns x and y"
+            raise InputError(f"travel by {travel} needs coordinates", expected=f"columns {'lat and lon' if angles else 'x and y'}")
+        if angles != geographic:
+            expected = "columns lat and lon" if angles else "travel='haversine', or columns x and y"
             raise InputError(f"travel by {travel} does not fit the coordinates", expected=expected)
         return travel
     if travel is not None:
         nodes = tuple(str(v) for v in table["node"].tolist()) if "node" in table else table.ids
-        return moves_of(travel, durations, table.ids, nodes, times, weight, unit)
+        return moves_of(travel, arguments.durations, table.ids, nodes, times, arguments.weight, unit)
     if xy is None:
-        expected = "columns x and y, lat and lon, or travel=matrix"
-        raise InputError("there are neither coordinates nor distances", expected=expected)
+        raise InputError("there are neither coordinates nor distances", expected="columns x and y, lat and lon, or travel=matrix")
     if geographic:
         warn_of_swapped(xy)
         return "haversine" if unit == "km" else f"haversine-{unit}"
     return "euclidean"
 
 
-def _need_units(
-    sites: Sites,
-    moves: Moves | str,
-    durations: Any,
-    speed: float | None,
-    fleet: Any,
-    unit: str | None,
-    max_duration: Any,
-    geographic: bool,
-    travel: Any,
-) -> None:
+def _travel(arguments: FrameArguments, sites: Sites, moves: Moves | str, times: Times, xy: Floats | None) -> tuple[Travel, Any]:
+    """Distances and durations at the speed of all vehicles, and the moves that are forbidden, None for none."""
+    closing = None if arguments.closing is None else _closing(arguments.closing, sites.ids, times)
+    if hasattr(arguments.variances, "tocsr"):
+        raise InputError("variances belong to moves, not to roads", expected="a full matrix", found="a sparse one")
+    variances = None if arguments.variances is None else matrix_of(arguments.variances, sites.ids, "variance", None)
+    own: dict[str, Any] = {"convention": arguments.convention, "closing": closing, "variances": variances}
+    forbidden = None
+    if isinstance(moves, Moves):
+        forbidden = moves.forbidden
+        if len(sites) > 1 and sites.required.any() and forbidden is not None and forbidden.sum() == len(sites) * (len(sites) - 1):
+            raise InputError("all distances between sites are infinite, so that no move can be made", expected="inf for some moves")
+        ways = Travel(EXPLICIT, matrix=moves.distances, duration_matrix=moves.durations, **own)
+    else:
+        durations = None if arguments.durations is None else matrix_of(arguments.durations, sites.ids, "duration", times)
+        ways = Travel(moves, coordinates=xy, duration_matrix=durations, **own)
+    return ways.at_speed(1.0 if arguments.speed is None else _speed(arguments.speed, ways, times)), forbidden
+
+
+def _need_units(arguments: FrameArguments, sites: Sites, moves: Moves | str, fleet: Any) -> None:
     """Raise InputError where times of sites or vehicles would be compared with distances, or with durations of another unit."""
-    timed = bool(sites.ready.any() or np.isfinite(sites.due).any() or sites.service.any() or max_duration != math.inf)
-    if not timed:
+    if not (sites.ready.any() or np.isfinite(sites.due).any() or sites.service.any() or arguments.max_duration != math.inf):
         return
-    if _is_service(travel, moves) and unit is None:
+    if _is_service(arguments.travel, moves) and arguments.time_unit is None:
         raise InputError("durations of the routing service are in seconds, and the unit of the other times is not said",
                          expected="time_unit='s', min, h or d")  # fmt: skip
-    if not (isinstance(moves, str) and moves in GEOGRAPHIC and durations is None):
+    if not (isinstance(moves, str) and moves in GEOGRAPHIC and arguments.durations is None):
         return
     rows = [] if fleet is None or hasattr(fleet, "columns") else list(fleet)
     own = "speed" in getattr(fleet, "columns", ()) or any(isinstance(row, Mapping) and "speed" in row for row in rows)
+    speed = arguments.speed
     if own and speed is not None:
         raise InputError("speeds are told twice", expected="speed, or the column speed of the fleet", found=f"speed={speed:g} and a column")
     if speed is None and not own:
         raise InputError("distances on the globe are lengths, and there are times of sites or vehicles beside them",
                          expected="speed=50 (an hour), or durations=matrix")  # fmt: skip
-    if unit is None:
+    if arguments.time_unit is None:
         raise InputError("a speed is a distance in an hour, and the unit of times is not said", expected="time_unit='min', or s, h, d")
 
 
 def _is_service(travel: Any, moves: Moves | str) -> bool:
-    """Whether a routing service's table, or its file, told the moves."""
+    """True if the moves are those of a routing service's table, or of its file."""
     return (isinstance(travel, str | PathLike) and not isinstance(moves, str)) or is_table(travel)
-
-
-def _plain(capacity: Any) -> Any:
-    """A capacity that may be compared with another; an array may not."""
-    return capacity if isinstance(capacity, float | int) else None
 
 
 def _speed(speed: float, travel: Travel, times: Times) -> float:
@@ -261,22 +187,13 @@ def _speed(speed: float, travel: Travel, times: Times) -> float:
     return float(speed) * clock.seconds / 3600.0
 
 
-def _equal(
-    sites: Sites,
-    vehicles: int | None,
-    capacity: Any,
-    max_duration: float,
-    max_distance: float,
-    fixed_cost: float,
-    unit_cost: float,
-) -> tuple[VehicleType, ...]:
-    count = None if vehicles is None else whole_given(vehicles, "the number of vehicles")
-    loads = loads_given(capacity, "capacity")
-    return equal_fleet(
-        sites, count=count, capacity=loads[0], further_capacity=tuple(loads[1:]), max_duration=max_duration,
-        max_distance=number_given(max_distance, "max_distance"), fixed_cost=number_given(fixed_cost, "fixed_cost"),
-        unit_cost=number_given(unit_cost, "unit_cost"),
-    )  # fmt: skip
+def _equal(arguments: FrameArguments, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
+    """Vehicles that are all alike, one type a depot."""
+    longest = times.span(arguments.max_duration, "max_duration")
+    count = None if arguments.vehicles is None else whole_of(arguments.vehicles, "the number of vehicles")
+    capacity, *further = loads_of(arguments.capacity, "capacity")
+    limits = {key: number_of(getattr(arguments, key), key) for key in ("max_distance", "fixed_cost", "unit_cost")}
+    return equal_fleet(sites, count=count, capacity=capacity, further_capacity=tuple(further), max_duration=longest, **limits)
 
 
 def _need_capacities(sites: Sites, kinds: tuple[VehicleType, ...], fleet: Any) -> None:
@@ -293,6 +210,7 @@ def _need_capacities(sites: Sites, kinds: tuple[VehicleType, ...], fleet: Any) -
 
 
 def _closing(values: Any, ids: tuple[str, ...], times: Times) -> Floats:
+    """Latest times at which moves may begin, shape (sites, sites)."""
     if hasattr(values, "columns"):
         values = in_order(values, ids, "closing")
     try:

@@ -1,7 +1,7 @@
-"""Who can reach whom: shortest ways, least levels of whatever grows along a route, and what a route to given stops uses at least.
+"""Reachability: shortest ways, least levels of whatever grows along a route, and what a route to given stops uses at least.
 
-The reader of files, the preparation of forms, and whoever looks for reasons why there is no answer share this arithmetic. The checkers of
-such reasons have their own, so that no mistake made here is confirmed there.
+The reader of files, the preparation of forms, and the search for reasons why there is no answer share this arithmetic. The checkers of such
+reasons have their own, so that no mistake made here is confirmed there.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..clock import moment_told
 from ..errors import InputError
+from ..number_arrays import Floats
 from ..text import plain
 from .instance import RoutingInstance, Sites, VehicleType
 from .travel import Travel
 
-Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 Move = Callable[[ArrayLike, ArrayLike], Floats]
@@ -31,32 +31,18 @@ Legs = Callable[[str], Sequence[Floats]]
 """From ``time, travel`` or ``distance`` to shortest ways: to the first stop, between stops, and from the last one to the end of a route."""
 
 STRIP = 1 << 17
-"""Moves that are looked at at once."""
+"""Number of moves that are computed at once."""
 
 
 # -- ways --------------------------------------------------------------------------------------------------------------
 
 
 def least_levels(level: Floats, moves: Callable[[Indices], Floats], lower: ArrayLike = -math.inf, upper: ArrayLike = math.inf) -> Floats:
-    """Least level at each node over all ways, the triangle inequality not assumed.
+    """Least level at each node over all ways, infinite where no way arrives; the triangle inequality is not assumed.
 
-    Parameters
-    ----------
-    level : array of shape (nodes,)
-        Levels at which ways begin; infinite where none does.
-    moves : callable
-        From k nodes to what a move from each of them to every node adds, shape (k, nodes): not negative, infinite for no move.
-    lower, upper : arrays of shape (nodes,)
-        On arrival a level is raised to ``lower`` (waiting); a way that is above ``upper`` then ends before.
-
-    Returns
-    -------
-    array of shape (nodes,)
-        Infinite where no way arrives.
-
-    Notes
-    -----
-    Label correcting: the lowest levels that have changed are followed first, as many at once as make ``STRIP`` moves.
+    Ways begin at ``level``, infinite where none does. ``moves`` gives, for k nodes, what a move from each of them to every node adds, shape
+    (k, nodes): not negative, infinite for no move. On arrival a level is raised to ``lower`` (waiting); a way that is above ``upper`` then
+    ends before. Label correcting: the lowest levels that have changed are followed first, as many at once as make ``STRIP`` moves.
     """
     level = level.copy()
     changed, most = np.isfinite(level), max(1, STRIP // len(level))
@@ -73,18 +59,9 @@ def least_levels(level: Floats, moves: Callable[[Indices], Floats], lower: Array
 
 
 def out_and_back(move: Move, vehicle: VehicleType, at: Indices, service: ArrayLike = 0.0, *, detours: bool = True) -> tuple[Floats, Floats]:
-    """Lengths of the shortest ways from the start of a vehicle to each customer, and from there to its end.
+    """Lengths of the shortest ways from the start of a vehicle to each customer of ``at``, and from there to its end.
 
-    Parameters
-    ----------
-    move : callable
-    vehicle : VehicleType
-    at : array of int
-        Sites; ways lead over any of them.
-    service : array of shape (at,), or 0
-        Added for each of them that lies on the way.
-    detours : bool
-        Without them only the direct moves, which are never shorter.
+    Ways lead over any of these customers, each of which adds its ``service``; without ``detours`` they are the direct moves alone.
     """
     out, back = move(vehicle.start, at), move(at, vehicle.end)
     if not detours:
@@ -106,17 +83,17 @@ def ways_alone(
 
 def shortest_ways(moves: Floats, through: Indices) -> Floats:
     """Lengths of the shortest ways between all sites over those of ``through`` (Floyd and Warshall); a move of length 0 is a move."""
-    made = moves.copy()
+    lengths = moves.copy()
     for k in through.tolist():
-        np.minimum(made, made[:, k, None] + made[None, k, :], out=made)
-    return made
+        np.minimum(lengths, lengths[:, k, None] + lengths[None, k, :], out=lengths)
+    return lengths
 
 
 # -- limits ------------------------------------------------------------------------------------------------------------
 
 
 class Use(NamedTuple):
-    """What routes use at least of a limit, and may use at most; arrays, or a number for all.
+    """Least use of a limit by routes, and the most that they may use; arrays, or a number for all.
 
     ``limit`` is ``load, pickup, arrival, return, duration, distance`` or ``energy``.
     """
@@ -127,21 +104,12 @@ class Use(NamedTuple):
 
 
 def least_use(sites: Sites, vehicle: VehicleType, stops: Sequence[Indices], legs: Legs) -> Iterator[Use]:
-    """What any route uses at least that makes the given stops in this order, whatever it does between them.
+    """Least use of each limit by any route that makes the given stops in this order, whatever it does between them.
 
-    Parameters
-    ----------
-    sites : Sites
-    vehicle : VehicleType
-    stops : sequence of int arrays
-        Site indices, which broadcast against each other.
-    legs : callable
-        Those of ``time`` may count services on the way.
-
-    Notes
-    -----
-    Exact for routes that make these stops only and move directly. Elapsed time is that from the latest departure, which waiting prolongs
-    where the depot closes too early to leave later. A charge of ``windows`` is no less than the time from the opening of the depot.
+    ``stops`` are arrays of site indices, which broadcast against each other; ``legs`` of ``time`` may count services on the way. The uses
+    are exact for routes that make these stops only and move directly. Elapsed time is that from the latest departure, which waiting
+    prolongs where the depot closes too early to leave later. A charge of ``windows`` is no less than the time from the opening of the
+    depot.
     """
     yield Use("load", _sum(sites.demand[k] for k in stops), vehicle.capacity)
     for k, capacity in enumerate(vehicle.further_capacity):
@@ -186,21 +154,10 @@ WORDS = {
 def refuse_unreachable(instance: RoutingInstance, lines: Sequence[int] | None = None) -> None:
     """Raise InputError if a required customer lies beyond every vehicle, whatever the convention of distance.
 
-    A customer is refused if even the shortest way from the start, through any customers and without service on the way,
-    arrives after its window has closed; if the depot has closed when the shortest way back arrives; or if both ways and
-    its service exceed the longest duration or distance of a route. Distances count rounded down to whole numbers, which
-    no convention undercuts, so a file that makes sense under any of them is read.
-
-    Parameters
-    ----------
-    instance : RoutingInstance
-    lines : sequence of int, optional
-        Line of each site, for the message.
-
-    Raises
-    ------
-    InputError
-        Naming the first such customer, the limit and what exceeds it.
+    A customer is refused if even the shortest way from the start, through any customers and without service on the way, arrives after its
+    window has closed; if the depot has closed when the shortest way back arrives; or if both ways and its service exceed the longest
+    duration or distance of a route. Distances count rounded down to whole numbers, which no convention undercuts, so that a file that makes
+    sense under any of them is read. ``lines`` has the line of each site, for the message.
     """
     sites = instance.sites
     if any(v.reloads or v.stations for v in instance.fleet):
@@ -212,16 +169,16 @@ def refuse_unreachable(instance: RoutingInstance, lines: Sequence[int] | None = 
         return
     at, size = sites.customers, float(np.abs(sites.ready).max())
     for detours in (False, True):  # the direct way settles nearly all; only where it fails is another looked for
-        found = []
+        uses_by_type = []
         for vehicle in fleet:
             travel = instance.travel if vehicle.travel is None else vehicle.travel
             legs = ways_alone(vehicle, at, _at_speed(travel, vehicle.speed), travel.least_distance, detours=detours)
-            found.append(list(least_use(sites, vehicle, [at], legs)))
-        beyond = np.all([np.any([_exceeds(use, size) for use in uses], axis=0) for uses in found], axis=0) & sites.required[at]
+            uses_by_type.append(list(least_use(sites, vehicle, [at], legs)))
+        beyond = np.all([np.any([_exceeds(use, size) for use in uses], axis=0) for uses in uses_by_type], axis=0) & sites.required[at]
         if not beyond.any():
             return
     k = int(np.argmax(beyond))
-    use = next(use for use in found[0] if np.broadcast_to(_exceeds(use, size), len(at))[k])
+    use = next(use for use in uses_by_type[0] if np.broadcast_to(_exceeds(use, size), len(at))[k])
     most = float(np.broadcast_to(use.most, len(at))[k])
     shown = partial(moment_told, instance.clock, digits=12) if use.limit in ("arrival", "return") else plain
     raise InputError(
@@ -251,6 +208,6 @@ def _at_speed(travel: Travel, speed: float) -> Move:
 
 
 def _exceeds(use: Use, size: float) -> Flags:
-    """Where a use exceeds its limit, rounding granted: more than any judge of routes lets pass."""
+    """Flags of the uses that exceed their limit by more than rounding: more than any judge of routes lets pass."""
     limit = np.asarray(use.most)
     return np.asarray(use.least > limit + 1e-9 * np.maximum(np.where(np.isfinite(limit), np.abs(limit), 0.0), size))

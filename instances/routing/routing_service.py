@@ -15,42 +15,33 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..clock import SECONDS
 from ..document import kind_of, parse_json
 from ..errors import InputError, UsageError
+from ..number_arrays import Floats
 from ..suggestions import did_you_mean
 from ..text import read_text
 from .travel import UNITS_OF_DISTANCE
 
-Floats = NDArray[np.float64]
-
 
 @dataclass(frozen=True, eq=False)
 class ServiceTable:
-    """What a service answered; infinite where it knows no way.
-
-    Parameters
-    ----------
-    service : str
-    metres, seconds : array of shape (sites, sites), optional
-        At least one of them.
-    """
+    """Answer of a service: metres and seconds between all sites, infinite where it knows no way; at least one of them is given."""
 
     service: str
     metres: Floats | None
     seconds: Floats | None
 
     def in_units(self, distance: str, time: str | None) -> tuple[Floats, Floats | None, tuple[str, ...]]:
-        """Distances and durations in these units, and what to tell of them; costs are durations where there are no distances."""
+        """Distances, durations and notes on them, in these units; costs are durations where there are no distances."""
         unit = "s" if time is None else time
         durations = None if self.seconds is None else self.seconds / SECONDS[unit]
         if self.metres is None:
             assert durations is not None
             return durations, None, (f"{self.service} told no distances: what routes cost is their time on the move, in {unit}",)
-        told = f"distances by {self.service} in {distance}" + (f", durations in {unit}" if durations is not None else "")
-        return self.metres / 1000.0 * UNITS_OF_DISTANCE[distance], durations, (told,)
+        note = f"distances by {self.service} in {distance}" + (f", durations in {unit}" if durations is not None else "")
+        return self.metres / 1000.0 * UNITS_OF_DISTANCE[distance], durations, (note,)
 
 
 def unit_of_distance(name: str) -> str:
@@ -63,12 +54,12 @@ def unit_of_distance(name: str) -> str:
 
 
 def is_table(data: Any) -> bool:
-    """Whether a document is meant as such a table."""
+    """True if a document is meant as such a table."""
     return isinstance(data, Mapping) and bool({"sources_to_targets", "durations", "distances"} & data.keys())
 
 
 def table_from_file(path: str | PathLike[str]) -> ServiceTable:
-    """The table in a JSON file; raises InputError with the file for what is none."""
+    """The table in a JSON file; an InputError names the file."""
     try:
         return table_of(parse_json(read_text(path)))
     except InputError as error:
@@ -76,7 +67,7 @@ def table_from_file(path: str | PathLike[str]) -> ServiceTable:
 
 
 def table_of(data: Any) -> ServiceTable:
-    """The table in a parsed answer; raises InputError for what is none."""
+    """The table in a parsed answer; InputError for anything else."""
     if not isinstance(data, Mapping):
         raise InputError("is no table of a routing service", expected="an object", found=kind_of(data))
     if data.get("code", "Ok") != "Ok" or "error" in data:
@@ -96,14 +87,14 @@ def _valhalla(data: Mapping[str, Any]) -> ServiceTable:
     factor = {"kilometers": 1000.0, "km": 1000.0, "miles": 1609.344, "mi": 1609.344}.get(units)
     if factor is None:
         raise InputError("units of the table are unknown", expected="kilometers or miles", found=units[:40])
-    held = data["sources_to_targets"]
-    if isinstance(held, Mapping):  # the terse form
-        metres, seconds = _square(held.get("distances"), "distances"), _square(held.get("durations"), "durations")
-    elif isinstance(held, list) and all(isinstance(row, list) and all(isinstance(c, Mapping) for c in row) for row in held):
-        metres = _square([[cell.get("distance") for cell in row] for row in held], "distance")
-        seconds = _square([[cell.get("time") for cell in row] for row in held], "time")
+    answer = data["sources_to_targets"]
+    if isinstance(answer, Mapping):  # the terse form
+        metres, seconds = _square(answer.get("distances"), "distances"), _square(answer.get("durations"), "durations")
+    elif isinstance(answer, list) and all(isinstance(row, list) and all(isinstance(c, Mapping) for c in row) for row in answer):
+        metres = _square([[cell.get("distance") for cell in row] for row in answer], "distance")
+        seconds = _square([[cell.get("time") for cell in row] for row in answer], "time")
     else:
-        raise InputError("sources_to_targets must be lists of objects", expected='{"distance": ..., "time": ...}', found=kind_of(held))
+        raise InputError("sources_to_targets must be lists of objects", expected='{"distance": ..., "time": ...}', found=kind_of(answer))
     if metres is None and seconds is None:
         raise InputError("sources_to_targets holds neither distances nor times")
     return ServiceTable("Valhalla", None if metres is None else metres * factor, seconds)

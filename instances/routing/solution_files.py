@@ -27,35 +27,16 @@ _SEQUENCE_HEADER = re.compile(r"(NAME|COMMENT|TYPE|DIMENSION|COST_LIMIT|ROUTE_NO
 
 @dataclass(frozen=True)
 class SolutionFile:
-    """Routes of a solution file.
-
-    Attributes
-    ----------
-    routes : tuple of tuple of int
-        Site indices of the instance, without depots.
-    cost : float or None
-        What the file claims.
-    """
+    """Routes of a solution file, as site indices of the instance without depots, and the cost that the file claims."""
 
     routes: tuple[tuple[int, ...], ...]
     cost: float | None = None
 
 
 def routes_from_text(text: str, sites: Sites) -> SolutionFile:
-    """The routes in the text of a ``.sol`` or ``.tour`` file, recognised by its content.
+    """The routes in the text of a ``.sol`` or ``.tour`` file, or of OPLib's form, whose claim is the score; recognised by its content.
 
-    What OPLib's form claims is the score.
-
-    Parameters
-    ----------
-    text : str
-    sites : Sites
-        What the numbers refer to.
-
-    Raises
-    ------
-    InputError
-        If it is neither, or names a customer that does not exist; with the line.
+    Raises InputError with the line if it is none of them, or names a customer that does not exist.
     """
     if re.search(r"^[ \t]*TOUR_SECTION", text, re.I | re.M):
         return _read_tour(text, sites)
@@ -122,7 +103,7 @@ def _read_tour(text: str, sites: Sites) -> SolutionFile:
 
 
 def _turned(nodes: list[int], sites: Sites, line: int) -> tuple[tuple[int, ...], ...]:
-    """A cycle as a route from the depot."""
+    """The route from the depot along a cycle."""
     at = [k for k, node in enumerate(nodes) if sites.depot[node]]
     if len(at) != 1:
         raise InputError("a tour must visit the depot once", line=line, expected="1", found=f"{len(at)} visits")
@@ -131,7 +112,7 @@ def _turned(nodes: list[int], sites: Sites, line: int) -> tuple[tuple[int, ...],
 
 
 def _read_sequence(text: str, sites: Sites) -> SolutionFile:
-    """``NODE_SEQUENCE_SECTION``, ``DEPOT_SECTION``, and headers that say what the sequence collects."""
+    """Routes of OPLib's form: ``NODE_SEQUENCE_SECTION``, ``DEPOT_SECTION``, and headers that say what the sequence collects."""
     claims: dict[str, tuple[int, str]] = {}
     lists: dict[str, list[int]] = {}
     inside, last = "", 1
@@ -173,15 +154,7 @@ def _read_sequence(text: str, sites: Sites) -> SolutionFile:
 
 
 def sol_text(sites: Sites, routes: Iterable[Sequence[int]], cost: float | None = None) -> str:
-    """Text of a CVRPLIB solution file.
-
-    Parameters
-    ----------
-    sites : Sites
-    routes : iterable of sequences of int
-        Site indices without depots; empty routes are left out.
-    cost : float, optional
-    """
+    """Text of a CVRPLIB solution file; ``routes`` are site indices without depots, and empty ones are left out."""
     rank = {site: k for k, site in enumerate(sites.customers.tolist(), start=1)}
     kept = [route for route in routes if len(route)]
     out = [f"Route #{k}: {' '.join(str(rank[i]) for i in route)}" for k, route in enumerate(kept, start=1)]
@@ -191,13 +164,7 @@ def sol_text(sites: Sites, routes: Iterable[Sequence[int]], cost: float | None =
 
 
 def tour_text(sites: Sites, routes: Iterable[Sequence[int]], cost: float | None = None, name: str = "") -> str:
-    """Text of a TSPLIB tour file, from the depot on; see ``sol_text``.
-
-    Raises
-    ------
-    UsageError
-        If the routes are not one tour through one depot.
-    """
+    """Text of a TSPLIB tour file, from the depot on; UsageError if the routes are not one tour through one depot."""
     kept = [route for route in routes if len(route)]
     depots = sites.depots.tolist()
     if len(kept) > 1 or len(depots) != 1:

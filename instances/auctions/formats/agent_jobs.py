@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError, UsageError
-from ...formats import FORMATS, Format
-from ...formats.table import settings_of, table_of, titles_of, written
-from ...text import label, number, plain, shown
+from ...formats import Format, add_format
+from ...formats.table import name_of, settings_of, table_of, titles_of, written
+from ...text import number, plain, shown
 from ..generalised_assignment import OBJECTIVES, PROBLEMS, GeneralisedAssignmentInstance
 
 COLUMNS = ("agent", "job", *OBJECTIVES, "consumption", "capacity")
@@ -18,7 +18,7 @@ KEYS = ("name",)
 
 
 def recognises(text: str) -> bool:
-    """Whether the first line that is no comment holds the titles ``agent``, ``job``, ``consumption`` and ``capacity``."""
+    """True if the first line that is no comment holds the titles ``agent``, ``job``, ``consumption`` and ``capacity``."""
     return {"agent", "job", "consumption", "capacity"} <= titles_of(text)
 
 
@@ -26,12 +26,12 @@ def read(text: str, path: Path) -> GeneralisedAssignmentInstance:
     """The instance; see ``Format.read``. Agents are numbered as their capacities stand, jobs as they first appear."""
     settings, start = settings_of(text, KEYS, COLUMNS)
     table = table_of(text, start, COLUMNS, "pairs")
-    given = [key for key in OBJECTIVES if key in table.titles]
-    if len(given) != 1 or not {"agent", "job", "consumption", "capacity"} <= set(table.titles):
-        raise InputError(
-            "has other titles", line=start + 1, expected="agent, job, cost or profit, consumption, capacity", found=", ".join(table.titles)
-        )
-    agent, job, value, used, most = ((table.column(t) or []) for t in ("agent", "job", given[0], "consumption", "capacity"))
+    objectives = [key for key in OBJECTIVES if key in table.titles]
+    if len(objectives) != 1 or not {"agent", "job", "consumption", "capacity"} <= set(table.titles):
+        expected = "agent, job, cost or profit, consumption, capacity"
+        raise InputError("has other titles", line=start + 1, expected=expected, found=", ".join(table.titles))
+    objective = objectives[0]
+    agent, job, value, used, most = ((table.column(t) or []) for t in ("agent", "job", objective, "consumption", "capacity"))
     capacity: dict[str, float] = {}
     pairs: dict[tuple[str, str], int] = {}
     numbers: list[tuple[float, float]] = []
@@ -45,23 +45,22 @@ def read(text: str, path: Path) -> GeneralisedAssignmentInstance:
             if agent[k] in capacity:
                 raise InputError(f"agent {shown(agent[k])} has two capacities", line=line)
             if value[k] or used[k]:
-                raise InputError("a capacity stands alone", line=line, expected=f"empty cells under {given[0]} and consumption")
+                raise InputError("a capacity stands alone", line=line, expected=f"empty cells under {objective} and consumption")
             capacity[agent[k]] = number(most[k], line, "capacity")
         else:
             if (agent[k], job[k]) in pairs:
                 raise InputError(f"the pair stands twice, first in line {pairs[agent[k], job[k]]}", line=line)
             pairs[agent[k], job[k]] = line
-            numbers.append((number(value[k], line, given[0]), number(used[k], line, "consumption")))
+            numbers.append((number(value[k], line, objective), number(used[k], line, "consumption")))
     lacking = next((line for (who, _), line in pairs.items() if who not in capacity), None)
     if lacking is not None:
         raise InputError("the agent has no capacity", line=lacking, expected="a row of the agent, without a job, with a capacity")
     if not pairs:
         raise InputError("holds no pairs of agents and jobs", expected="one row each")
-    columns = np.array(numbers)
-    jobs = tuple(dict.fromkeys(name for _, name in pairs))
+    (agents, jobs), (values, consumption) = zip(*pairs, strict=True), np.array(numbers).T
     return GeneralisedAssignmentInstance.from_pairs(
-        tuple(capacity), jobs, [who for who, _ in pairs], [what for _, what in pairs], columns[:, 0], columns[:, 1],
-        list(capacity.values()), given[0], name=label(settings["name"][1] if "name" in settings else path.stem), format="agent-jobs",
+        tuple(capacity), tuple(dict.fromkeys(jobs)), agents, jobs, values, consumption, list(capacity.values()), objective,
+        name=name_of(settings, path), format="agent-jobs",
     )  # fmt: skip
 
 
@@ -79,11 +78,10 @@ def write(instance: Any) -> str:
     return written([("name", instance.name)], ("agent", "job", instance.objective, "consumption", "capacity"), rows)
 
 
-FORMATS.add(
-    "agent-jobs",
+add_format(
     Format(
         "agent-jobs", "agents' capacities, and jobs' costs or profits and consumption from CSV, one row each", recognises, read, write,
-        (".csv",), PROBLEMS[0], PROBLEMS, "exact", sense="min or max", answer="agent of each job", solutions=(".json",),
+        (".csv",), PROBLEMS[0], PROBLEMS, sense="min or max", answer="agent of each job", solutions=(".json",),
         kinds=("generalised-assignment",),
-    ),
+    )
 )  # fmt: skip

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 import re
 from pathlib import Path
@@ -12,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError, UsageError
-from ...formats import FORMATS, Format
-from ...formats.table import CORNER, delimiter_of, settings_of, written
-from ...text import label, number, plain, shown
+from ...formats import Format, add_format
+from ...formats.table import CORNER, delimiter_of, name_of, rows_of, settings_of, written
+from ...text import number, plain, shown
 from ..assignment import PROBLEMS, AssignmentInstance
 
 FORBIDDEN = ("", "-", "inf")
@@ -26,7 +24,7 @@ _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?", re.I)
 
 
 def recognises(text: str) -> bool:
-    """Whether the first line that is no comment begins with ``robot/bin``."""
+    """True if the first line that is no comment begins with ``robot/bin``."""
     for line in text.split("\n"):
         if line.strip() and not line.lstrip().startswith("#"):
             return line.split(delimiter_of(line))[0].strip().strip('"').lower() == CORNER
@@ -34,7 +32,7 @@ def recognises(text: str) -> bool:
 
 
 def lacks(text: str) -> str | None:
-    """What a matrix lacks: all rows but the first hold numbers, in all cells but the first."""
+    """The titles that a matrix lacks: a table with numbers in all cells but those of the first row and the first column."""
     lines = [line for line in text.split("\n")[:_FEW] if line.strip() and not line.lstrip().startswith("#")]
     rows = [[cell.strip().strip('"') for cell in line.split(delimiter_of(lines[0]))] for line in lines]
     if len(rows) < 2 or len(rows[0]) < 2 or any(len(row) != len(rows[0]) for row in rows):
@@ -45,48 +43,35 @@ def lacks(text: str) -> str | None:
 def read(text: str, path: Path) -> AssignmentInstance:
     """The instance; see ``Format.read``. An empty cell, ``-`` and ``inf`` forbid a pair."""
     settings, start = settings_of(text, KEYS, (CORNER,))
-    lines = text.split("\n")[start:]
-    reader = csv.reader(io.StringIO("\n".join(lines)), delimiter=delimiter_of(lines[0]), strict=True)
     titles: list[str] = []
     robots, costs = [], []
-    try:
-        for row in reader:
-            cells, line = [cell.strip() for cell in row], start + reader.line_num
-            if not any(cells):
-                continue
-            if not titles:
-                titles = cells
-                if titles[0].lower() != CORNER:
-                    raise InputError("is a matrix without its corner", line=line, expected=TITLES, found=shown(titles[0]))
-                if len(titles) < 2:
-                    raise InputError("there are no bins", line=line, expected=f"{CORNER} and one title a bin")
-                continue
-            if len(cells) != len(titles):
-                raise InputError("row has a wrong length", line=line, expected=f"{len(titles)} values", found=f"{len(cells)} values")
-            robots.append(cells[0])
-            costs.append([math.inf if c.lower() in FORBIDDEN else number(c, line, "cost") for c in cells[1:]])
-    except csv.Error as error:
-        raise InputError(f"is no CSV: {error}", line=start + reader.line_num) from None
+    for line, cells in rows_of(text, start):
+        if not titles:
+            titles = cells
+            if titles[0].lower() != CORNER:
+                raise InputError("is a matrix without its corner", line=line, expected=TITLES, found=shown(titles[0]))
+            if len(titles) < 2:
+                raise InputError("there are no bins", line=line, expected=f"{CORNER} and one title a bin")
+            continue
+        if len(cells) != len(titles):
+            raise InputError("row has a wrong length", line=line, expected=f"{len(titles)} values", found=f"{len(cells)} values")
+        robots.append(cells[0])
+        costs.append([math.inf if c.lower() in FORBIDDEN else number(c, line, "cost") for c in cells[1:]])
     if not robots:
         raise InputError("holds no robots", line=start + 1, expected="at least one row below the titles", found="the end of the file")
     return AssignmentInstance.from_matrix(
-        np.array(costs), robot_names=tuple(robots), bin_names=tuple(titles[1:]),
-        name=label(settings["name"][1] if "name" in settings else path.stem), format="assignment-matrix",
-    )  # fmt: skip
+        np.array(costs), robot_names=tuple(robots), bin_names=tuple(titles[1:]), name=name_of(settings, path), format="assignment-matrix"
+    )
 
 
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
     if not isinstance(instance, AssignmentInstance):
-        raise UsageError(
-            f"{getattr(instance, 'name', 'this')} has no costs of robots and bins and cannot be written as assignment-matrix; use json"
-        )
-    for what, held in (
-        ("times of being filled", instance.filled),
-        ("positions", instance.robot_positions),
-        ("positions", instance.bin_positions),
-    ):
-        if held is not None:
+        name = getattr(instance, "name", "this")
+        raise UsageError(f"{name} has no costs of robots and bins and cannot be written as assignment-matrix; use json")
+    positions = (instance.robot_positions, instance.bin_positions)
+    for what, values in (("times of being filled", instance.filled), *(("positions", places) for places in positions)):
+        if values is not None:
             raise UsageError(f"{instance.name} cannot be written as assignment-matrix, which has no place for {what}; use json")
     rows = (
         [instance.robot_name(i), *("-" if math.isinf(c) else plain(c) for c in costs)] for i, costs in enumerate(instance.matrix().tolist())
@@ -94,10 +79,9 @@ def write(instance: Any) -> str:
     return written([("name", instance.name)], (CORNER, *(instance.bin_name(j) for j in range(instance.num_bins))), rows)
 
 
-FORMATS.add(
-    "assignment-matrix",
+add_format(
     Format(
-        "assignment-matrix", "costs from CSV, one row a robot and one column a bin", recognises, read, write, (),
-        PROBLEMS[0], PROBLEMS, "exact", sense="min", answer="assignment", solutions=(".json", ".csv"), kinds=("assignment",), lacks=lacks,
-    ),
+        "assignment-matrix", "costs from CSV, one row a robot and one column a bin", recognises, read, write, (), PROBLEMS[0], PROBLEMS,
+        answer="assignment", solutions=(".json", ".csv"), kinds=("assignment",), lacks=lacks,
+    )
 )  # fmt: skip

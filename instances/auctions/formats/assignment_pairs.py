@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError, UsageError
-from ...formats import FORMATS, Format
-from ...formats.table import Table, settings_of, table_of, titles_of, written
-from ...text import an, label, number, plain, shown
+from ...formats import Format, add_format
+from ...formats.table import Table, name_of, settings_of, table_of, titles_of, written
+from ...number_arrays import Floats
+from ...text import an, number, plain, shown
 from ..assignment import PROBLEMS, AssignmentInstance
 from ..assignment_frame import COLUMNS, FURTHER
 
@@ -21,7 +21,7 @@ KEYS = ("name",)
 
 
 def recognises(text: str) -> bool:
-    """Whether the first line that is no comment holds the titles ``robot``, ``bin`` and ``cost``, and at most those of ``FURTHER``."""
+    """True if the first line that is no comment holds the titles ``robot``, ``bin`` and ``cost``, and at most those of ``FURTHER``."""
     return set(COLUMNS) <= titles_of(text) <= {*COLUMNS, *FURTHER}
 
 
@@ -29,16 +29,13 @@ def read(text: str, path: Path) -> AssignmentInstance:
     """The instance; see ``Format.read``. Robots and bins are numbered as they first appear, alone in a row where no pair names them."""
     settings, start = settings_of(text, KEYS, COLUMNS)
     table = table_of(text, start, (*COLUMNS, *FURTHER), "pairs")
-    for title in COLUMNS:
-        if title not in table.titles:
-            raise InputError(f"column {title} is missing", line=start + 1, expected=", ".join(COLUMNS), found=", ".join(table.titles))
-    cells = {title: table.column(title) or [] for title in COLUMNS}
+    cells = dict(zip(COLUMNS, table.columns(COLUMNS, start + 1, COLUMNS), strict=True))
     seen: dict[tuple[str, str], int] = {}
     costs = []
     for robot, name, cost, line in zip(cells["robot"], cells["bin"], cells["cost"], table.at, strict=True):
-        for what, given, other in (("robot", robot, name), ("bin", name, robot)):
-            if not given.isprintable() or (not given and (cost or not other)):
-                raise InputError(f"{what} must have a name", line=line, expected="a printable name", found=ascii(given)[:40])
+        for what, own, other in (("robot", robot, name), ("bin", name, robot)):
+            if not own.isprintable() or (not own and (cost or not other)):
+                raise InputError(f"{what} must have a name", line=line, expected="a printable name", found=ascii(own)[:40])
         if not robot or not name:
             continue  # a robot or a bin that has no pair, perhaps
         if (robot, name) in seen:
@@ -49,48 +46,44 @@ def read(text: str, path: Path) -> AssignmentInstance:
     numbers = [{name: k for k, name in enumerate(own)} for own in names]
     ends = [[own[pair[k]] for pair in seen] for k, own in enumerate(numbers)]
     return AssignmentInstance.from_pairs(
-        len(names[0]), len(names[1]), ends[0], ends[1], np.array(costs),
-        robot_names=tuple(names[0]), bin_names=tuple(names[1]),
-        name=label(settings["name"][1] if "name" in settings else path.stem), format="assignment-pairs",
-        **_further(table, {"robot": cells["robot"], "bin": cells["bin"]}),
+        len(names[0]), len(names[1]), ends[0], ends[1], np.array(costs), robot_names=tuple(names[0]), bin_names=tuple(names[1]),
+        name=name_of(settings, path), format="assignment-pairs", **_further(table, cells),
     )  # fmt: skip
 
 
-def _further(table: Table, owners: dict[str, list[str]]) -> dict[str, NDArray[np.float64]]:
+def _further(table: Table, owners: dict[str, list[str]]) -> dict[str, Floats]:
     """Times of being filled and positions, one a robot or bin."""
-    found: dict[str, NDArray[np.float64]] = {}
+    columns: dict[str, Floats] = {}
     for title, what in FURTHER.items():
-        told: dict[str, tuple[float, int]] = {}
+        values: dict[str, tuple[float, int]] = {}
         for name, cell, line in zip(owners[what], table.column(title) or [], table.at, strict=title in table.titles):
             if not name:
                 if cell:
                     raise InputError(f"{title} stands in a row without {an(what)}", line=line, expected="an empty cell", found=shown(cell))
                 continue
             value = math.inf if title == "filled" and cell.lower() == "inf" else number(cell, line, title)
-            if told.setdefault(name, (value, line))[0] != value:
-                raise InputError(
-                    f"{title} of {what} {shown(name)} is another one than in line {told[name][1]}", line=line,
-                    expected=plain(told[name][0]), found=shown(cell),
-                )  # fmt: skip
-        if told:
-            found[title] = np.array([value for value, _ in told.values()])
-    made = {"filled": found["filled"]} if "filled" in found else {}
+            first, at = values.setdefault(name, (value, line))
+            if first != value:
+                message = f"{title} of {what} {shown(name)} is another one than in line {at}"
+                raise InputError(message, line=line, expected=plain(first), found=shown(cell))
+        if values:
+            columns[title] = np.array([value for value, _ in values.values()])
+    further = {"filled": columns["filled"]} if "filled" in columns else {}
     for what in ("robot", "bin"):
-        x, y = found.get(f"{what}-x"), found.get(f"{what}-y")
-        if (x is None) != (y is None):
+        places = [columns[title] for title in (f"{what}-x", f"{what}-y") if title in columns]
+        if len(places) == 1:
             raise InputError(f"places of {what}s need both {what}-x and {what}-y", found=", ".join(table.titles))
-        if x is not None and y is not None:
-            made[f"{what}_positions"] = np.column_stack([x, y])
-    return made
+        if places:
+            further[f"{what}_positions"] = np.column_stack(places)
+    return further
 
 
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
     if not isinstance(instance, AssignmentInstance):
-        raise UsageError(
-            f"{getattr(instance, 'name', 'this')} has no costs of robots and bins and cannot be written as assignment-pairs; use json"
-        )
-    further: dict[str, NDArray[np.float64] | None] = {"filled": instance.filled}
+        name = getattr(instance, "name", "this")
+        raise UsageError(f"{name} has no costs of robots and bins and cannot be written as assignment-pairs; use json")
+    further: dict[str, Floats | None] = {"filled": instance.filled}
     for what in ("robot", "bin"):
         places = getattr(instance, f"{what}_positions")
         further |= {f"{what}-{axis}": None if places is None else places[:, k] for k, axis in enumerate("xy")}
@@ -122,10 +115,9 @@ def _cells(instance: AssignmentInstance, held: Mapping[str, list[float]], robot:
     return [*row, *("" if k < 0 else "inf" if math.isinf(own[k]) else plain(own[k]) for own, k in values)]
 
 
-FORMATS.add(
-    "assignment-pairs",
+add_format(
     Format(
-        "assignment-pairs", "robots, bins and costs of pairs from CSV, one row each", recognises, read, write, (".csv",),
-        PROBLEMS[0], PROBLEMS, "exact", sense="min", answer="assignment", solutions=(".json", ".csv"), kinds=("assignment",),
-    ),
+        "assignment-pairs", "robots, bins and costs of pairs from CSV, one row each", recognises, read, write, (".csv",), PROBLEMS[0],
+        PROBLEMS, answer="assignment", solutions=(".json", ".csv"), kinds=("assignment",),
+    )
 )  # fmt: skip

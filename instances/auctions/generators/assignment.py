@@ -12,12 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UsageError
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Generator, Integers, Setting, add_generator
 from ..assignment import AssignmentInstance
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 COSTS = ("uniform", "whole", "euclidean", "orchard")
 
@@ -93,6 +89,4 @@ def _pairs(draw: Draw, n: int, m: int, arcs: int) -> tuple[Integers, Integers]:
     return keys // m, keys % m
 
 
-GENERATORS.add(
-    "assignment", Generator("assignment", "robots and bins with random costs (assignment problems, bin auctions)", SETTINGS, make)
-)
+add_generator(Generator("assignment", "robots and bins with random costs (assignment problems, bin auctions)", SETTINGS, make))

@@ -11,13 +11,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Floats, Generator, Setting, add_generator
 from ..exploration_map import ExplorationMap
-
-Floats = NDArray[np.float64]
 
 READINGS = np.array([[0.5, 0.3, 0.2], [0.05, 0.9, 0.05], [0.1, 0.1, 0.8]])
 """Probability of each reading (corridor, office, laboratory), one row a true type."""
@@ -41,34 +37,25 @@ SETTINGS = {
 
 
 def expected_gains(prior: Floats, readings: Floats, times: int = TIMES) -> Floats:
-    """What each further observation tells of a state, in nats: mutual information with that many less that with one fewer.
+    """Information that each further observation of a state brings, in nats: mutual information with that many less that with one fewer.
 
-    Parameters
-    ----------
-    prior : array of shape (states,)
-    readings : array of shape (states, readings)
-        Probability of each reading in each state.
-    times : int
-
-    Returns
-    -------
-    array of shape (times,)
-        None is more than the one before (Cover and Thomas 2006, theorem 2.8.1, for observations that are independent given the state).
+    ``prior`` has shape (states,), and ``readings``, the probability of each reading in each state, shape (states, readings). The gains,
+    shape (times,), do not increase (Cover and Thomas 2006, theorem 2.8.1, for observations that are independent given the state).
     """
 
     def entropy(p: Floats) -> float:
         p = p[p > 0.0]
         return -float((p * np.log(p)).sum())
 
-    told = [0.0]
+    information = [0.0]
     for count in range(1, times + 1):
-        left = 0.0
+        remaining = 0.0
         for seen in itertools.product(range(readings.shape[1]), repeat=count):
             joint = prior * np.prod(readings[:, seen], axis=1)
             chance = float(joint.sum())
-            left += chance * entropy(joint / chance) if chance > 0.0 else 0.0
-        told.append(entropy(prior) - left)
-    return np.minimum.accumulate(np.maximum(np.diff(told), 0.0))
+            remaining += chance * entropy(joint / chance) if chance > 0.0 else 0.0
+        information.append(entropy(prior) - remaining)
+    return np.minimum.accumulate(np.maximum(np.diff(information), 0.0))
 
 
 def make(draw: Draw, settings: Mapping[str, Any]) -> ExplorationMap:
@@ -115,4 +102,4 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> ExplorationMap:
     )  # fmt: skip
 
 
-GENERATORS.add("exploration-map", Generator("exploration-map", "rooms to explore, map and search (room exploration)", SETTINGS, make))
+add_generator(Generator("exploration-map", "rooms to explore, map and search (room exploration)", SETTINGS, make))

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Generator, Setting, add_generator
 from ..joint_assignment import JointAssignmentInstance
 from .assignment import orchard_distance
 
@@ -42,7 +41,4 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> JointAssignmentInstance:
     )  # fmt: skip
 
 
-GENERATORS.add(
-    "joint-assignment",
-    Generator("joint-assignment", "robots, bins and requests of an orchard at one moment (joint assignment)", SETTINGS, make),
-)
+add_generator(Generator("joint-assignment", "robots, bins and requests of an orchard at one moment (joint assignment)", SETTINGS, make))

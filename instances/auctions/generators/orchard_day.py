@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Generator, Setting, add_generator
 from ..orchard_jobs import OrchardJobs
 from ..orchard_rules import ORCHARD, draw_routes, orchard_rules
 
 SMALL = {"rows": 2, "columns": 6, "robots": 2, "groups": 2, "bins-per-cell": 1}
-"""What differs from the world's defaults: whole days of larger orchards are too long for an optimum."""
+"""Settings that differ from the world's defaults: whole days of larger orchards are too long for an optimum."""
 
 DAY: Mapping[str, Setting] = {
     **{
@@ -26,9 +25,9 @@ DAY: Mapping[str, Setting] = {
 def make(draw: Draw, values: Mapping[str, Any]) -> OrchardJobs:
     """The day: all cells dealt out to the groups, robots at the repository, a bin before each group."""
     rules = orchard_rules({**values, "pickers": 1, "relocation": "nearest"})
-    made = OrchardJobs.of_routes(rules, draw_routes(rules, draw), values["name"])
-    object.__setattr__(made, "format", "generated")
-    return made
+    day = OrchardJobs.of_routes(rules, draw_routes(rules, draw), values["name"])
+    object.__setattr__(day, "format", "generated")
+    return day
 
 
-GENERATORS.add("orchard-day", Generator("orchard-day", "whole days of small orchards, for their optimum", DAY, make))
+add_generator(Generator("orchard-day", "whole days of small orchards, for their optimum", DAY, make))

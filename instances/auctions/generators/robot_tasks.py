@@ -9,13 +9,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Floats, Generator, Setting, add_generator
 from ..robot_tasks import PROBLEMS, RobotTasks
-
-Floats = NDArray[np.float64]
 
 LAYOUTS = ("plane", "clusters", "grid", "line")
 
@@ -30,11 +26,11 @@ SETTINGS = {
 }
 
 CORNERS = np.array([(0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5)])
-"""Where robots of a grid have their bases, the first two opposite as in the source; further ones anywhere."""
+"""Bases of the robots of a grid, the first two opposite as in the source; further ones are anywhere."""
 
 
 def make(draw: Draw, settings: Mapping[str, Any]) -> RobotTasks:
-    """An instance; weights are uniform."""
+    """The instance; weights are uniform."""
     robots, tasks, size, layout = settings["robots"], settings["tasks"], settings["size"], settings["layout"]
     places = _places(draw, robots, tasks, size, layout)
     weights = draw.uniform(0.0, settings["weight"], tasks) if settings["weight"] else None
@@ -61,4 +57,4 @@ def _places(draw: Draw, robots: int, tasks: int, size: float, layout: str) -> Fl
     return places
 
 
-GENERATORS.add("robot-tasks", Generator("robot-tasks", "robots and tasks in the plane (auctions, balanced partition)", SETTINGS, make))
+add_generator(Generator("robot-tasks", "robots and tasks in the plane (auctions, balanced partition)", SETTINGS, make))

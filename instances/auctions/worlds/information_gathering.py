@@ -7,30 +7,19 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...errors import InputError, UsageError
-from ...generators import Draw
+from ...generators import Draw, Floats, Integers
 from ...worlds import WORLDS, Setting, World, WorldKind
 
-Flags = NDArray[np.bool_]
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
 EXCESS = 1e-9
-"""By how much, relative to it, an amount may exceed what is there: rounding."""
+"""Relative rounding error by which an amount may exceed the amount that is there."""
 
 
 class Move(NamedTuple):
-    """What a robot is told.
-
-    Parameters
-    ----------
-    cell : (int, int)
-        Row and column of where it is next: its own cell, or one of the eight around it.
-    amount : float
-        What it takes there at most of the sensor's store; less where there is less, or no room.
-    """
+    """The cell, row and column, where a robot is next (its own, or one of the eight around it), and the units that it takes there at
+    most."""
 
     cell: tuple[int, int]
     amount: float = 0.0
@@ -38,20 +27,10 @@ class Move(NamedTuple):
 
 @dataclass(frozen=True)
 class GatheringRules:
-    """What does not change while sensors gather.
+    """Sizes, rates and limits, which do not change while sensors gather.
 
-    Parameters
-    ----------
-    rows, columns : int
-    sensors, robots : int
-    rates : int, units a step
-        Each sensor's is drawn from 1 to this.
-    store : float, units
-        Of a sensor: a full one gathers nothing.
-    load : float, units
-        Of a robot.
-    cell : float, units
-        That a cell holds; a sensor that has taken all goes to another.
+    Each sensor's rate, units a step, is drawn from 1 to ``rates``. A sensor with a full ``store`` gathers nothing, and one that has taken
+    all units of its ``cell`` goes to another. ``load`` is the units that a robot can carry.
     """
 
     rows: int
@@ -69,7 +48,7 @@ class GatheringRules:
 
     @property
     def bases(self) -> Integers:
-        """Row and column of each robot's: the upper left, lower right, upper right and lower left corners and the centre, in turn."""
+        """Row and column of each robot's base: the upper left, lower right, upper right and lower left corners and the centre, in turn."""
         low, right = self.rows - 1, self.columns - 1
         places = [(0, 0), (low, right), (0, right), (low, 0), (low // 2, right // 2)]
         return np.array([places[robot % len(places)] for robot in range(self.robots)])
@@ -77,20 +56,10 @@ class GatheringRules:
 
 @dataclass(frozen=True, eq=False)
 class GatheringObservation:
-    """What everybody knows at one time.
+    """State of robots and sensors at one time, known to all.
 
-    Parameters
-    ----------
-    time : int
-    rules : GatheringRules
-    robots : array of shape (robots, 2)
-        Row and column of each.
-    loads : array of shape (robots,), units
-    sensors : array of shape (sensors, 2)
-        Row and column of each.
-    stores : array of shape (sensors,), units
-    rates : array of shape (sensors,), units a step
-        0 for a sensor that found no cell with anything left.
+    ``robots`` and ``sensors`` hold row and column of each, shape (k, 2); ``loads`` of robots and ``stores`` of sensors are in units,
+    ``rates`` in units a step, 0 for a sensor that found no cell with anything left.
     """
 
     time: int
@@ -105,29 +74,22 @@ class GatheringObservation:
 class GatheringWorld(World):
     """In a step sensors gather; then robots move, unload at their bases, and take from the sensor of their cell.
 
-    Parameters
-    ----------
-    rules : GatheringRules
-    rng : numpy.random.Generator
-    places : array of shape (sensors, 2), optional
-        Where sensors begin; drawn without repetition by default.
-    rates : array of shape (sensors,), optional
-        Units a step; drawn by default.
+    ``places``, shape (sensors, 2), and ``rates`` of the sensors are drawn unless they are given.
 
     Attributes
     ----------
     brought : array of shape (robots,), units
-        What each has unloaded at its base.
+        Unloaded by each robot at its base.
     lost : array of shape (sensors,), units
-        What each would have gathered with room in its store.
+        What each sensor would have gathered with room in its store.
     cut : float, units
-        What the last steps in exhausted cells fell short.
+        Shortfall of the last steps in exhausted cells.
     due : float, units
         Rates of all sensors that stood in a cell, over all steps: always what was brought, loads, stores, ``lost`` and ``cut`` together.
 
     Notes
     -----
-    Which cells a sensor goes to is an order drawn for it at the start: the first with anything left and no other sensor. Its store goes
+    The cells that a sensor goes to are an order drawn for it at the start: the first with anything left and no other sensor. Its store goes
     with it. Source: Zhang (2015), section 4.3; what it leaves open: docs/missions.md#information-gathering.
     """
 
@@ -188,9 +150,8 @@ class GatheringWorld(World):
 
     def metrics(self) -> dict[str, float]:
         """``working``: sensors that are not full, and have something to gather; ``gain``: units at the bases; ``idle``: steps for which
-        full sensors have gathered nothing, all together (tau); ``loss``: what they would have gathered in these, units (Gamma);
-        ``carried`` by robots and
-        ``stored`` by sensors now, units."""
+        full sensors have gathered nothing, all together (tau); ``loss``: units that they would have gathered then (Gamma); ``carried`` by
+        robots and ``stored`` by sensors now, units."""
         full = self.stores >= self.rules.store * (1 - EXCESS)
         return {
             "working": float((self.gathering & ~full).sum()),

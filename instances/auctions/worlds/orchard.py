@@ -7,45 +7,26 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...generators import Draw
+from ...generators import Draw, Flags, Floats, Integers
 from ...worlds import WORLDS, World, WorldKind
 from ..orchard_rules import NONE, ORCHARD, OrchardRules, OrchardStart, Trip, checked_start, draw_start, orchard_rules
 
-Flags = NDArray[np.bool_]
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-
 IDLE, DELIVERING, FETCHING, WAITING, HAULING, RETURNING = range(6)
-"""What a robot is about: nothing; on its way with a new bin; to its bin; at its bin, which is not full; home with it; home without one."""
+"""States of a robot: idle; on its way with a new bin; to its bin; at its bin, which is not full; home with it; home without one."""
 
 
 @dataclass(frozen=True, eq=False)
 class OrchardObservation:
-    """What everybody knows at one time: communication is complete.
+    """State of robots, bins and groups at one time, known to all: communication is complete.
 
-    Parameters
-    ----------
-    time : int
-    rules : OrchardRules
-    robots : array of shape (idle,)
-        Numbers of the robots that may decide, ascending.
-    cells : array of shape (idle,)
-        Where they are.
-    bins : array of shape (bins,)
-        Numbers of the bins in the orchard that no robot fetches, ascending.
-    bin_cells : array of shape (bins,)
-    remaining : array of shape (bins,), steps
-        Until each is full, if nobody waits for anything.
-    wanting : bool array of shape (cells of the grid,)
-        Where a new bin may be brought: a group stands there, fruit remains beyond the bin that it fills, and no empty bin stands there or
-        is on its way.
-    requests : array of shape (requests,)
-        Cells of the groups without a bin to which none is on its way, the earliest request first.
-    homecoming : array of shape (robots,)
-        Step at which each robot would be back at the repository from what it does, at the earliest.
+    ``robots`` are the numbers of the idle robots, ascending, and ``cells`` where they are. ``bins`` are the numbers, ascending, of the bins
+    in the orchard that no robot fetches, ``bin_cells`` where they stand, and ``remaining`` the steps until each is full if nobody waits for
+    anything. ``wanting``, a flag for each cell of the grid, is true where a new bin may be brought: a group stands there, fruit remains
+    beyond the bin that it fills, and no empty bin stands there or is on its way. ``requests`` are the cells of the groups without a bin to
+    which none is on its way, the earliest request first. ``homecoming`` is the step at which each robot would be back at the repository
+    from its present trip, at the earliest.
     """
 
     time: int
@@ -61,14 +42,7 @@ class OrchardObservation:
 
 
 class OrchardWorld(World):
-    """A day: groups fill bins, robots bring new ones and fetch full ones.
-
-    Parameters
-    ----------
-    rules : OrchardRules
-    rng : numpy.random.Generator
-    start : OrchardStart, optional
-        Drawn by default.
+    """A day: groups fill bins, robots bring new ones and fetch full ones. The start is drawn unless it is given.
 
     Attributes
     ----------
@@ -131,11 +105,11 @@ class OrchardWorld(World):
 
     @property
     def over(self) -> bool:
-        """Whether all bins are home."""
+        """True if all bins are home."""
         return bool((self.returned >= 0).all())
 
     def positions(self) -> Floats:
-        """Where robots are now: row and column, shape (robots, 2)."""
+        """Row and column of each robot now, shape (robots, 2)."""
         grid = self.rules.grid
         places = []
         for start, end, left, until in zip(self.origins, self.goals, self.left, self.until, strict=True):
@@ -195,7 +169,7 @@ class OrchardWorld(World):
                 pass
 
     def _go_on(self, robot: int) -> bool:
-        """Let a robot at the end of its leg do what comes next; whether there was anything."""
+        """Begin the next leg of a robot at the end of its leg; False if it has to wait."""
         state, target = self.states[robot], int(self.fetched[robot])
         if state == DELIVERING:
             self._put_up(int(self.carried[robot]))

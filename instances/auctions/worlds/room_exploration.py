@@ -7,17 +7,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...generators import Draw
+from ...generators import Draw, Flags, Floats, Integers
 from ...worlds import WORLDS, Setting, World, WorldKind
 from ..exploration_map import ExplorationMap
 from ..generators import exploration_map as buildings
-
-Flags = NDArray[np.bool_]
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 GO, MAP, SEARCH = range(3)
 
@@ -28,16 +23,7 @@ OWN = ("rooms", "robots", "silence", "detection", "false-alarm")
 
 
 class Reading(NamedTuple):
-    """What a robot read.
-
-    Parameters
-    ----------
-    robot, room : int
-    action : int
-        1 for the type of the room, 2 for a target.
-    value : int
-        The type, or 0 for a target and 1 for none.
-    """
+    """A robot's reading in a room: ``action`` 1 with the type of the room as ``value``, or 2 with 0 for a target and 1 for none."""
 
     robot: int
     room: int
@@ -47,23 +33,11 @@ class Reading(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class ExplorationObservation:
-    """What robots that have contact know.
+    """Knowledge of the robots that have contact, at one time.
 
-    Parameters
-    ----------
-    time : int
-    building : ExplorationMap
-        Doors, rooms that hear each other, the base; its gains are those before anything is known.
-    robots : array of shape (robots,)
-        Room of each.
-    silent : array of shape (robots,)
-        Steps in a row that each is without contact.
-    visits : array of shape (rooms,)
-        Times that each room was entered.
-    readings : tuple of Reading
-        All so far.
-    sensors : tuple of two arrays
-        Probability of each reading of the type and of a target; one row a truth.
+    ``building`` holds doors, rooms that hear each other and the base; its gains are those before anything is known. ``robots`` is the room
+    of each robot, ``silent`` the steps in a row that each is without contact, and ``visits`` the number of times that each room was
+    entered. ``sensors`` are two arrays, the probabilities of each reading of the type and of a target, one row a truth.
     """
 
     time: int
@@ -78,18 +52,7 @@ class ExplorationObservation:
 class ExplorationWorld(World):
     """In a step each robot goes through a door or stays, reads the type of its room, or looks for a target in it.
 
-    Parameters
-    ----------
-    building : ExplorationMap
-    sensors : tuple of two arrays
-    rng : numpy.random.Generator
-
-    Attributes
-    ----------
-    types : array of shape (rooms,)
-        True ones: corridor, office, laboratory.
-    targets : bool array of shape (rooms,)
-        Where there is one in truth.
+    ``types`` are the true types of the rooms (corridor, office, laboratory), ``targets`` tells where there is a target in truth.
     """
 
     def __init__(self, building: ExplorationMap, sensors: tuple[Floats, Floats], rng: np.random.Generator) -> None:
@@ -134,12 +97,12 @@ class ExplorationWorld(World):
         }  # fmt: skip
 
     def _contact(self) -> Flags:
-        found: Flags = self._linked[self.building.base, self.robots]
+        linked: Flags = self._linked[self.building.base, self.robots]
         while True:
-            more = found | (self._linked[np.ix_(self.robots, self.robots)] & found[None, :]).any(axis=1)
-            if (more == found).all():
-                return found
-            found = more
+            more = linked | (self._linked[np.ix_(self.robots, self.robots)] & linked[None, :]).any(axis=1)
+            if (more == linked).all():
+                return linked
+            linked = more
 
     def _refuse(self, robot: Any, deed: Any) -> None:
         if not isinstance(robot, int) or not 0 <= robot < len(self.robots):

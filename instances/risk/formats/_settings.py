@@ -1,4 +1,4 @@
-"""What the text formats of risky graphs say in their comment lines: the objective, and elements of risk by a few numbers each."""
+"""Settings in the comment lines of text formats of risky graphs: the objective, and elements of risk by a few numbers each."""
 
 from __future__ import annotations
 
@@ -41,37 +41,40 @@ def graph_settings(settings: Settings) -> dict[str, Any]:
     line, text = settings["conditional"]
     if text.lower() not in YES:
         raise InputError("conditional must be yes or no", line=line, found=shown(text))
-    made: dict[str, Any] = {"conditional": YES[text.lower()]}
+    arguments: dict[str, Any] = {"conditional": YES[text.lower()]}
     if "objective" in settings:
-        line, made["objective"] = settings["objective"]
-        if made["objective"] not in OBJECTIVES:
-            raise InputError("the objective is unknown", line=line, expected=", ".join(OBJECTIVES), found=shown(made["objective"]))
+        line, arguments["objective"] = settings["objective"]
+        if arguments["objective"] not in OBJECTIVES:
+            found = shown(arguments["objective"])
+            raise InputError("the objective is unknown", line=line, expected=", ".join(OBJECTIVES), found=found)
     if "discount" in settings:
-        (made["discount"],), _ = numbers_of(settings, "discount", 1, 1)
-    return made
+        (arguments["discount"],), _ = numbers_of(settings, "discount", 1, 1)
+    return arguments
 
 
 def at_line(settings: Settings, key: str, make: Callable[[], Any]) -> Any:
-    """What ``make`` returns; its complaints get the line of the setting."""
+    """The result of ``make``, whose errors get the line of the setting."""
     try:
         return make()
     except InputError as error:
         raise error.at(line=settings[key][0]) from None
 
 
+def element_of(
+    settings: Settings, key: str, least: int, most: int, make: Callable[..., RiskElement], words: Sequence[str] = ()
+) -> list[RiskElement]:  # fmt: skip
+    """The element that ``make`` makes of the numbers of a setting, and of its word where there are ``words``; none without the setting."""
+    if key not in settings:
+        return []
+    numbers, word = numbers_of(settings, key, least, most, words)
+    return [at_line(settings, key, lambda: make(*numbers, *([word] if words else [])))]
+
+
 def elements_of(settings: Settings, obstacles: Any, spacing: float | None) -> list[RiskElement]:
     """The elements of action and traverse that the settings ask for."""
-    made: list[RiskElement] = []
-    if "length" in settings:
-        (rate,), growth = numbers_of(settings, "length", 1, 1, GROWTHS)
-        made.append(at_line(settings, "length", lambda: LengthRisk(rate, growth or "exponential")))
-    if "turn" in settings:
-        (turn,), measure = numbers_of(settings, "turn", 1, 1, MEASURES)
-        made.append(at_line(settings, "turn", lambda: TurnRisk(turn, measure or "angle")))
-    if "travelled" in settings:
-        way, _ = numbers_of(settings, "travelled", 1, 2)
-        made.append(at_line(settings, "travelled", lambda: TravelledRisk(way[0], way[1] if len(way) > 1 else 0.0)))
-    if "tether" in settings:
-        (x, y, long, contact), _ = numbers_of(settings, "tether", 4, 4)
-        made.append(at_line(settings, "tether", lambda: TetherRisk(Tether((x, y), obstacles, spacing), long, contact)))
-    return made
+    return [
+        *element_of(settings, "length", 1, 1, lambda rate, growth: LengthRisk(rate, growth or "exponential"), GROWTHS),
+        *element_of(settings, "turn", 1, 1, lambda turn, measure: TurnRisk(turn, measure or "angle"), MEASURES),
+        *element_of(settings, "travelled", 1, 2, lambda rate, free=0.0: TravelledRisk(rate, free)),
+        *element_of(settings, "tether", 4, 4, lambda x, y, long, contact: TetherRisk(Tether((x, y), obstacles, spacing), long, contact)),
+    ]

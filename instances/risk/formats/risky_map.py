@@ -11,22 +11,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...formats import FORMATS, Format
-from ...formats.table import Settings, settings_of
-from ...text import label, shown
+from ...formats import Format, add_format
+from ...formats.table import Settings, name_of, settings_of
+from ...text import shown
 from ..element import RiskElement
 from ..elements import LocaleRisk
 from ..occupancy import OccupancyGrid, classed, faded
 from ..risky_graph import RiskyGraph
 from ..traverse_elements import CollectedRisk
-from ._settings import COMMON, at_line, elements_of, graph_settings, numbers_of
+from ._settings import COMMON, at_line, element_of, elements_of, graph_settings, numbers_of
 
 KEYS = (*COMMON, "cell", "connectivity", "clearance", "visibility", "scale", "mud")
 CELLS = ".@SG~0123456789"
 
 
 def recognises(text: str) -> bool:
-    """Whether the first line says so."""
+    """True if the first line is ``risk map``."""
     return text.lstrip().split("\n", 1)[0].lstrip("# ").rstrip().lower() == "risk map"
 
 
@@ -41,16 +41,12 @@ def read(text: str, path: Path) -> RiskyGraph:
     neighbours = int(numbers_of(settings, "connectivity", 1, 1)[0][0]) if "connectivity" in settings else 8
     tail, head = at_line(settings, "connectivity", lambda: grid.arcs(neighbours)) if "connectivity" in settings else grid.arcs(neighbours)
     elements = [*_places(settings, grid), *elements_of(settings, grid.boxes, cell)]
-    if "mud" in settings:
-        (risk,), _ = numbers_of(settings, "mud", 1, 1)
-        muddy = marks == "~"
-        table = np.array([np.zeros(len(marks)), np.where(muddy, risk, 0.0)])
-        elements.append(at_line(settings, "mud", lambda: CollectedRisk(muddy, table, "mud")))
+    elements += element_of(settings, "mud", 1, 1, lambda risk: CollectedRisk(marks == "~", np.outer((0.0, risk), marks == "~"), "mud"))
     rewards = np.array([float(mark) if mark.isdigit() else 0.0 for mark in marks.tolist()])
     return RiskyGraph(
         len(marks), tail, head, tuple(elements), start, goals=tuple(np.nonzero(marks == "G")[0].tolist()), rewards=rewards,
         positions=grid.positions, obstacles=grid.boxes, state_names=grid.names, format="risk-map",
-        name=label(settings["name"][1] if "name" in settings else path.stem), **graph_settings(settings),
+        name=name_of(settings, path), **graph_settings(settings),
     )  # fmt: skip
 
 
@@ -76,24 +72,23 @@ def _one(starts: list[int], line: int) -> list[int]:
 
 def _places(settings: Settings, grid: OccupancyGrid) -> list[RiskElement]:
     """Locale elements: risks that fade with clearance and visibility, and by class of scale."""
-    made: list[RiskElement] = []
-    if "clearance" in settings:
-        (most, low, high), _ = numbers_of(settings, "clearance", 3, 3)
-        made.append(at_line(settings, "clearance", lambda: LocaleRisk(faded(grid.clearance(), low, high, most), "clearance")))
-    if "visibility" in settings:
-        (most_seen, near, far, *rays), _ = numbers_of(settings, "visibility", 3, 4)
-        seen = at_line(settings, "visibility", lambda: grid.visibility(int(rays[0]) if rays else 16))
-        made.append(at_line(settings, "visibility", lambda: LocaleRisk(faded(seen, near, far, most_seen), "visibility")))
-    if "scale" in settings:
-        (size, *risks), _ = numbers_of(settings, "scale", 3, 4)
-        made.append(at_line(settings, "scale", lambda: LocaleRisk(classed(grid.scale(size), *risks), "scale")))
-    return made
+
+    def clear(most: float, low: float, high: float) -> RiskElement:
+        return LocaleRisk(faded(grid.clearance(), low, high, most), "clearance")
+
+    def visible(most: float, near: float, far: float, rays: float = 16) -> RiskElement:
+        return LocaleRisk(faded(grid.visibility(int(rays)), near, far, most), "visibility")
+
+    return [
+        *element_of(settings, "clearance", 3, 3, clear),
+        *element_of(settings, "visibility", 3, 4, visible),
+        *element_of(settings, "scale", 3, 4, lambda size, *risks: LocaleRisk(classed(grid.scale(size), *risks), "scale")),
+    ]
 
 
-FORMATS.add(
-    "risk-map",
+add_format(
     Format(
-        "risk-map", "map with risks drawn in text, a character a cell", recognises, read, None, (), "risky-path", ("risky-path",), "exact",
+        "risk-map", "map with risks drawn in text, a character a cell", recognises, read, problem="risky-path", problems=("risky-path",),
         sense="min or max", answer="path", solutions=(".json",), kinds=("risky-graph",),
-    ),
+    )
 )  # fmt: skip

@@ -13,18 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...formats import FORMATS, Format
-from ...formats.table import Table, settings_of, table_of, titles_of
-from ...text import label, number, shown
+from ...formats import Format, add_format
+from ...formats.table import Table, name_of, settings_of, table_of, titles_of
+from ...number_arrays import Floats
+from ...text import shown
 from ..elements import LocaleRisk
 from ..risky_graph import RiskyGraph, named_states
 from ._settings import COMMON, elements_of, graph_settings, numbers_of
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.integer[Any]]
 
 FARTHEST = 1e150
-"""Coordinates beyond have squares that are no numbers."""
+"""Largest coordinate and reach; squares of much larger ones overflow."""
 
 KEYS = (*COMMON, "reach", "start", "goals")
 AXES = ("easting", "northing", "height")
@@ -32,7 +32,7 @@ COLUMNS = ("state", *AXES, "reward")
 
 
 def recognises(text: str) -> bool:
-    """Whether the first line that is no comment holds ``state``, ``easting``, ``northing`` and a title that begins with ``risk``."""
+    """True if the first line that is no comment holds ``state``, ``easting``, ``northing`` and a title that begins with ``risk``."""
     titles = titles_of(text)
     return {"state", *AXES[:2]} <= titles and any(title.startswith("risk") for title in titles)
 
@@ -44,7 +44,7 @@ def read(text: str, path: Path) -> RiskyGraph:
     table = table_of(text, start, (*COLUMNS, *(risks or ["risk"])), "states")
     names = table.column("state") or []
     axes = [axis for axis in AXES if table.column(axis) is not None]
-    positions = np.column_stack([_numbers(table, axis) for axis in axes])
+    positions = np.column_stack([table.numbers(axis) for axis in axes])
     for key in ("reach", "start"):
         if key not in settings:
             raise InputError(f"setting {key} is missing", line=1, expected=f"a line '# {key}: ...'")
@@ -56,8 +56,8 @@ def read(text: str, path: Path) -> RiskyGraph:
     ends = {}
     for key in ("start", "goals"):
         if key in settings:
-            line, given = settings[key]
-            chosen = [part.strip() for part in given.replace(";", ",").split(",") if part.strip()]
+            line, listed = settings[key]
+            chosen = [part.strip() for part in listed.replace(";", ",").split(",") if part.strip()]
             try:
                 ends[key] = named_states(names, chosen, key.removesuffix("s") if key == "goals" else key)
             except InputError as error:
@@ -66,18 +66,14 @@ def read(text: str, path: Path) -> RiskyGraph:
         raise InputError("there must be one start", line=settings["start"][0], found=str(len(ends["start"])))
     return RiskyGraph(
         len(names), tail, head, (*elements, *elements_of(settings, [], None)), ends["start"][0],
-        goals=ends.get("goals", ()), rewards=_numbers(table, "reward") if table.column("reward") is not None else None,
+        goals=ends.get("goals", ()), rewards=table.numbers("reward") if table.column("reward") is not None else None,
         positions=positions, state_names=tuple(names), format="risk-states",
-        name=label(settings["name"][1] if "name" in settings else path.stem), **graph_settings(settings),
+        name=name_of(settings, path), **graph_settings(settings),
     )  # fmt: skip
 
 
-def _numbers(table: Table, title: str) -> Floats:
-    return np.array([number(cell, line, title) for cell, line in zip(table.column(title) or [], table.at, strict=True)])
-
-
 def _probabilities(table: Table, title: str) -> Floats:
-    risk = _numbers(table, title)
+    risk = table.numbers(title)
     wrong = ~((risk >= 0.0) & (risk <= 1.0))
     if wrong.any():
         k = int(np.argmax(wrong))
@@ -96,10 +92,9 @@ def _within(positions: Floats, reach: float) -> tuple[Indices, Indices]:
     return np.concatenate([pairs[:, 0], pairs[:, 1]]), np.concatenate([pairs[:, 1], pairs[:, 0]])
 
 
-FORMATS.add(
-    "risk-states",
+add_format(
     Format(
-        "risk-states", "states with places and risks from CSV, one row each", recognises, read, None, (), "risky-path", ("risky-path",),
-        "exact", sense="min or max", answer="path", solutions=(".json",), kinds=("risky-graph",),
-    ),
+        "risk-states", "states with places and risks from CSV, one row each", recognises, read, problem="risky-path",
+        problems=("risky-path",), sense="min or max", answer="path", solutions=(".json",), kinds=("risky-graph",),
+    )
 )  # fmt: skip

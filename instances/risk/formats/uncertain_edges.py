@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError, UsageError
-from ...formats import FORMATS, Format
-from ...formats.table import Table, settings_of, table_of, titles_of, written
-from ...text import label, number, plain, shown
+from ...formats import Format, add_format
+from ...formats.table import Table, name_of, settings_of, table_of, titles_of, written
+from ...text import plain, shown
 from ..uncertain_graph import COLUMNS, PROBLEMS, UncertainGraph
 
 KEYS = ("name", "start", "goal", "undirected")
@@ -18,7 +18,7 @@ FLAGS = {"true": True, "false": False}
 
 
 def recognises(text: str) -> bool:
-    """Whether the first line that is no comment holds the titles ``from``, ``to``, ``mean`` and ``variance``."""
+    """True if the first line that is no comment holds the titles ``from``, ``to``, ``mean`` and ``variance``."""
     return set(COLUMNS[:4]) <= titles_of(text)
 
 
@@ -32,25 +32,17 @@ def read(text: str, path: Path) -> UncertainGraph:
     if undirected.lower() not in FLAGS:
         raise InputError("undirected must be true or false", line=line, found=shown(undirected))
     table = table_of(text, start, COLUMNS, "edges")
-    columns = {title: table.column(title) for title in COLUMNS}
-    for title in COLUMNS[:4]:
-        if columns[title] is None:
-            raise InputError(f"column {title} is missing", line=start + 1, expected=", ".join(COLUMNS[:4]), found=", ".join(table.titles))
+    table.columns(COLUMNS[:4], start + 1, COLUMNS[:4])
     tails, heads = (_names(table, title) for title in COLUMNS[:2])
     _refuse_pairs(tails, heads, table.at, FLAGS[undirected.lower()])
-    costs = {}
-    for title in COLUMNS[2:]:
-        cells = columns[title]
-        if cells is not None:
-            values = np.array([number(cell, at, title) for cell, at in zip(cells, table.at, strict=True)])
-            if (values < 0).any():
-                k = int(np.argmax(values < 0))
-                raise InputError(f"{title} is negative", line=table.at[k], expected="0 or more", found=cells[k])
-            costs[title] = values
-    name = label(settings["name"][1] if "name" in settings else path.stem)
+    costs = {title: table.numbers(title) for title in COLUMNS[2:] if title in table.titles}
+    for title, values in costs.items():
+        if (values < 0).any():
+            k = int(np.argmax(values < 0))
+            raise InputError(f"{title} is negative", line=table.at[k], expected="0 or more", found=(table.column(title) or [])[k])
     return UncertainGraph.from_names(
-        tails, heads, costs, settings["start"][1], settings["goal"][1], undirected=FLAGS[undirected.lower()], name=name,
-        format="uncertain-edges",
+        tails, heads, costs, settings["start"][1], settings["goal"][1], undirected=FLAGS[undirected.lower()],
+        name=name_of(settings, path), format="uncertain-edges",
     )  # fmt: skip
 
 
@@ -93,10 +85,9 @@ def write(instance: Any) -> str:
     return written(settings, COLUMNS[: len(columns)], zip(*columns, strict=True))
 
 
-FORMATS.add(
-    "uncertain-edges",
+add_format(
     Format(
         "uncertain-edges", "edges with mean and variance of their costs from CSV, one row each", recognises, read, write, (".csv",),
-        PROBLEMS[0], PROBLEMS, "exact", sense="min", answer="path", solutions=(".json",), kinds=("uncertain-graph",),
-    ),
+        PROBLEMS[0], PROBLEMS, answer="path", solutions=(".json",), kinds=("uncertain-graph",),
+    )
 )  # fmt: skip

@@ -13,15 +13,10 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError, UsageError
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Floats, Generator, Integers, Setting, add_generator
 from ..uncertain_graph import UncertainGraph
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 ATTEMPTS = 100
 
@@ -156,5 +151,5 @@ def intensities(image: Floats, tails: Floats, heads: Floats) -> tuple[Floats, Fl
     return mean, variance
 
 
-GENERATORS.add("prm-graph", Generator("prm-graph", "random roadmaps with normal edge costs (risk-aware graph search)", PRM, make_prm))
-GENERATORS.add("raster-graph", Generator("raster-graph", "roadmaps of normal edge costs over synthetic aerial images", RASTER, make_raster))
+add_generator(Generator("prm-graph", "random roadmaps with normal edge costs (risk-aware graph search)", PRM, make_prm))
+add_generator(Generator("raster-graph", "roadmaps of normal edge costs over synthetic aerial images", RASTER, make_raster))

@@ -14,15 +14,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import UsageError
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Floats, Generator, Setting, add_generator
 from ..allocation import MOST_RISK, RISKS, Affine, ChanceConstraints, CostTerm, Risk, RiskAllocationInstance
 from ..gaussian import Dynamics
-
-Floats = NDArray[np.float64]
 
 FAMILIES = ("auv", "corridor", "obstacles")
 
@@ -40,19 +36,19 @@ SETTINGS = {
 def make(draw: Draw, settings: Mapping[str, Any]) -> RiskAllocationInstance:
     """One instance."""
     family, steps = settings["family"], settings["steps"]
-    made = {"auv": _auv, "corridor": _corridor, "obstacles": _obstacles}[family](draw, settings)
+    instance = {"auv": _auv, "corridor": _corridor, "obstacles": _obstacles}[family](draw, settings)
     name = settings["name"] or f"risk-{family}-t{steps}-s{settings['seed']}"
-    object.__setattr__(made, "name", name)
-    return made
+    object.__setattr__(instance, "name", name)
+    return instance
 
 
 def _vary(draw: Draw, settings: Mapping[str, Any], low: float, high: float) -> float:
-    """1 for seed 1, whose problem is fixed; else a factor drawn."""
+    """Factor of a quantity: 1 for seed 1, whose problem is fixed, else drawn."""
     return 1.0 if settings["seed"] == 1 else float(draw.uniform(low, high, 1)[0])
 
 
 def _shorter(steps: int) -> Floats:
-    """What the variances of positions and of speeds are multiplied with, so that many steps spread about as far as 20."""
+    """Factors of the variances of positions and of speeds, with which many steps spread about as far as 20."""
     part = min(1.0, 20 / steps)
     return np.array([part, part**3])
 
@@ -147,4 +143,4 @@ def _instance(
     )  # fmt: skip
 
 
-GENERATORS.add("risk-allocation", Generator("risk-allocation", "chance-constrained plans of vehicles with linear dynamics", SETTINGS, make))
+add_generator(Generator("risk-allocation", "chance-constrained plans of vehicles with linear dynamics", SETTINGS, make))

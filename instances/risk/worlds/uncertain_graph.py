@@ -8,17 +8,14 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError, UsageError
 from ...generating import generate
-from ...generators import Draw
+from ...generators import Draw, Floats
 from ...reading import read_instance
 from ...worlds import WORLDS, Setting, World, WorldKind
 from ..generators.prm_graph import PRM, RASTER
 from ..uncertain_graph import UncertainGraph
-
-Floats = NDArray[np.float64]
 
 ROBOT = 0
 """The number of the only agent."""
@@ -29,17 +26,7 @@ ROADMAPS = {"prm-graph": PRM, "raster-graph": RASTER}
 
 @dataclass(frozen=True, eq=False)
 class UncertainGraphObservation:
-    """What the robot knows at one time.
-
-    Parameters
-    ----------
-    time : int
-    graph : UncertainGraph
-    at : int
-        The vertex where it is.
-    known : array of shape (edges,)
-        The true cost of each edge that it has seen from the edge's tail; NaN elsewhere.
-    """
+    """The vertex ``at`` which the robot is, and the costs that it knows: of each edge seen from its tail, shape (edges,), NaN elsewhere."""
 
     time: int
     graph: UncertainGraph
@@ -54,21 +41,8 @@ class UncertainGraphObservation:
 class UncertainGraphWorld(World):
     """Edge costs are drawn once and hold for the whole run; at a vertex the robot sees what the edges that leave it cost.
 
-    Parameters
-    ----------
-    graph : UncertainGraph
-    rng : numpy.random.Generator
-
-    Attributes
-    ----------
-    costs : array of shape (edges,)
-        The true costs: normal, raised to ``least`` of the graph, or to 0.
-    path : list of int
-        Vertices visited so far.
-
-    Notes
-    -----
-    Source: Skeele (2016), section 5.5.1; docs/missions.md#uncertain-graph.
+    ``costs``, shape (edges,), are the true ones: normal, raised to ``least`` of the graph, or to 0. ``path`` holds the vertices visited so
+    far. Source: Skeele (2016), section 5.5.1; docs/missions.md#uncertain-graph.
     """
 
     def __init__(self, graph: UncertainGraph, rng: np.random.Generator) -> None:
@@ -107,7 +81,7 @@ class UncertainGraphWorld(World):
 
     @property
     def over(self) -> bool:
-        """Whether the robot is at the goal."""
+        """True if the robot is at the goal."""
         return self.path[-1] == self.graph.goal
 
     def metrics(self) -> dict[str, float]:
@@ -122,9 +96,9 @@ class UncertainGraphWorld(World):
 
 @lru_cache(maxsize=32)
 def _drawn(roadmap: str, seed: int, settings: tuple[tuple[str, Any], ...]) -> UncertainGraph:
-    made = generate(roadmap, seed, **dict(settings))
-    assert isinstance(made, UncertainGraph)
-    return made
+    graph = generate(roadmap, seed, **dict(settings))
+    assert isinstance(graph, UncertainGraph)
+    return graph
 
 
 def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> UncertainGraphWorld:

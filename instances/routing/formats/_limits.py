@@ -1,4 +1,4 @@
-"""What a format cannot express, found before anything is written."""
+"""Features that a format cannot express, found before anything is written."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Collection
 import numpy as np
 
 from ...errors import UsageError
+from ...number_arrays import Floats
 from ..features import features
 from ..instance import RoutingInstance
 
@@ -24,24 +25,33 @@ def refuse_inexpressible(instance: object, format_name: str, expressible: Collec
     return held
 
 
-def numbered(instance: RoutingInstance, first: int) -> bool:
-    """Whether the ids of the sites are ``first``, ``first + 1``, ... in order."""
-    return instance.sites.ids == tuple(str(k) for k in range(first, first + len(instance.sites)))
-
-
 def cannot(instance: RoutingInstance, format_name: str, why: str) -> UsageError:
-    """That ``instance`` cannot be written, and why."""
+    """The error for an instance that cannot be written, with the reason."""
     return UsageError(f"{instance.name} cannot be written as {format_name}: {why}; use json")
 
 
-def refuse_no_paths(instance: RoutingInstance, format_name: str, limit: float) -> None:
-    """Raise UsageError unless optional points in the plane are visited by a number of paths that ``limit`` bounds."""
+def refuse_where(instance: RoutingInstance, format_name: str, *faults: tuple[object, str]) -> None:
+    """Raise UsageError with the reason of the first fault that is true."""
+    for wrong, why in faults:
+        if wrong:
+            raise cannot(instance, format_name, why)
+
+
+def points_of(instance: RoutingInstance, format_name: str) -> Floats:
+    """Points of the plane, shape (sites, 2), whose exact Euclidean distances are those of the instance; UsageError for any others."""
     travel = instance.travel
     if travel.metric != "euclidean" or travel.convention != "exact":
         raise cannot(instance, format_name, f"its distances are {travel.metric} {travel.convention}, not Euclidean and exact")
-    if not np.isfinite(limit) or instance.fleet[0].count is None:
-        raise cannot(instance, format_name, "the format needs a number of paths and their limit")
-    if instance.sites.required.any():
-        raise cannot(instance, format_name, "it has sites that must be visited")
-    if instance.problem not in ORIENTEERING:
-        raise cannot(instance, format_name, f"it is no orienteering problem but {instance.problem}")
+    assert travel.coordinates is not None
+    return travel.coordinates
+
+
+def numbered(instance: RoutingInstance, first: int, depots: Collection[int] = (0,)) -> bool:
+    """True if the sites are numbered ``first``, ``first + 1``, ... in order, and the depots stand in the places ``depots``."""
+    sites = instance.sites
+    return sites.ids == tuple(str(k) for k in range(first, first + len(sites))) and sites.depots.tolist() == list(depots)
+
+
+def finite(values: Floats) -> bool:
+    """True if all values are finite."""
+    return bool(np.isfinite(values).all())

@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...text import is_number, lines_of, number, numbers, shown
-
-Floats = NDArray[np.float64]
+from ...number_arrays import Floats
+from ...text import is_number, lines_of, numbers, refuse, shown
 
 
 def head(text: str, count: int) -> list[list[str]]:
     """Tokens of the first ``count`` lines that are not blank, fewer where there are fewer."""
-    found: list[list[str]] = []
+    lines: list[list[str]] = []
     start = 0
-    while start < len(text) and len(found) < count:
+    while start < len(text) and len(lines) < count:
         end = text.find("\n", start)
         line = text[start:end] if end >= 0 else text[start:]
         if line.strip():
-            found.append(line.split())
+            lines.append(line.split())
         start += len(line) + 1
-    return found
+    return lines
 
 
 def widths(lines: Sequence[Sequence[str]]) -> list[int]:
@@ -50,13 +48,21 @@ class Rows:
         self.at += 1
         return self.lines[self.at - 1]
 
+    def tokens(self, what: str, expected: str, count: int) -> tuple[int, list[str]]:
+        """The next line, which is called ``what``, as ``count`` tokens."""
+        line, text = self.next(expected)
+        tokens = text.split()
+        if len(tokens) != count:
+            raise InputError(f"{what} has a wrong length", line=line, expected=expected, found=f"{len(tokens)} values")
+        return line, tokens
+
     def values(self, what: str, names: Sequence[str]) -> tuple[int, list[float]]:
         """The next line as one number for each of ``names``."""
         line, text = self.next(what)
-        found = numbers(text, line, what)
-        if len(found) != len(names):
-            raise InputError(f"{what} has a wrong length", line=line, expected=", ".join(names), found=f"{len(found)} values")
-        return line, found
+        values = numbers(text, line, what)
+        if len(values) != len(names):
+            raise InputError(f"{what} has a wrong length", line=line, expected=", ".join(names), found=f"{len(values)} values")
+        return line, values
 
     def keyed(self, key: str) -> tuple[int, str]:
         """The value of a line ``key value``."""
@@ -67,22 +73,12 @@ class Rows:
         return line, tokens[1]
 
     def table(self, what: str, names: Sequence[str], count: int | None = None) -> tuple[Floats, list[int]]:
-        """All lines that are left, and the number of each.
-
-        Parameters
-        ----------
-        what : str
-            What a row is, for messages.
-        names : sequence of str
-            Of the columns.
-        count : int, optional
-            Number of rows that the file claims.
-        """
-        left = self.lines[self.at :]
-        if count is not None and len(left) != count:
-            line = left[count][0] if len(left) > count else self.lines[-1][0]
-            raise InputError(f"wrong number of rows: {what}", line=line, expected=str(count), found=str(len(left)))
-        rows = [self.values(what, names) for _ in left]
+        """All remaining lines as rows of the columns ``names``, and the number of each line; ``count`` is what the file claims."""
+        rest = self.lines[self.at :]
+        if count is not None and len(rest) != count:
+            line = rest[count][0] if len(rest) > count else self.lines[-1][0]
+            raise InputError(f"wrong number of rows: {what}", line=line, expected=str(count), found=str(len(rest)))
+        rows = [self.values(what, names) for _ in rest]
         return np.array([row for _, row in rows], dtype=np.float64).reshape(len(rows), len(names)), [line for line, _ in rows]
 
     def end(self) -> None:
@@ -92,9 +88,19 @@ class Rows:
             raise InputError("goes on after its end", line=line, expected="the end of the file", found=shown(text))
 
 
-def positive(token: str, line: int, what: str) -> float:
-    """A finite number above 0."""
-    value = number(token, line, what)
-    if value <= 0:
-        raise InputError(f"{what} must be positive", line=line, expected="more than 0", found=shown(token))
-    return value
+def refuse_negative(lines: Sequence[int] | np.ndarray, **columns: Floats) -> None:
+    """Raise InputError for the first negative number of each column, which is named by its keyword, and its line."""
+    for name, values in columns.items():
+        refuse(values < 0, lines, f"{name.replace('_', ' ')} is negative", values, "0 or more")
+
+
+def refuse_closed(lines: Sequence[int] | np.ndarray, windows: Floats) -> None:
+    """Raise InputError for the first window, shape (rows, 2), that closes before it opens."""
+    refuse(windows[:, 0] > windows[:, 1], lines, "time window closes before it opens", windows, "ready time <= due date")
+
+
+def refuse_other_size(name: str, what: str, sizes: Collection[int], count: int, line: int) -> None:
+    """Raise InputError where the name of a published file stands for another number: not ``count``, but one of ``sizes``."""
+    if count not in sizes:
+        message = f"ends early or is changed: the name {name} stands for another number of {what}; rename it if this is meant"
+        raise InputError(message, line=line, expected=" or ".join(map(str, sizes)), found=str(count))

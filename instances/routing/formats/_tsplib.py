@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...text import lines_of, numbers, refuse, shown, whole
+from ...number_arrays import Floats
+from ...text import lines_of, number, numbers, refuse, shown, whole
+from ._rows import refuse_negative
 
-Floats = NDArray[np.float64]
 Lines = NDArray[np.int64]
 
 SET_X = re.compile(r"X-n\d+-k\d+\Z", re.I)
@@ -33,7 +34,7 @@ class Section:
 
 @dataclass
 class Specification:
-    """Headers as (line, value) and sections of one file; ``end`` is the line where the data end, ``complete`` whether EOF stands there."""
+    """Headers as (line, value) and sections of one file; ``end`` is the line where the data end, ``complete`` tells if EOF stands there."""
 
     headers: dict[str, tuple[int, str]]
     sections: dict[str, Section]
@@ -60,12 +61,20 @@ class Specification:
             raise InputError(f"{name} is missing", line=self.end, expected=name, found="the end of the file")
         return self.sections[name]
 
-    def dimension(self) -> int:
-        """The claimed number of nodes, which nothing is allocated for."""
-        return whole(self.value("DIMENSION"), self.line("DIMENSION"), "DIMENSION", least=1)
+    def whole(self, key: str) -> int:
+        """A header that is a whole number of at least 1; nothing is allocated for what it claims."""
+        return whole(self.value(key), self.line(key), key, least=1)
+
+    def number(self, key: str) -> float:
+        """A header that is a finite number."""
+        return number(self.value(key), self.line(key), key)
+
+    def fault(self, key: str, why: str, expected: str, found: str | None = None) -> InputError:
+        """The error that a header breaks a rule."""
+        return InputError(f"{key} {why}", line=self.line(key), expected=expected, found=self.value(key) if found is None else found)
 
     def refuse_unknown(self, headers: Collection[str], sections: Collection[str], where: str = "") -> None:
-        """Raise InputError for what would be dropped if it were not understood."""
+        """Raise InputError for headers and sections that would be dropped because they are not understood."""
         for key, (line, _) in self.headers.items():
             if key not in headers:
                 raise InputError(f"header {shown(key)} is not supported{where}", line=line, expected=", ".join(sorted(headers)))
@@ -81,45 +90,39 @@ def scan(text: str) -> Specification:
     sections: dict[str, Section] = {}
     current: Section | None = None
     last, complete = 1, False
-    for number, line in lines_of(text):
-        last = number
+    for at, line in lines_of(text):
+        last = at
         if line.startswith("#"):
             continue
         if not line[0].isalpha():
             if current is None:
-                raise InputError("neither a header nor a section", line=number, expected="KEY : value", found=shown(line))
-            current.rows.append((number, line))
+                raise InputError("neither a header nor a section", line=at, expected="KEY : value", found=shown(line))
+            current.rows.append((at, line))
         elif line.upper().rstrip(" :") == "EOF":
             complete = True
             break
         elif match := _SECTION.match(line):
             name = match[1].upper()
             if name in sections:
-                raise InputError(f"{name} stands twice, first in line {sections[name].line}", line=number)
-            current = sections[name] = Section(name, number)
+                raise InputError(f"{name} stands twice, first in line {sections[name].line}", line=at)
+            current = sections[name] = Section(name, at)
         elif match := _HEADER.match(line):
             key, value = match[1].upper(), match[2].strip()
             if key in headers and key != "COMMENT":
-                raise InputError(f"header {key} stands twice, first in line {headers[key][0]}", line=number)
-            headers[key] = (number, value)
+                raise InputError(f"header {key} stands twice, first in line {headers[key][0]}", line=at)
+            headers[key] = (at, value)
             current = None
         else:
             place = "a header or a section" if current is None else f"numbers of {current.name}"
-            raise InputError("line is not understood", line=number, expected=place, found=shown(line))
+            raise InputError("line is not understood", line=at, expected=place, found=shown(line))
     if not complete and text and not text.endswith("\n"):
-        raise InputError(
-            "ends early: the last line is not ended, and EOF is missing", line=last, expected="EOF", found="the end of the file"
-        )
+        message = "ends early: the last line is not ended, and EOF is missing"
+        raise InputError(message, line=last, expected="EOF", found="the end of the file")
     return Specification(headers, sections, last, complete)
 
 
 def node_table(spec: Specification, name: str, n: int, columns: tuple[str, ...]) -> tuple[Floats, Lines]:
-    """Values of a section with one row a node, in order of the node numbers 1 to n, and the line of each.
-
-    Returns
-    -------
-    (array of shape (n, columns), array of n line numbers)
-    """
+    """Values of a section with one row a node, shape (n, columns), in order of the node numbers 1 to n, and the line of each."""
     section = spec.section(name)
     rows = section.rows
     if len(rows) and rows[-1][1].split() == ["-1"]:  # some writers end every section as TSPLIB ends DEPOT_SECTION
@@ -127,15 +130,13 @@ def node_table(spec: Specification, name: str, n: int, columns: tuple[str, ...])
     if len(rows) != n:
         line = rows[n][0] if len(rows) > n else (rows[-1][0] if rows else section.line)
         raise InputError(f"{name} has a wrong number of rows", line=line, expected=f"{n} (DIMENSION)", found=str(len(rows)))
-    width = 1 + len(columns)
-    values = np.empty((n, width))
+    values = np.empty((n, 1 + len(columns)))
     for k, (line, row) in enumerate(rows):
-        found = numbers(row, line, name)
-        if len(found) != width:
-            raise InputError(
-                f"row of {name} has a wrong length", line=line, expected="node, " + ", ".join(columns), found=f"{len(found)} values"
-            )
-        values[k] = found
+        cells = numbers(row, line, name)
+        if len(cells) != values.shape[1]:
+            expected = "node, " + ", ".join(columns)
+            raise InputError(f"row of {name} has a wrong length", line=line, expected=expected, found=f"{len(cells)} values")
+        values[k] = cells
     at = np.array([line for line, _ in rows], dtype=np.int64)
     nodes = values[:, 0]
     refuse((nodes != np.floor(nodes)) | (nodes < 1) | (nodes > n), at, f"{name} names a node that does not exist", nodes, f"1 to {n}")
@@ -143,12 +144,16 @@ def node_table(spec: Specification, name: str, n: int, columns: tuple[str, ...])
     twice = np.nonzero(np.diff(nodes[order]) == 0)[0]
     if len(twice):
         first, second = order[twice[0]], order[twice[0] + 1]
-        raise InputError(
-            f"{name} names node {int(nodes[second])} twice, first in line {int(at[first])}",
-            line=int(at[second]),
-            expected="different nodes",
-        )
+        message = f"{name} names node {int(nodes[second])} twice, first in line {int(at[first])}"
+        raise InputError(message, line=int(at[second]), expected="different nodes")
     return values[order, 1:], at[order]
+
+
+def node_column(spec: Specification, name: str, n: int, what: str) -> tuple[Floats, Lines]:
+    """Values of a section with one number a node, none negative, and the line of each; ``what`` is the number's name."""
+    table, lines = node_table(spec, name, n, (what,))
+    refuse_negative(lines, **{what: table[:, 0]})
+    return table[:, 0], lines
 
 
 def node_list(spec: Specification, name: str, n: int) -> tuple[list[int], list[int]]:
@@ -161,9 +166,8 @@ def node_list(spec: Specification, name: str, n: int) -> tuple[list[int], list[i
     for k, (line, token) in enumerate(tokens):
         if token == "-1":
             if k + 1 < len(tokens):
-                raise InputError(
-                    f"{name} goes on after its end", line=tokens[k + 1][0], expected="nothing after -1", found=shown(tokens[k + 1][1])
-                )
+                line, token = tokens[k + 1]
+                raise InputError(f"{name} goes on after its end", line=line, expected="nothing after -1", found=shown(token))
             return nodes, lines
         node = whole(token, line, f"node in {name}", least=1)
         if node > n:
@@ -172,63 +176,52 @@ def node_list(spec: Specification, name: str, n: int) -> tuple[list[int], list[i
             raise InputError(f"{name} names node {node} twice", line=line, expected="different nodes")
         nodes.append(node)
         lines.append(line)
-    last = section is list(spec.sections.values())[-1]
-    if nodes and (spec.complete or not last):
+    ended = spec.complete or section is not list(spec.sections.values())[-1]
+    if nodes and ended:
         return nodes, lines
-    raise InputError(
-        f"{name} ends early",
-        line=lines[-1] if lines else section.line,
-        expected="-1" if spec.complete or not last else "-1 or EOF",
-        found="the end of the section",
-    )
+    line, expected = lines[-1] if lines else section.line, "-1" if ended else "-1 or EOF"
+    raise InputError(f"{name} ends early", line=line, expected=expected, found="the end of the section")
+
+
+LAYOUTS = {
+    "FULL_MATRIX": None,
+    "LOWER_ROW": ("lower", 1), "UPPER_COL": ("lower", 1), "UPPER_ROW": ("upper", 1), "LOWER_COL": ("upper", 1),
+    "LOWER_DIAG_ROW": ("lower", 0), "UPPER_DIAG_COL": ("lower", 0), "UPPER_DIAG_ROW": ("upper", 0), "LOWER_DIAG_COL": ("upper", 0),
+}  # fmt: skip
+"""Triangle that the entries of each layout list row by row, and its first diagonal: columns of one triangle are rows of the other one."""
 
 
 def edge_weights(spec: Specification, n: int) -> tuple[Floats, Lines]:
-    """The matrix of an EDGE_WEIGHT_SECTION, wrapped at any place, and the line of each entry.
-
-    A triangle is mirrored: COL layouts of one triangle list the entries of the other one row by row.
-    """
+    """The matrix of an EDGE_WEIGHT_SECTION, wrapped at any place and a triangle mirrored, and the line of each entry."""
     layout = spec.value("EDGE_WEIGHT_FORMAT").upper()
-    sizes = {
-        "FULL_MATRIX": n * n,
-        "LOWER_ROW": n * (n - 1) // 2, "UPPER_COL": n * (n - 1) // 2, "UPPER_ROW": n * (n - 1) // 2, "LOWER_COL": n * (n - 1) // 2,
-        "LOWER_DIAG_ROW": n * (n + 1) // 2, "UPPER_DIAG_COL": n * (n + 1) // 2,
-        "UPPER_DIAG_ROW": n * (n + 1) // 2, "LOWER_DIAG_COL": n * (n + 1) // 2,
-    }  # fmt: skip
-    if layout not in sizes:
-        raise InputError(
-            f"EDGE_WEIGHT_FORMAT {shown(layout)} is not supported", line=spec.line("EDGE_WEIGHT_FORMAT"), expected=", ".join(sizes)
-        )
+    if layout not in LAYOUTS:
+        line, expected = spec.line("EDGE_WEIGHT_FORMAT"), ", ".join(LAYOUTS)
+        raise InputError(f"EDGE_WEIGHT_FORMAT {shown(layout)} is not supported", line=line, expected=expected)
+    triangle = LAYOUTS[layout]
+    size = n * n if triangle is None else n * (n + 1) // 2 - triangle[1] * n
     section = spec.section("EDGE_WEIGHT_SECTION")
     values: list[float] = []
     counts: list[int] = []
     for line, row in section.rows:
-        found = numbers(row, line, section.name)
-        values.extend(found)
-        counts.append(len(found))
-    size = sizes[layout]
+        cells = numbers(row, line, section.name)
+        values.extend(cells)
+        counts.append(len(cells))
     if len(values) != size:
         line = section.line
         if counts:
             line = section.rows[min(int(np.searchsorted(np.cumsum(counts), size, side="right")), len(counts) - 1)][0]
-        raise InputError(
-            f"EDGE_WEIGHT_SECTION has a wrong number of values for {layout}", line=line, expected=f"{size} (DIMENSION {n})",
-            found=str(len(values)),
-        )  # fmt: skip
+        message = f"EDGE_WEIGHT_SECTION has a wrong number of values for {layout}"
+        raise InputError(message, line=line, expected=f"{size} (DIMENSION {n})", found=str(len(values)))
     flat = np.array(values)
     at = np.repeat(np.array([line for line, _ in section.rows], dtype=np.int64), counts)
-    if layout == "FULL_MATRIX":
-        matrix, where = flat.reshape(n, n).copy(), at.reshape(n, n)
-        off = ~np.eye(n, dtype=bool).ravel()
+    if triangle is None:
+        matrix, lines = flat.reshape(n, n).copy(), at.reshape(n, n)
+        refuse((flat < 0) & ~np.eye(n, dtype=bool).ravel(), at, "distance is negative", flat, "0 or more")
     else:
-        diagonal = "DIAG" in layout
-        lower = layout in ("LOWER_ROW", "UPPER_COL", "LOWER_DIAG_ROW", "UPPER_DIAG_COL")
-        i, j = np.tril_indices(n, 0 if diagonal else -1) if lower else np.triu_indices(n, 0 if diagonal else 1)
-        matrix, where = np.zeros((n, n)), np.zeros((n, n), dtype=np.int64)
-        for target, source in ((matrix, flat), (where, at)):
-            target[i, j] = source
-            target[j, i] = source
-        off = i != j
-    refuse((flat < 0) & off, at, "distance is negative", flat, "0 or more")
+        i, j = np.tril_indices(n, -triangle[1]) if triangle[0] == "lower" else np.triu_indices(n, triangle[1])
+        refuse((flat < 0) & (i != j), at, "distance is negative", flat, "0 or more")
+        matrix, lines = np.zeros((n, n)), np.zeros((n, n), dtype=np.int64)
+        for target, source in ((matrix, flat), (lines, at)):
+            target[i, j] = target[j, i] = source
     np.fill_diagonal(matrix, 0.0)
-    return matrix, where
+    return matrix, lines

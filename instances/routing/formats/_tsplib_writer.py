@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...errors import UsageError
+from ...number_arrays import Floats
 from ...text import plain
 from ..instance import RoutingInstance
 from ..travel import EXPLICIT, METRICS, Travel
-from ._limits import cannot, refuse_inexpressible
+from ._limits import cannot, finite, refuse_inexpressible, refuse_where
 from ._tsplib import FLEET_IN_NAME, SET_X
-
-Floats = NDArray[np.float64]
 
 EXACT_2D = "EXACT_2D"
 """LKH-3's word for Euclidean distances that are not rounded."""
@@ -29,70 +26,57 @@ def write(instance: RoutingInstance) -> str:
     tours = isinstance(instance, RoutingInstance) and instance.problem == "orienteering"
     held = refuse_inexpressible(instance, "vrplib", SCORED if tours else SERVED)
     sites, travel, vehicle = instance.sites, instance.travel, instance.fleet[0]
-    n = len(sites)
-
-    def refused(why: str) -> UsageError:
-        return cannot(instance, "vrplib", why)
-
-    if travel.metric not in (EXPLICIT, "euclidean") and METRICS[travel.metric].file_rounding is None:
-        raise refused(f"the format has no {travel.metric} distances without rounding")
-    if travel.convention not in ("file", "exact" if travel.metric in (EXPLICIT, "euclidean") else "file"):
-        raise refused(f"its convention is {travel.convention}, and the format has its own")
-    if sites.ids != tuple(str(k) for k in range(1, n + 1)):
-        raise refused("nodes must be numbered 1, 2, 3, ...")
-    if len(instance.name.splitlines()) != 1 or not instance.name.strip():
-        raise refused("its name is no single line")
+    n, own = len(sites), travel.metric in (EXPLICIT, "euclidean")
+    refuse_where(
+        instance, "vrplib",
+        (not own and METRICS[travel.metric].file_rounding is None, f"the format has no {travel.metric} distances without rounding"),
+        (travel.convention not in ("file", "exact" if own else "file"),
+         f"its convention is {travel.convention}, and the format has its own"),
+        (sites.ids != tuple(str(k) for k in range(1, n + 1)), "nodes must be numbered 1, 2, 3, ..."),
+        (len(instance.name.splitlines()) != 1 or not instance.name.strip(), "its name is no single line"),
+    )  # fmt: skip
     if tours:
         return _orienteering(instance)
-    windows = bool(held & {"time-windows", "depot-windows"})
-    tsp = instance.problem == "tsp"
-    if windows and not np.isfinite(sites.due).all():
-        raise refused("every site needs a due date if one has it")
-    if tsp and (held - {"limited-fleet", "max-duration"} or sites.depots[0] != 0):
-        raise refused("a TSP has no windows, service, loads, and its first node is the depot")
-    if tsp and (vehicle.count != 1 or "max-duration" in held):
-        raise refused("a TSP has one vehicle without a limit")
-    if not tsp and "capacity" not in held and ("demands" in held or not windows):
-        raise refused("the format needs a capacity")
-    if not tsp and vehicle.count is None and FLEET_IN_NAME.search(instance.name) and not SET_X.match(instance.name):
-        raise refused("the fleet is unlimited, but the end of its name would be read as a limit")
+    windows, tsp, name = bool(held & {"time-windows", "depot-windows"}), instance.problem == "tsp", instance.name
+    refuse_where(
+        instance, "vrplib",
+        (windows and not finite(sites.due), "every site needs a due date if one has it"),
+        (tsp and (held - {"limited-fleet", "max-duration"} or sites.depots[0] != 0),
+         "a TSP has no windows, service, loads, and its first node is the depot"),
+        (tsp and (vehicle.count != 1 or "max-duration" in held), "a TSP has one vehicle without a limit"),
+        (not tsp and "capacity" not in held and ("demands" in held or not windows), "the format needs a capacity"),
+        (not tsp and vehicle.count is None and FLEET_IN_NAME.search(name) and not SET_X.match(name),
+         "the fleet is unlimited, but the end of its name would be read as a limit"),
+    )  # fmt: skip
     symmetric = travel.matrix is None or np.array_equal(travel.matrix, travel.matrix.T)
     kind = ("TSP" if symmetric else "ATSP") if tsp else "VRPTW" if windows else "CVRP"
     if "pickups" in held:
         if windows and always_open(travel, sites.ready, sites.due, sites.service):
-            raise refused("windows that no route can outlast are not told from none")
+            raise cannot(instance, "vrplib", "windows that no route can outlast are not told from none")
         if not windows and math.isinf(longest_route(travel)):
-            raise refused(f"pickups need a time that no route outlasts, which {travel.metric} distances do not show")
+            why = f"pickups need a time that no route outlasts, which {travel.metric} distances do not show"
+            raise cannot(instance, "vrplib", why)
         kind = "VRPSPDTW" if windows else "VRPSPD"
     out = [f"NAME : {instance.name.strip()}", f"TYPE : {kind}", f"DIMENSION : {n}", *_metric(instance)]
-    if not tsp:
-        if vehicle.count is not None:
-            out.append(f"VEHICLES : {vehicle.count}")
-        if math.isfinite(vehicle.capacity):
-            out.append(f"CAPACITY : {plain(vehicle.capacity)}")
-        if math.isfinite(vehicle.max_duration):
-            out.append(f"DISTANCE : {plain(vehicle.max_duration)}")
+    limits = (("VEHICLES", vehicle.count), ("CAPACITY", vehicle.capacity), ("DISTANCE", vehicle.max_duration))
+    out += [f"{key} : {plain(limit)}" for key, limit in limits if not tsp and limit is not None and math.isfinite(limit)]
     out += _sections(instance, windows, tsp)
     return "\n".join([*out, "EOF"]) + "\n"
 
 
 def _orienteering(instance: RoutingInstance) -> str:
-    vehicle = instance.fleet[0]
-    if vehicle.count != 1 or not math.isfinite(vehicle.max_distance) or instance.sites.required.any():
+    vehicle, sites = instance.fleet[0], instance.sites
+    if vehicle.count != 1 or not math.isfinite(vehicle.max_distance) or sites.required.any():
         raise cannot(instance, "vrplib", "the format has one tour of limited length through sites that may be left out")
-    limit = plain(vehicle.max_distance)
-    return "\n".join(
-        [f"NAME : {instance.name.strip()}", "TYPE : OP", f"DIMENSION : {len(instance.sites)}", f"COST_LIMIT : {limit}",
-         *_metric(instance), *_places(instance), *_table("NODE_SCORE_SECTION", instance.sites.reward), *_depot(instance), "EOF"]
-    ) + "\n"  # fmt: skip
+    out = [f"NAME : {instance.name.strip()}", "TYPE : OP", f"DIMENSION : {len(sites)}", f"COST_LIMIT : {plain(vehicle.max_distance)}"]
+    out += [*_metric(instance), *_places(instance), *_table("NODE_SCORE_SECTION", sites.reward), *_depot(instance), "EOF"]
+    return "\n".join(out) + "\n"
 
 
 def _metric(instance: RoutingInstance) -> list[str]:
-    explicit, metric = instance.travel.metric == EXPLICIT, instance.travel.metric
-    return [
-        f"EDGE_WEIGHT_TYPE : {EXACT_2D if metric == 'euclidean' else metric}",
-        *(["EDGE_WEIGHT_FORMAT : FULL_MATRIX"] if explicit else []),
-    ]
+    metric = instance.travel.metric
+    kind = f"EDGE_WEIGHT_TYPE : {EXACT_2D if metric == 'euclidean' else metric}"
+    return [kind, "EDGE_WEIGHT_FORMAT : FULL_MATRIX"] if metric == EXPLICIT else [kind]
 
 
 def _table(title: str, *columns: Floats) -> list[str]:
@@ -131,12 +115,12 @@ def _sections(instance: RoutingInstance, windows: bool, tsp: bool) -> list[str]:
 
 
 def always_open(travel: Travel, ready: Floats, due: Floats, service: Floats) -> bool:
-    """Whether all sites share a window from 0 on that no route can outlast."""
+    """True if all sites share a window from 0 on that no route can outlast."""
     return not ready.any() and bool((due == due[0]).all()) and bool(due[0] >= longest_route(travel) + float(service.sum()))
 
 
 def longest_route(travel: Travel) -> float:
-    """No route that visits each site once at most is longer; infinite where that is not seen at once."""
+    """An upper bound on the length of routes that visit each site at most once; infinite for metrics without a simple one."""
     if travel.matrix is not None:
         return float(travel.matrix.max(axis=1).sum())
     assert travel.coordinates is not None

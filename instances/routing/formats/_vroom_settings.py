@@ -1,4 +1,4 @@
-"""What ``--set`` tells of VROOM's files: a speed where they have no matrices, and keys to leave out."""
+"""Settings of ``--set`` for VROOM's files: a speed where they have no matrices, and keys to leave out."""
 
 from __future__ import annotations
 
@@ -46,12 +46,12 @@ def without(data: Mapping[str, Any], ignore: Any) -> tuple[dict[str, Any], tuple
     strange = next((name for name in names if name not in IGNORED), None)
     if strange is not None:
         raise InputError(f"ignore={strange} names nothing that may be left out", expected=", ".join(IGNORED))
-    made, notes = {key: copy.deepcopy(value) if key in PARTS else value for key, value in data.items()}, []
+    rest, notes = {key: copy.deepcopy(value) if key in PARTS else value for key, value in data.items()}, []
     for name in names:
-        where = [path for path, held in _parts(made) if held.pop(name, None)]
+        where = [path for path, held in _parts(rest) if held.pop(name, None)]
         if where:
             notes.append(f"{name} left out, as was asked for: {where[0]}{f' and {len(where) - 1} more' if len(where) > 1 else ''}")
-    return made, tuple(notes)
+    return rest, tuple(notes)
 
 
 def on_the_globe(data: Mapping[str, Any], speed: Any) -> tuple[dict[str, Any], tuple[str, ...]]:
@@ -64,9 +64,9 @@ def on_the_globe(data: Mapping[str, Any], speed: Any) -> tuple[dict[str, Any], t
         fast = math.nan
     if not 0.0 < fast < math.inf:
         raise InputError("speed must be positive and finite", expected="speed=50 (km an hour)", found=str(speed))
-    made = {key: copy.deepcopy(value) if key in PARTS else value for key, value in data.items()}
+    located = {key: copy.deepcopy(value) if key in PARTS else value for key, value in data.items()}
     rows: dict[tuple[float, float], int] = {}
-    for path, held in _parts(made):
+    for path, held in _parts(located):
         for key in ("start", "end", "location"):
             if f"{key}_index" in held:
                 raise InputError(f"{path}.{key}_index is a row of matrices that are not there", expected=f"{key}, longitude and latitude")
@@ -74,13 +74,13 @@ def on_the_globe(data: Mapping[str, Any], speed: Any) -> tuple[dict[str, Any], t
             if at is None:
                 continue
             if not (abs(at[0]) <= 180.0 and abs(at[1]) <= 90.0):
-                found = f"{at[0]:g}, {at[1]:g}"
-                raise InputError(f"{path}.{key} is out of range", expected="longitude and latitude in degrees", found=found)
+                place = f"{at[0]:g}, {at[1]:g}"
+                raise InputError(f"{path}.{key} is out of range", expected="longitude and latitude in degrees", found=place)
             held[f"{key}_index"] = rows.setdefault(at, len(rows))
     if not rows:
         raise InputError("there are no coordinates", expected="start, end and location, longitude and latitude each")
     metres = Travel("haversine-m", coordinates=np.array(list(rows))).distances
     one = {"durations": (metres * (3.6 / fast)).tolist(), "distances": metres.tolist()}
-    profiles = {v["profile"] for _, v in _objects(made.get("vehicles"), "vehicles") if isinstance(v.get("profile"), str)}
+    profiles = {v["profile"] for _, v in _objects(located.get("vehicles"), "vehicles") if isinstance(v.get("profile"), str)}
     note = f"distances are great circles, driven at {fast:g} km an hour"
-    return {**made, "matrices": dict.fromkeys((*sorted(profiles), "car"), one)}, (note,)
+    return {**located, "matrices": dict.fromkeys((*sorted(profiles), "car"), one)}, (note,)

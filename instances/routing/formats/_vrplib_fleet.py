@@ -18,19 +18,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...text import an, number, numbers, plain, refuse, whole
+from ...number_arrays import Floats
+from ...text import an, numbers, plain, refuse, whole
 from ..sites import Group
 from ..vehicle_type import VehicleType
-from ._tsplib import Specification, node_list, node_table
-
-Floats = NDArray[np.float64]
+from ._tsplib import Lines, Specification, node_column, node_list, node_table
 
 MAX_RELOADS = "VEHICLES_MAX_RELOADS"
 QUANTITIES = {
@@ -47,7 +44,7 @@ RICH_SECTIONS = frozenset({DEPOTS, PRIZES, BACKHAULS, RELOADS, ALLOWED, GROUPS, 
 
 
 def is_rich(spec: Specification, depots: list[int]) -> bool:
-    """Whether vehicles differ, or have what other files cannot say."""
+    """True if vehicles differ, or have limits and costs that other files cannot express."""
     return len(depots) > 1 or bool(spec.sections.keys() & RICH_SECTIONS - {PRIZES, BACKHAULS} or spec.headers.keys() & RICH_HEADERS)
 
 
@@ -62,19 +59,19 @@ def depots_of(spec: Specification, n: int) -> list[int]:
 
 
 def fleet_of(spec: Specification, n: int, depots: list[int], longest: float, named: Callable[[], int | None]) -> tuple[VehicleType, ...]:
-    """Types of vehicles, those that are alike together; ``longest`` is the DISTANCE of the file, ``named`` the fleet of its name."""
+    """Types of vehicles, one for those that are alike; ``longest`` is the DISTANCE of the file, ``named`` gives the fleet of its name."""
     if KINDS in spec.headers or spec.sections.keys() & BY_KIND.keys():
         return _kinds(spec, depots, longest)
     sections = [name for name in (DEPOTS, RELOADS, ALLOWED, *(f"{key}_SECTION" for key in QUANTITIES)) if name in spec.sections]
     if "VEHICLES" in spec.headers:
-        count = whole(spec.value("VEHICLES"), spec.line("VEHICLES"), "VEHICLES", least=1)
+        count = spec.whole("VEHICLES")
     elif sections:
         count = sum(row.split() != ["-1"] for _, row in spec.sections[sections[0]].rows)
     else:
         count = named() or n - len(depots)
     if len(depots) > 1 and DEPOTS not in spec.sections:
-        raise InputError(f"there are {len(depots)} depots, and nothing says where vehicles start", line=spec.sections["DEPOT_SECTION"].line,
-                         expected=f"{DEPOTS}, one row a vehicle")  # fmt: skip
+        message, line = f"there are {len(depots)} depots, and nothing says where vehicles start", spec.section("DEPOT_SECTION").line
+        raise InputError(message, line=line, expected=f"{DEPOTS}, one row a vehicle")
     homes = np.full(count, depots[0])
     if DEPOTS in spec.sections:
         table, lines = node_table(spec, DEPOTS, count, ("depot",))
@@ -84,23 +81,23 @@ def fleet_of(spec: Specification, n: int, depots: list[int], longest: float, nam
     columns = {name: _quantity(spec, key, count, default) for key, (name, default) in QUANTITIES.items()}
     columns["max_duration"] = np.minimum(columns["max_duration"], longest)
     words = set(_allowed(spec, n, depots, count).values())
-    able = [frozenset(word for word, vehicles in words if k in vehicles) for k in range(count)]
-    kinds: dict[tuple[Any, ...], int] = {}
-    for row in zip(homes.tolist(), _reloads(spec, n, depots, count), able, *(c.tolist() for c in columns.values()), strict=True):
-        kinds[row] = kinds.get(row, 0) + 1
-    made, known_fields = [], {f.name for f in fields(VehicleType)}
-    for k, ((home, reloads, skills, *values), many) in enumerate(kinds.items(), start=1):
-        given: dict[str, Any] = {name: value for name, value in zip(columns, values, strict=True) if name in known_fields}
-        most = given.pop("max_reloads")
-        given |= {"reloads": reloads, "skills": skills, "max_reloads": int(most) if reloads and most < math.inf else None}
-        name = "vehicle" if len(kinds) == 1 else f"type {k}"
-        made.append(VehicleType(many, start=int(home), end=int(home), name=name, **given))
-    return tuple(made)
+    skills = [frozenset(word for word, vehicles in words if k in vehicles) for k in range(count)]
+    alike: dict[tuple[Any, ...], int] = {}
+    for row in zip(homes.tolist(), _reloads(spec, n, depots, count), skills, *(c.tolist() for c in columns.values()), strict=True):
+        alike[row] = alike.get(row, 0) + 1
+    fleet = []
+    for k, ((home, reloads, skill, *values), many) in enumerate(alike.items(), start=1):
+        own: dict[str, Any] = dict(zip(columns, values, strict=True))
+        most = own.pop("max_reloads")
+        own |= {"reloads": reloads, "skills": skill, "max_reloads": int(most) if reloads and most < math.inf else None}
+        name = "vehicle" if len(alike) == 1 else f"type {k}"
+        fleet.append(VehicleType(many, start=int(home), end=int(home), name=name, **own))
+    return tuple(fleet)
 
 
 def _kinds(spec: Specification, depots: list[int], longest: float) -> tuple[VehicleType, ...]:
     """Types of vehicles as the file numbers them."""
-    count = whole(spec.value(KINDS), spec.line(KINDS), KINDS, least=1)
+    count = spec.whole(KINDS)
     other = next((key for key in (*spec.headers, *spec.sections) if key.startswith(("VEHICLES", "CAPACITY"))), None)
     if other is not None or len(depots) > 1:
         raise InputError(f"{KINDS} has one depot and no {other or DEPOTS} beside it", line=spec.line(KINDS))
@@ -125,22 +122,19 @@ def _kinds(spec: Specification, depots: list[int], longest: float) -> tuple[Vehi
 def _quantity(spec: Specification, key: str, count: int, default: float) -> Floats:
     """One value a vehicle."""
     section = f"{key}_SECTION"
+    lines: Sequence[int] | Lines
     if section in spec.sections:
         if key in spec.headers:
             raise InputError(f"{key} stands beside a {section}", line=spec.line(key), expected="one of them")
         table, lines = node_table(spec, section, count, ("value",))
-        refuse(table[:, 0] < 0, lines, f"{section} holds a negative value", table[:, 0], "0 or more")
-        return _counted(key, table[:, 0], lines)
-    if key not in spec.headers:
+        values = table[:, 0]
+        refuse(values < 0, lines, f"{section} holds a negative value", values, "0 or more")
+    elif key in spec.headers:
+        values, lines = np.full(count, spec.number(key)), [spec.line(key)] * count
+        if (values < 0).any():
+            raise spec.fault(key, "is negative", "0 or more")
+    else:
         return np.full(count, default)
-    value = number(spec.value(key), spec.line(key), key)
-    if value < 0:
-        raise InputError(f"{key} is negative", line=spec.line(key), expected="0 or more", found=spec.value(key))
-    return _counted(key, np.full(count, value), [spec.line(key)] * count)
-
-
-def _counted(key: str, values: Floats, lines: Sequence[int] | NDArray[np.int64]) -> Floats:
-    """``values``, whole where they count something."""
     if key == MAX_RELOADS:
         for value, line in zip(values.tolist(), lines, strict=True):
             whole(plain(value), int(line), key, least=0)
@@ -153,18 +147,18 @@ def skills_of(spec: Specification, n: int, depots: list[int]) -> dict[int, list[
 
 
 def _allowed(spec: Specification, n: int, depots: list[int], count: int | None = None) -> dict[int, tuple[str, frozenset[int]]]:
-    """Of such customers the word, and the vehicles that have it."""
+    """The word of each such customer, and the indices of the vehicles that have it."""
     if ALLOWED not in spec.sections:
         return {}
     rows, _ = _node_rows(spec, ALLOWED, n, count, depots)
-    served = [set(nodes) for nodes in rows]
+    allowed = [set(nodes) for nodes in rows]
     words: dict[frozenset[int], str] = {}
-    made = {}
+    limited = {}
     for site in (k for k in range(n) if k not in depots):
-        vehicles = frozenset(k for k, nodes in enumerate(served) if site in nodes)
+        vehicles = frozenset(k for k, nodes in enumerate(allowed) if site in nodes)
         if len(vehicles) < len(rows):
-            made[site] = words.setdefault(vehicles, f"as node {site + 1}"), vehicles
-    return made
+            limited[site] = words.setdefault(vehicles, f"as node {site + 1}"), vehicles
+    return limited
 
 
 def _reloads(spec: Specification, n: int, depots: list[int], count: int) -> list[tuple[int, ...]]:
@@ -175,13 +169,13 @@ def _reloads(spec: Specification, n: int, depots: list[int], count: int) -> list
     for nodes, line in zip(rows, lines, strict=True):
         strange = next((node for node in nodes if node not in depots), None)
         if strange is not None:
-            raise InputError(f"{RELOADS} names a node that is no depot", line=line, expected=", ".join(str(d + 1) for d in depots),
-                             found=str(strange + 1))  # fmt: skip
+            expected = ", ".join(str(d + 1) for d in depots)
+            raise InputError(f"{RELOADS} names a node that is no depot", line=line, expected=expected, found=str(strange + 1))
     return [tuple(nodes) for nodes in rows]
 
 
 def groups_of(spec: Specification, n: int, depots: list[int], prizes: Floats | None) -> list[Group]:
-    """Alternatives, of which exactly one is visited; one of a single customer says nothing."""
+    """Groups of alternatives, of which exactly one is visited; those of a single customer are left out."""
     if GROUPS not in spec.sections:
         return []
     rows, lines = _node_rows(spec, GROUPS, n, excluded=depots)
@@ -190,9 +184,8 @@ def groups_of(spec: Specification, n: int, depots: list[int], prizes: Floats | N
     for nodes, line in groups:
         for node in nodes:
             if node in seen:
-                raise InputError(
-                    f"site {node + 1} is in two groups, the other in line {seen[node]}", line=line, expected="one group a site"
-                )
+                message = f"site {node + 1} is in two groups, the other in line {seen[node]}"
+                raise InputError(message, line=line, expected="one group a site")
             if prizes is not None and prizes[node]:
                 raise InputError(f"site {node + 1} of a group has a prize of its own", line=line, expected="0", found=plain(prizes[node]))
             seen[node] = line
@@ -202,44 +195,32 @@ def groups_of(spec: Specification, n: int, depots: list[int], prizes: Floats | N
 def _node_rows(
     spec: Specification, section: str, n: int, count: int | None = None, excluded: Sequence[int] = ()
 ) -> tuple[list[list[int]], list[int]]:
-    """The nodes of each row, from 0, behind its number, and its line; rows are numbered from 1 in any order."""
+    """Nodes that each row lists behind its number, counted from 0, and its line; rows are numbered from 1 in any order."""
     rows = [(line, row) for line, row in spec.section(section).rows if row.split() != ["-1"]]
     if count is not None and len(rows) != count:
-        raise InputError(
-            f"{section} has a wrong number of rows", line=spec.section(section).line, expected=str(count), found=str(len(rows))
-        )
-    made: dict[int, tuple[list[int], int]] = {}
+        line = spec.section(section).line
+        raise InputError(f"{section} has a wrong number of rows", line=line, expected=str(count), found=str(len(rows)))
+    listed: dict[int, tuple[list[int], int]] = {}
     barred = set(excluded)
     for line, row in rows:
         number, *nodes = (whole(word, line, section, least=1) for word in row.split())
-        if number in made or number > len(rows):
-            raise InputError(
-                f"{section} has a row of a wrong number", line=line, expected=f"each of 1 to {len(rows)} once", found=str(number)
-            )
+        if number in listed or number > len(rows):
+            expected = f"each of 1 to {len(rows)} once"
+            raise InputError(f"{section} has a row of a wrong number", line=line, expected=expected, found=str(number))
         twice = len(set(nodes)) < len(nodes)
         for node in nodes:
             if node > n or node - 1 in barred or (twice and nodes.count(node) > 1):
                 why = "that does not exist" if node > n else "that is a depot" if node - 1 in barred else "twice in a row"
                 raise InputError(f"{section} names a node {why}", line=line, found=str(node))
-        made[number] = [node - 1 for node in nodes], line
-    ordered = [made[k] for k in sorted(made)]
+        listed[number] = [node - 1 for node in nodes], line
+    ordered = [listed[k] for k in sorted(listed)]
     return [nodes for nodes, _ in ordered], [line for _, line in ordered]
 
 
-def prizes_of(spec: Specification, n: int, depots: list[int]) -> Floats | None:
-    """What each site is worth; None where the file has no prizes."""
-    return _column(spec, PRIZES, "prize", n, depots) if PRIZES in spec.sections else None
-
-
-def backhauls_of(spec: Specification, n: int, depots: list[int]) -> Floats:
-    """What is picked up at each site."""
-    return _column(spec, BACKHAULS, "backhaul", n, depots) if BACKHAULS in spec.sections else np.zeros(n)
-
-
-def _column(spec: Specification, section: str, what: str, n: int, depots: list[int]) -> Floats:
-    """One value a site, none at depots."""
-    table, lines = node_table(spec, section, n, (what,))
-    values = table[:, 0]
-    refuse(values < 0, lines, f"{what} is negative", values, "0 or more")
+def at_customers(spec: Specification, section: str, what: str, n: int, depots: list[int]) -> Floats | None:
+    """One value a site, 0 at depots, of a section such as ``PRIZES``, whose numbers are called ``what``; None without the section."""
+    if section not in spec.sections:
+        return None
+    values, lines = node_column(spec, section, n, what)
     refuse(np.isin(np.arange(n), depots) & (values != 0), lines, f"a depot has {an(what)}", values, "0")
     return values

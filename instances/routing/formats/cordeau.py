@@ -15,29 +15,75 @@ Society 52(8).
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from ...errors import InputError
-from ...formats import FORMATS, Format
-from ...text import an, label, number, plain, refuse, shown, whole
+from ...formats import Format, add_format
+from ...number_arrays import Floats
+from ...text import an, label, number, numbers, plain, refuse, shown, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..travel import Travel
-from ._combinations import HEADER, Table
-from ._limits import cannot, numbered, refuse_inexpressible
-from ._rows import Rows, head, widths
+from ._limits import finite, numbered, points_of, refuse_inexpressible, refuse_where
+from ._rows import Rows, head, refuse_closed, refuse_negative, widths
 
+HEADER = ("type", "m", "n", "t")
 TYPES = {0: "VRP", 1: "PVRP", 2: "MDVRP", 3: "SDVRP", 4: "VRPTW", 5: "PVRPTW", 6: "MDVRPTW", 7: "SDVRPTW"}
 MOST_DEPOTS = 1000
 """Each depot is a bit of the combinations, which are read as floating point numbers."""
 
 PROBLEMS = {0: ("cvrp", "min-cost-vrp"), 4: ("vrptw", "min-cost-vrp"), 2: ("mdvrp", "min-cost-vrp"), 6: ("mdvrp", "min-cost-vrp")}
+EXPRESSIBLE = frozenset(
+    {
+        "capacity", "demands", "time-windows", "depot-windows", "service-times", "limited-fleet", "heterogeneous-fleet", "multiple-depots",
+        "max-duration",
+    }
+)  # fmt: skip
+
+
+@dataclass
+class Table:
+    """Rows ``number, x, y, service, load, ready, due`` with the visits that they ask for, the combinations of these, and their lines."""
+
+    rows: list[list[float]] = field(default_factory=list)
+    frequency: list[float] = field(default_factory=list)
+    combinations: list[list[float]] = field(default_factory=list)
+    at: list[int] = field(default_factory=list)
+
+    @property
+    def columns(self) -> Floats:
+        return np.array(self.rows, dtype=np.float64).reshape(len(self.rows), 7)
+
+    def read(self, rows: Rows, what: str, first: int, count: int, windows: bool) -> None:
+        """Add ``count`` rows that are numbered from ``first``; a claim that the file does not keep ends it early."""
+        for k in range(first, first + count):
+            line, text = rows.next(f"{what} {k}")
+            values = numbers(text, line, what)
+            size = values[6] if len(values) > 6 else 0.0
+            width = 7 + int(size) + 2 * windows if size in range(len(values)) else -1
+            if len(values) != width:
+                shape = "number, x, y, service, demand, f, a, a numbers" + ", ready, due" * windows
+                raise InputError(f"row of {an(what)} has a wrong length", line=line, expected=shape, found=f"{len(values)} values")
+            if values[0] != k:
+                raise InputError(f"number of {an(what)} is out of order", line=line, expected=str(k), found=plain(values[0]))
+            ready, due = values[-2:] if windows else (0.0, np.inf)
+            self.rows.append([*values[:5], ready, due])
+            self.frequency.append(values[5])
+            self.combinations.append(values[7 : 7 + int(size)])
+            self.at.append(line)
+
+    def check(self, load: str) -> None:
+        """Raise InputError for negative numbers and windows that close before they open; ``load`` names the fifth column."""
+        table = self.columns
+        refuse_negative(self.at, **{"service_time": table[:, 3], load: table[:, 4]})
+        refuse_closed(self.at, table[:, 5:])
 
 
 def recognises(text: str) -> bool:
-    """Whether ``type m n t`` is followed by ``D Q``, and not by a row 0 where the type has none or another ``D Q`` belongs."""
+    """True if ``type m n t`` is followed by ``D Q``, and not by a row 0 where the type has none or another ``D Q`` belongs."""
     lines = head(text, 3)
     if widths(lines)[:2] != [4, 2] or lines[0][0] not in map(str, TYPES):
         return False
@@ -48,8 +94,8 @@ def recognises(text: str) -> bool:
 def read(text: str, path: Path) -> RoutingInstance:
     """The instance; see ``Format.read``."""
     rows = Rows.of(text)
-    line, given = rows.values("first line", HEADER)
-    kind, vehicles, n, depots = (whole(plain(v), line, what, least=k) for v, what, k in zip(given, HEADER, (0, 1, 1, 1), strict=True))
+    line, header = rows.values("first line", HEADER)
+    kind, vehicles, n, depots = (whole(plain(v), line, what, least=k) for v, what, k in zip(header, HEADER, (0, 1, 1, 1), strict=True))
     if kind not in PROBLEMS:
         expected = ", ".join(f"{k} ({TYPES[k]})" for k in sorted(PROBLEMS))
         raise InputError(f"type {kind} ({TYPES.get(kind, 'unknown')}) is not supported", line=line, expected=expected)
@@ -71,11 +117,11 @@ def read(text: str, path: Path) -> RoutingInstance:
     depot = np.arange(n + depots) >= n if several else np.arange(n + 1) < 1
     refuse(depot & (columns[:, 3:5] != 0).any(axis=1), at, "the depot has a demand or a service time", columns[:, 3:5], "0")
     every = [2.0**k for k in range(depots)]
-    visits = [(frequency, sorted(found)) for frequency, found in zip(table.frequency, table.combinations, strict=True)]
-    told = [f"f {plain(frequency)}, list {' '.join(map(plain, found))}" for frequency, found in visits]
+    visits = [(frequency, sorted(combinations)) for frequency, combinations in zip(table.frequency, table.combinations, strict=True)]
     refuse(
         ~depot & np.array([each != (1.0, every) for each in visits]), at,
-        "customers that some depots alone may serve, or that are visited more than once, are not supported", told,
+        "customers that some depots alone may serve, or that are visited more than once, are not supported",
+        [f"f {plain(frequency)}, list {' '.join(map(plain, combinations))}" for frequency, combinations in visits],
         f"f 1, list {' '.join(map(plain, every))}",
     )  # fmt: skip
     sites = Sites.of(
@@ -89,22 +135,15 @@ def read(text: str, path: Path) -> RoutingInstance:
         for d, name, (longest, load) in zip(ends, names, limits, strict=True)
     )
     notes = (f"{vehicles} vehicles at each of {depots} depots",) if depots > 1 else ()
-    made = RoutingInstance(
-        label(path.stem), "cordeau", sites, Travel("euclidean", columns[:, 1:3]), fleet, problem=PROBLEMS[kind][0],
-        problems=PROBLEMS[kind], notes=notes,
-    )  # fmt: skip
-    refuse_unreachable(made, at)
-    return made
+    travel, problems = Travel("euclidean", columns[:, 1:3]), PROBLEMS[kind]
+    instance = RoutingInstance(label(path.stem), "cordeau", sites, travel, fleet, problem=problems[0], problems=problems, notes=notes)
+    refuse_unreachable(instance, at)
+    return instance
 
 
 def _limit(rows: Rows) -> tuple[float, float]:
     """Longest duration and capacity."""
-    line, text = rows.next("longest duration and capacity")
-    tokens = text.split()
-    if len(tokens) != 2:
-        raise InputError(
-            "line of limits has a wrong length", line=line, expected="longest duration and capacity", found=f"{len(tokens)} values"
-        )
+    line, tokens = rows.tokens("line of limits", "longest duration and capacity", 2)
     longest, load = number(tokens[0], line, "longest duration"), number(tokens[1], line, "capacity")
     if longest < 0:
         raise InputError("longest duration is negative", line=line, expected="0 (none) or more", found=shown(tokens[0]))
@@ -115,45 +154,35 @@ def _limit(rows: Rows) -> tuple[float, float]:
 
 def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``."""
-    held = refuse_inexpressible(
-        instance, "cordeau",
-        {"capacity", "demands", "time-windows", "depot-windows", "service-times", "limited-fleet", "heterogeneous-fleet", "multiple-depots",
-         "max-duration"},
-    )  # fmt: skip
-    sites, travel, fleet, depots = instance.sites, instance.travel, instance.fleet, instance.sites.depots.tolist()
+    held = refuse_inexpressible(instance, "cordeau", EXPRESSIBLE)
+    sites, fleet, depots, xy = instance.sites, instance.fleet, instance.sites.depots.tolist(), points_of(instance, "cordeau")
     n, count = len(sites.customers), fleet[0].count
     windows, several = bool(held & {"time-windows", "depot-windows"}), instance.problem == "mdvrp"
-    if travel.metric != "euclidean" or travel.convention != "exact":
-        raise cannot(instance, "cordeau", f"its distances are {travel.metric} {travel.convention}, not Euclidean and exact")
-    if [(v.start, v.end) for v in fleet] != [(d, d) for d in depots] or len({v.count for v in fleet}) > 1 or count is None:
-        raise cannot(instance, "cordeau", "the format needs the same number of vehicles at each depot, where they return to")
-    if not all(0 < v.capacity < math.inf and v.max_duration > 0 for v in fleet):
-        raise cannot(instance, "cordeau", "each vehicle needs a capacity, and a limit above 0 if it has one")
-    if windows and not np.isfinite(sites.due).all():
-        raise cannot(instance, "cordeau", "every site needs a due date if one has it")
-    if not several and len(depots) > 1:
-        raise cannot(instance, "cordeau", f"several depots make it an mdvrp, not {an(instance.problem)}")
-    place = [*range(n, n + len(depots))] if several else [0]
-    if depots != place or not numbered(instance, 1 if several else 0):
-        raise cannot(
-            instance, "cordeau", "sites must be numbered in order, one depot before the customers or the depots of an mdvrp behind"
-        )
-    assert travel.coordinates is not None
+    refuse_where(
+        instance, "cordeau",
+        ([(v.start, v.end) for v in fleet] != [(d, d) for d in depots] or len({v.count for v in fleet}) > 1 or count is None,
+         "the format needs the same number of vehicles at each depot, where they return to"),
+        (not all(0 < v.capacity < math.inf and v.max_duration > 0 for v in fleet),
+         "each vehicle needs a capacity, and a limit above 0 if it has one"),
+        (windows and not finite(sites.due), "every site needs a due date if one has it"),
+        (not several and len(depots) > 1, f"several depots make it an mdvrp, not {an(instance.problem)}"),
+        (not numbered(instance, int(several), range(n, n + len(depots)) if several else (0,)),
+         "sites must be numbered in order, one depot before the customers or the depots of an mdvrp behind"),
+    )  # fmt: skip
     combinations = [1 << k for k in range(len(depots))]
     out = [f"{(2 if several else 0) + 4 * windows} {count} {n} {len(depots)}"]
     out += [f"{plain(0.0 if math.isinf(v.max_duration) else v.max_duration)} {plain(v.capacity)}" for v in fleet]
     for k, site in enumerate(sites.ids):
-        row = [site, *map(plain, (*travel.coordinates[k], sites.service[k], sites.demand[k]))]
+        row = [site, *map(plain, (*xy[k], sites.service[k], sites.demand[k]))]
         row += ["0", "0"] if sites.depot[k] else ["1", str(len(depots)), *map(str, combinations)]
         row += [plain(sites.ready[k]), plain(sites.due[k])] if windows else []
         out.append(" ".join(row))
     return "\n".join(out) + "\n"
 
 
-FORMATS.add(
-    "cordeau",
+add_format(
     Format(
-        "cordeau", "Cordeau text (VRP, VRPTW, MDVRP, MDVRPTW)", recognises, read, write, (".mdvrp",), "",
-        ("mdvrp", "cvrp", "vrptw", "min-cost-vrp"), "exact",
-    ),
+        "cordeau", "Cordeau text (VRP, VRPTW, MDVRP, MDVRPTW)", recognises, read, write, (".mdvrp",),
+        problems=("mdvrp", "cvrp", "vrptw", "min-cost-vrp"),
+    )
 )  # fmt: skip

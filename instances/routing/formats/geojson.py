@@ -7,18 +7,18 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from ...document import array, fields, integer, kind_of, parse_json, real, string, strings
 from ...errors import InputError
-from ...formats import FORMATS, Format
+from ...formats import Format, add_format
 from ...suggestions import did_you_mean
 from ...text import shown
 from ..instance import RoutingInstance
 from ..json_vehicles import VEHICLE_KEYS
-from . import _frame_settings
+from ._frame_settings import KEYS, arguments, in_file, of_set
 
 SETTINGS = (
     "name", "vehicles", "capacity", "max_duration", "max_distance", "fixed_cost", "speed", "fleet", "columns", "extra", "time_unit",
@@ -35,7 +35,7 @@ _MARK = re.compile(r'"type"\s*:\s*"FeatureCollection"')
 
 
 def recognises(text: str) -> bool:
-    """Whether a JSON object calls itself a collection of features."""
+    """True if a JSON object calls itself a collection of features."""
     return text.lstrip().startswith("{") and _MARK.search(text) is not None
 
 
@@ -55,11 +55,11 @@ def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> Ro
     if not rows:
         raise InputError("holds no sites", expected="features with points")
     given: dict[str, Any] = {"name": path.stem} | {key: _setting(data[key], key) for key in SETTINGS if key in data}
-    given |= _frame_settings.arguments(_frame_settings.of_set(settings or {}), path.parent, len(rows))
+    given |= arguments(of_set(settings or {}), path.parent, len(rows))
     try:
         return instance_from_frame(pd.DataFrame(rows), **given, source="geojson")
     except InputError as error:
-        raise _frame_settings.in_file(error) from None
+        raise in_file(error) from None
 
 
 def _setting(value: Any, key: str) -> Any:
@@ -73,16 +73,11 @@ def _setting(value: Any, key: str) -> Any:
     if key in ("capacity", "max_duration", "max_distance", "fixed_cost", "speed"):
         return real(value, key)
     if key == "columns":
-        return {
-            name: string(title, f"columns.{name}") for name, title in fields(value, key, value if isinstance(value, dict) else ()).items()
-        }
+        titles = fields(value, key, value if isinstance(value, dict) else ())
+        return {name: string(title, f"columns.{name}") for name, title in titles.items()}
     if key == "extra":
         return value if isinstance(value, bool) else list(strings(value, key))
-    if key == "fleet":
-        return [fields(v, f"fleet[{k}]", VEHICLE_KEYS) for k, v in enumerate(array(value, key))]
-    if key == "shipments":
-        return [_shipment(v, f"shipments[{k}]") for k, v in enumerate(array(value, key))]
-    return [_group(v, f"groups[{k}]") for k, v in enumerate(array(value, key))]
+    return [_ENTRIES[key](entry, f"{key}[{k}]") for k, entry in enumerate(array(value, key))]
 
 
 def _shipment(value: Any, path: str) -> list[Any]:
@@ -99,6 +94,11 @@ def _group(value: Any, path: str) -> Any:
     return list(array(value, path))
 
 
+_ENTRIES: dict[str, Callable[[Any, str], Any]] = {
+    "fleet": lambda value, path: fields(value, path, VEHICLE_KEYS), "shipments": _shipment, "groups": _group,
+}  # fmt: skip
+
+
 def _site(feature: Any, path: str) -> dict[str, Any]:
     """A row of the frame."""
     if not isinstance(feature, dict):
@@ -106,34 +106,28 @@ def _site(feature: Any, path: str) -> dict[str, Any]:
     if not isinstance(feature.get("geometry"), dict):
         found = "no geometry" if "geometry" not in feature else f"geometry {kind_of(feature['geometry'])}"
         raise InputError(f"{path} is without a place", expected="a geometry of type Point", found=found)
-    told = feature.get("properties") or {}
-    if not isinstance(told, dict):
-        raise InputError(f"{path}.properties must be an object", found=kind_of(told))
+    properties = feature.get("properties") or {}
+    if not isinstance(properties, dict):
+        raise InputError(f"{path}.properties must be an object", found=kind_of(properties))
     what, place = feature["geometry"].get("type"), feature["geometry"].get("coordinates")
-    if what == "LineString" and told.get("kind") == "route":
+    if what == "LineString" and properties.get("kind") == "route":
         raise InputError("is a solution file, not an instance")
     if what != "Point":
         raise InputError(f"{path}.geometry is no point", expected="Point", found=kind_of(what))
-    numbers = (
-        isinstance(place, list) and len(place) in (2, 3) and all(isinstance(v, int | float) and not isinstance(v, bool) for v in place)
-    )
-    if not numbers:
+    if not isinstance(place, list) or len(place) not in (2, 3) or any(isinstance(v, bool) or not isinstance(v, int | float) for v in place):
         raise InputError(f"{path}.geometry.coordinates must be longitude and latitude", found=kind_of(place))
-    if {"lat", "lon"} & (told.keys() | feature.keys()):
+    if {"lat", "lon"} & (properties.keys() | feature.keys()):
         raise InputError(f"{path} tells its place twice", expected="the geometry alone", found="lat or lon beside it")
-    own = {"id": feature["id"]} if "id" in feature and "id" not in told else {}
+    own = {"id": feature["id"]} if "id" in feature and "id" not in properties else {}
     beside = {key: value for key, value in feature.items() if key not in FEATURE}  # what others put there may be meant to count
-    if twice := next((key for key in beside if key in told), None):
+    if twice := next((key for key in beside if key in properties), None):
         raise InputError(f"{path} tells {shown(twice)} twice", expected="one of them", found="a member of the feature, and a property")
-    own |= beside
-    return {**own, **told, "lon": place[0], "lat": place[1]}
+    return {**own, **beside, **properties, "lon": place[0], "lat": place[1]}
 
 
-FORMATS.add(
-    "geojson",
+add_format(
     Format(
-        "geojson", "sites as GeoJSON points", recognises, read, None, (), "",
-        ("vrptw", "cvrp", "tsp", "min-cost-vrp"), "exact", solutions=(".json", ".sol", ".tour", ".geojson"),
-        settings=_frame_settings.KEYS,
-    ),
+        "geojson", "sites as GeoJSON points", recognises, read, problems=("vrptw", "cvrp", "tsp", "min-cost-vrp"),
+        solutions=(".json", ".sol", ".tour", ".geojson"), settings=KEYS,
+    )
 )  # fmt: skip

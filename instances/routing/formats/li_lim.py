@@ -18,21 +18,21 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
-from ...formats import FORMATS, Format
+from ...formats import Format, add_format
 from ...text import label, plain, refuse, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..sites import Shipment
 from ..travel import Travel
-from ._limits import cannot, numbered, refuse_inexpressible
-from ._rows import Rows, head, widths
+from ._limits import finite, numbered, points_of, refuse_inexpressible, refuse_where
+from ._rows import Rows, head, refuse_closed, refuse_negative, widths
 
 COLUMNS = ("number", "x", "y", "demand", "ready time", "due date", "service time", "pickup", "delivery")
 PROBLEMS = ("pdptw", "min-cost-vrp")
 
 
 def recognises(text: str) -> bool:
-    """Whether a line of three numbers is followed by one of nine."""
+    """True if a line of three numbers is followed by one of nine."""
     return widths(head(text, 2)) == [3, 9]
 
 
@@ -51,38 +51,31 @@ def read(text: str, path: Path) -> RoutingInstance:
         raise InputError("ends early", line=rows.lines[-1][0], expected="a depot and at least one pair", found=f"{n} rows")
     refuse(table[:, 0] != np.arange(n), at, "numbers must run 0, 1, 2, ...", table[:, 0], "one more than in the row above, from 0")
     demand, ready, due, service = table[:, 3:7].T
-    refuse(service < 0, at, "service time is negative", service, "0 or more")
-    refuse(ready > due, at, "time window closes before it opens", table[:, 4:6], "ready time <= due date")
+    refuse_negative(at, service_time=service)
+    refuse_closed(at, table[:, 4:6])
     at_depot = (np.arange(n) == 0) & (table[:, [3, 6, 7, 8]] != 0).any(axis=1)
     refuse(at_depot, at, "the depot has a demand, a service time or a partner", table[:, [3, 6, 7, 8]], "0")
-    sites = Sites.of(
-        range(n), ready=ready, due=due, service=service, coordinates=table[:, 1:3], shipments=pairs_of(demand, table[:, 7:], at)
-    )
-    name = label(path.stem)
-    fleet = (VehicleType(count, capacity),)
-    made = RoutingInstance(name, "li-lim", sites, Travel("euclidean", table[:, 1:3]), fleet, problem=PROBLEMS[0], problems=PROBLEMS)
-    refuse_unreachable(made, at)
-    return made
+    xy, pairs, fleet = table[:, 1:3], pairs_of(demand, table[:, 7:], at), (VehicleType(count, capacity),)
+    sites = Sites.of(range(n), ready=ready, due=due, service=service, coordinates=xy, shipments=pairs)
+    name, travel = label(path.stem), Travel("euclidean", xy)
+    instance = RoutingInstance(name, "li-lim", sites, travel, fleet, problem=PROBLEMS[0], problems=PROBLEMS)
+    refuse_unreachable(instance, at)
+    return instance
 
 
 def pairs_of(demand: np.ndarray, partners: np.ndarray, at: Sequence[int], first: int = 0) -> list[Shipment]:
-    """Pairs in the order of their pickups, each named by both of its rows; ``first`` is the number of the first row, which is the depot.
+    """Pairs in the order of their pickups, each named by both of its rows.
 
-    ``demand`` has shape (rows,), or (rows, loads).
+    ``demand`` has shape (rows,) or (rows, loads), and ``first`` is the number of the first row, which is the depot.
     """
     n = len(demand)
-    loads = demand.reshape(n, -1)
+    loads, index = demand.reshape(n, -1), np.arange(n)
     one = (partners == 0).sum(axis=1) == 1
-    refuse(
-        ~one & (np.arange(n) > 0), at, "a customer needs one partner: a pickup its delivery, a delivery its pickup", partners, "one of two"
-    )
-    refuse(
-        (partners != np.floor(partners)).any(axis=1) | (partners < 0).any(axis=1) | (partners >= n + first).any(axis=1), at,
-        "partner does not exist", partners, f"{first + 1} to {n - 1 + first}",
-    )  # fmt: skip
+    refuse(~one & (index > 0), at, "a customer needs one partner: a pickup its delivery, a delivery its pickup", partners, "one of two")
+    strange = ((partners != np.floor(partners)) | (partners < 0) | (partners >= n + first)).any(axis=1)
+    refuse(strange, at, "partner does not exist", partners, f"{first + 1} to {n - 1 + first}")
     pickup = partners[:, 0] == 0
     other = np.maximum(partners.max(axis=1).astype(np.int64) - first, 0)
-    index = np.arange(n)
     back = (other[other] != index) | (pickup[other] == pickup)
     refuse(back & (index > 0), at, "partner names another one", other + first, "a pair that names each other")
     wrong = (loads < 0).any(axis=1) | ~(loads > 0).any(axis=1)
@@ -95,27 +88,24 @@ def pairs_of(demand: np.ndarray, partners: np.ndarray, at: Sequence[int], first:
 def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``."""
     refuse_inexpressible(instance, "li-lim", {"capacity", "shipments", "time-windows", "depot-windows", "service-times", "limited-fleet"})
-    sites, travel, vehicle, n = instance.sites, instance.travel, instance.fleet[0], len(instance.sites)
-    if travel.metric != "euclidean" or travel.convention != "exact":
-        raise cannot(instance, "li-lim", f"its distances are {travel.metric} {travel.convention}, not Euclidean and exact")
-    if vehicle.count is None or not 0 < vehicle.capacity < math.inf or not np.isfinite(sites.due).all():
-        raise cannot(instance, "li-lim", "the format needs a number of vehicles, a capacity, and a due date for every site")
-    if instance.problem not in PROBLEMS or sites.depots.tolist() != [0] or not numbered(instance, 0):
-        raise cannot(instance, "li-lim", "sites must be numbered 0, 1, 2, ... from the depot, and all be visited")
+    sites, vehicle, n, xy = instance.sites, instance.fleet[0], len(instance.sites), points_of(instance, "li-lim")
     ends = [k for shipment in sites.shipments for k in (shipment.pickup, shipment.delivery)]
-    if sorted(ends) != list(range(1, n)) or not all(shipment.load[0] > 0 for shipment in sites.shipments):
-        raise cannot(instance, "li-lim", "every customer must be one end of one shipment with a load")
+    refuse_where(
+        instance, "li-lim",
+        (vehicle.count is None or not 0 < vehicle.capacity < math.inf or not finite(sites.due),
+         "the format needs a number of vehicles, a capacity, and a due date for every site"),
+        (instance.problem not in PROBLEMS or not numbered(instance, 0),
+         "sites must be numbered 0, 1, 2, ... from the depot, and all be visited"),
+        (sorted(ends) != list(range(1, n)) or not all(shipment.load[0] > 0 for shipment in sites.shipments),
+         "every customer must be one end of one shipment with a load"),
+    )  # fmt: skip
     demand, partners = np.zeros(n), np.zeros((n, 2), dtype=np.int64)
     for shipment in sites.shipments:
         demand[shipment.pickup], demand[shipment.delivery] = shipment.load[0], -shipment.load[0]
         partners[shipment.pickup, 1], partners[shipment.delivery, 0] = shipment.delivery, shipment.pickup
-    assert travel.coordinates is not None
-    columns = (*travel.coordinates.T, demand, sites.ready, sites.due, sites.service, *partners.T)
+    columns = (*xy.T, demand, sites.ready, sites.due, sites.service, *partners.T)
     lines = ["\t".join([site, *map(plain, row)]) for site, *row in zip(sites.ids, *columns, strict=True)]
     return "\n".join([f"{vehicle.count}\t{plain(vehicle.capacity)}\t1", *lines]) + "\n"
 
 
-FORMATS.add(
-    "li-lim",
-    Format("li-lim", "Li and Lim text (PDPTW)", recognises, read, write, (".pdptw",), PROBLEMS[0], PROBLEMS),
-)
+add_format(Format("li-lim", "Li and Lim text (PDPTW)", recognises, read, write, (".pdptw",), PROBLEMS[0], PROBLEMS))

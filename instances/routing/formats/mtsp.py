@@ -14,11 +14,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...errors import InputError
-from ...formats import FORMATS, Format
+from ...formats import Format, add_format
 from ...text import is_number, label, plain, refuse, shown, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import METRICS, Travel
-from ._limits import cannot, numbered, refuse_inexpressible
+from ._limits import numbered, refuse_inexpressible, refuse_where
 from ._rows import Rows, head, widths
 
 PROBLEMS = ("min-makespan-vrp", "min-cost-vrp")
@@ -26,7 +26,7 @@ TYPES = tuple(name for name, metric in METRICS.items() if metric.file_rounding i
 
 
 def recognises(text: str) -> bool:
-    """Whether a line of a name, a type and a number is followed by one of three numbers."""
+    """True if a line of a name, a type and a number is followed by one of three numbers."""
     lines = head(text, 2)
     if len(lines) < 2 or len(lines[0]) != 3 or widths(lines[1:]) != [3]:
         return False
@@ -37,12 +37,7 @@ def recognises(text: str) -> bool:
 def read(text: str, path: Path) -> RoutingInstance:
     """The instance; see ``Format.read``."""
     rows = Rows.of(text)
-    line, first = rows.next("name, type and number of salesmen")
-    tokens = first.split()
-    if len(tokens) != 3:
-        raise InputError(
-            "first line has a wrong length", line=line, expected="name, type and number of salesmen", found=f"{len(tokens)} values"
-        )
+    line, tokens = rows.tokens("first line", "name, type and number of salesmen", 3)
     metric = tokens[1].upper()
     if metric not in TYPES:
         raise InputError(f"type {shown(tokens[1])} is not supported", line=line, expected=", ".join(TYPES), found=shown(tokens[1]))
@@ -57,29 +52,25 @@ def read(text: str, path: Path) -> RoutingInstance:
     if metric == "GEO":
         refuse((abs(own) > (90, 180)).any(axis=1), at, "latitude or longitude out of range", own, "within 90 and 180 degrees")
     sites = Sites.of(range(1, len(table) + 1), coordinates=own[:, ::-1] if metric == "GEO" else own)
+    travel, fleet, name = Travel(metric, own, convention="exact"), (VehicleType(count),), label(path.stem)
     notes = (f"distances are not rounded, as is the custom of these files; {metric} by the rules of TSPLIB is --convention file",)
-    return RoutingInstance(
-        label(path.stem), "mtsp", sites, Travel(metric, own, convention="exact"), (VehicleType(count),), problem=PROBLEMS[0],
-        problems=PROBLEMS, notes=notes,
-    )  # fmt: skip
+    return RoutingInstance(name, "mtsp", sites, travel, fleet, problem=PROBLEMS[0], problems=PROBLEMS, notes=notes)
 
 
 def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``."""
     refuse_inexpressible(instance, "mtsp", {"limited-fleet"})
     travel, vehicle = instance.travel, instance.fleet[0]
-    if travel.metric not in TYPES or travel.convention != "exact":
-        raise cannot(instance, "mtsp", f"its distances are {travel.metric} {travel.convention}, not one of {', '.join(TYPES)} and exact")
-    if instance.problem not in PROBLEMS or vehicle.count is None:
-        raise cannot(instance, "mtsp", "the format needs a number of salesmen, who visit all cities")
-    if instance.sites.depots.tolist() != [0] or not numbered(instance, 1):
-        raise cannot(instance, "mtsp", "cities must be numbered 1, 2, 3, ... from the depot")
+    refuse_where(
+        instance, "mtsp",
+        (travel.metric not in TYPES or travel.convention != "exact",
+         f"its distances are {travel.metric} {travel.convention}, not one of {', '.join(TYPES)} and exact"),
+        (instance.problem not in PROBLEMS or vehicle.count is None, "the format needs a number of salesmen, who visit all cities"),
+        (not numbered(instance, 1), "cities must be numbered 1, 2, 3, ... from the depot"),
+    )  # fmt: skip
     assert travel.coordinates is not None
     lines = [f"{k} {plain(x)} {plain(y)}" for k, (x, y) in enumerate(travel.coordinates.tolist(), start=1)]
     return "\n".join([f"{'-'.join(instance.name.split())} {travel.metric} {vehicle.count}", *lines]) + "\n"
 
 
-FORMATS.add(
-    "mtsp",
-    Format("mtsp", "min-max multiple travelling salesmen", recognises, read, write, (".mtsp",), "min-makespan-vrp", PROBLEMS, "exact"),
-)
+add_format(Format("mtsp", "min-max multiple travelling salesmen", recognises, read, write, (".mtsp",), PROBLEMS[0], PROBLEMS))

@@ -14,20 +14,23 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...clock import moment_of, span_of
 from ...errors import InputError
-from ...formats import FORMATS, Format
+from ...formats import Format, add_format
 from ...formats.table import Table, settings_of, table_of, titles_of, written
+from ...number_arrays import Floats
 from ...text import is_number, number, plain, refuse, shown
 from ..fleet import equal_fleet
 from ..foreign_names import ours
 from ..frame_columns import COLUMNS, columns_of, known, mapped, own_title
+from ..geography import refuse_alone
 from ..instance import RoutingInstance, VehicleType
 from ..reach import refuse_unreachable
 from ..travel import EXPLICIT, GEOGRAPHIC, convention_named
-from . import _cells, _frame_settings
-from ._limits import cannot, refuse_inexpressible
+from ._frame_settings import KEYS as SETTINGS
+from ._frame_settings import arguments, flag, in_file, kept, named, of_set
+from ._limits import refuse_inexpressible, refuse_where
 
 WRITTEN = ("demand", "ready", "due", "service", "reward")
 LIMITS = {"capacity": "capacity", "max-duration": "max_duration", "max-distance": "max_distance", "fixed-cost": "fixed_cost",
@@ -36,7 +39,7 @@ PLACES = ("x", "y", "lat", "lon")
 STATES = ("easting", "northing")
 """Titles of places in tables of states (``risk-states``)."""
 NAMES = ("name", "problem", "convention")
-KEYS = (*NAMES, *_frame_settings.KEYS)
+KEYS = (*NAMES, *SETTINGS)
 EXPRESSIBLE = frozenset(
     {
         "capacity", "demands", "time-windows", "depot-windows", "service-times", "demand-or-service-of-depots", "rewards", "optional-sites",
@@ -47,7 +50,7 @@ EXPRESSIBLE = frozenset(
 
 
 def recognises(text: str) -> bool:
-    """Whether the first line that is no comment holds titles of coordinates, or ``id``, among others, and no roles."""
+    """True if the first line that is no comment holds titles of coordinates, or ``id``, among others, and no roles."""
     titles = {own if (own := ours(title)) in PLACES and title not in STATES else title for title in titles_of(text)}
     return len(titles) > 1 and ("id" in titles or {"x", "y"} <= titles or bool({"lat", "lon"} & titles)) and "role" not in titles
 
@@ -62,46 +65,42 @@ def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> Ro
     table = table_of(text, start, str, "sites")
     at, n = table.at, len(table.rows)
     own = {key: value for key, value in keys.items() if key not in NAMES}
-    given = _frame_settings.arguments(own | _frame_settings.of_set(settings or {}), path.parent, n)
+    given = arguments(own | of_set(settings or {}), path.parent, n)
     if "convention" in keys:
-        given["convention"] = _frame_settings.named(convention_named, *keys["convention"])
+        given["convention"] = named(convention_named, *keys["convention"])
     try:
-        said = {theirs: title for title, theirs in mapped(table.titles, given.get("columns") or {}).items()}
-        meant = [said.get(title) or own_title(title) or title for title in table.titles]
+        mapping = {theirs: title for title, theirs in mapped(table.titles, given.get("columns") or {}).items()}
+        meant = [mapping.get(title) or own_title(title) or title for title in table.titles]
         columns = {title: _column(table, k, meant) for k, title in enumerate(table.titles)}
         frame = pd.DataFrame({title: pd.Series(column) for title, column in columns.items()}, index=pd.RangeIndex(n))
         titles = columns_of(frame, given.get("columns"), given.get("extra", ())).titles
-        for pair in (("x", "y"), ("lat", "lon")):
-            if (pair[0] in titles) != (pair[1] in titles):
-                alone = titles[pair[0] if pair[0] in titles else pair[1]]
-                raise InputError("coordinates need two columns", expected=" and ".join(pair), found=f"{alone!r} alone")
+        refuse_alone(titles)
     except InputError as error:
-        raise _frame_settings.in_file(error).at(line=start + 1) from None
+        raise in_file(error).at(line=start + 1) from None
     if "depot" in titles and not frame[titles["depot"]].eq(True).any():
         raise InputError("no row is marked as depot", line=at[-1], expected="at least one true in the column depot")
     if n == (frame[titles["depot"]].eq(True).sum() if "depot" in titles else 1):
         raise InputError("there is no customer", line=at[-1], expected="a row that is no depot")
     try:
-        made = instance_from_frame(frame, **given, name=keys["name"][1] if "name" in keys else path.stem, source="csv")
+        instance = instance_from_frame(frame, **given, name=keys["name"][1] if "name" in keys else path.stem, source="csv")
     except InputError as error:
-        raise _frame_settings.in_file(error) from None
+        raise in_file(error) from None
     if "problem" in keys:
         line, problem = keys["problem"]
-        if problem not in made.problems:
-            raise InputError(f"the data do not allow the problem {shown(problem)}", line=line, expected=", ".join(made.problems))
-        made = replace(made, problem=problem)
-    refuse_unreachable(made, at)
-    return made
+        if problem not in instance.problems:
+            raise InputError(f"the data do not allow the problem {shown(problem)}", line=line, expected=", ".join(instance.problems))
+        instance = replace(instance, problem=problem)
+    refuse_unreachable(instance, at)
+    return instance
 
 
 def _column(table: Table, k: int, meant: list[str]) -> Any:
-    """What stands under the k-th title, read as what it is ``meant`` for: numbers, times, flags or texts; what refuses to be any is refused
-    with its line."""
+    """The k-th column, whose title means ``meant[k]``, as numbers, times, flags or texts; a cell that is none is refused with its line."""
     title, cells, at = meant[k], [row[k] for row in table.rows], table.at
     if title in ("id", "node", "skills"):
         return _ids(cells, at) if title == "id" else [cell or None for cell in cells]
     if title in ("required", "depot"):
-        return np.array([_cells.flag(cell, line, title) for cell, line in zip(cells, at, strict=True)], dtype=object)
+        return np.array([flag(cell, line, title) for cell, line in zip(cells, at, strict=True)], dtype=object)
     if title in ("ready", "due", "service"):
         if all(is_number(cell) for cell in cells if cell):
             times = np.array([float(cell) if cell else math.nan for cell in cells])
@@ -110,7 +109,7 @@ def _column(table: Table, k: int, meant: list[str]) -> Any:
             elif title == "due" and "ready" in meant:
                 _refuse_closed([row[meant.index("ready")] for row in table.rows], times, at)
             return times
-        read = _cells.span if title == "service" else _cells.moment
+        read = span_of if title == "service" else moment_of
         return np.array([read(cell, line, title) for cell, line in zip(cells, at, strict=True)], dtype=object)
     if title in PLACES:
         return np.array([number(cell, line, title) for cell, line in zip(cells, at, strict=True)])
@@ -118,10 +117,10 @@ def _column(table: Table, k: int, meant: list[str]) -> Any:
         values = np.array([number(cell, line, title) if cell else 0.0 for cell, line in zip(cells, at, strict=True)])
         refuse(values < 0, at, f"{title} is negative", values, "0 or more")
         return values
-    return _cells.kept(cells)
+    return kept(cells)
 
 
-def _refuse_closed(opens: list[str], due: NDArray[np.float64], at: list[int]) -> None:
+def _refuse_closed(opens: list[str], due: Floats, at: list[int]) -> None:
     """Raise InputError where a window in numbers closes before it opens."""
     ready = np.array([float(cell) if is_number(cell) else -math.inf for cell in opens])
     window = np.column_stack([np.where(np.isfinite(ready), ready, 0.0), due])
@@ -144,20 +143,20 @@ def write(instance: RoutingInstance) -> str:
     refuse_inexpressible(instance, "csv", EXPRESSIBLE)
     sites, travel, vehicle = instance.sites, instance.travel, instance.fleet[0]
     limits = {attribute: getattr(vehicle, attribute) for attribute in LIMITS.values()}
-    if vehicle.capacity == 0:
-        raise cannot(instance, "csv", "it has no place for a capacity of 0")
-    if instance.fleet != equal_fleet(sites, count=vehicle.count, **limits):
-        raise cannot(instance, "csv", "it has no place for vehicles that differ")
-    if travel.metric == EXPLICIT or not np.array_equal(travel.coordinates, sites.coordinates):  # type: ignore[arg-type]
-        raise cannot(instance, "csv", "its distances do not follow from its coordinates")
-    if sites.geographic != (travel.metric in GEOGRAPHIC):
-        raise cannot(instance, "csv", f"its distances are {travel.metric}, and its coordinates {'' if sites.geographic else 'no '}angles")
-    if instance.clock is not None and instance.clock.origin:
-        raise cannot(instance, "csv", "its times are those of a calendar")
+    refuse_where(
+        instance, "csv",
+        (vehicle.capacity == 0, "it has no place for a capacity of 0"),
+        (instance.fleet != equal_fleet(sites, count=vehicle.count, **limits), "it has no place for vehicles that differ"),
+        (travel.metric == EXPLICIT or not np.array_equal(travel.coordinates, sites.coordinates),  # type: ignore[arg-type]
+         "its distances do not follow from its coordinates"),
+        (sites.geographic != (travel.metric in GEOGRAPHIC),
+         f"its distances are {travel.metric}, and its coordinates {'' if sites.geographic else 'no '}angles"),
+        (instance.clock is not None and instance.clock.origin, "its times are those of a calendar"),
+    )  # fmt: skip
     places = ("lon", "lat") if sites.geographic else ("x", "y")
     titles = ("id", *places, *WRITTEN, "required", "depot", *sites.attributes)
-    if len({own_title(title) or title for title in titles}) < len(titles):
-        raise cannot(instance, "csv", "it keeps a column that is called as one that counts")
+    twice = len({own_title(title) or title for title in titles}) < len(titles)
+    refuse_where(instance, "csv", (twice, "it keeps a column that is called as one that counts"))
     settings: list[tuple[str, str]] = [("name", instance.name), ("problem", instance.problem), ("metric", travel.metric)]
     settings += [("convention", travel.convention), ("vehicles", "unlimited" if vehicle.count is None else str(vehicle.count))]
     usual = VehicleType()
@@ -181,10 +180,9 @@ def write(instance: RoutingInstance) -> str:
     return written(settings, titles, rows)
 
 
-FORMATS.add(
-    "csv",
+add_format(
     Format(
-        "csv", "sites from CSV, one row each", recognises, read, write, (".csv",), "",
-        ("vrptw", "cvrp", "tsp", "min-cost-vrp"), "exact", settings=_frame_settings.KEYS,
-    ),
+        "csv", "sites from CSV, one row each", recognises, read, write, (".csv",), problems=("vrptw", "cvrp", "tsp", "min-cost-vrp"),
+        settings=SETTINGS,
+    )
 )  # fmt: skip

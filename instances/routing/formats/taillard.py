@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
-from ...formats import FORMATS, Format
+from ...formats import Format, add_format
 from ...text import label, plain, refuse, whole
 from ..features import features
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import Travel
-from ._limits import cannot, numbered, refuse_inexpressible
-from ._rows import Rows, head, widths
+from ._limits import numbered, refuse_inexpressible, refuse_where
+from ._rows import Rows, head, refuse_negative, widths
 
 POINT = ("number", "x", "y", "demand")
 VEHICLE = ("capacity", "fixed cost", "unit cost", "least number", "largest number")
@@ -28,7 +28,7 @@ EXPRESSIBLE = frozenset({"capacity", "demands", "limited-fleet", "heterogeneous-
 
 
 def recognises(text: str) -> bool:
-    """Whether a line of one number is followed by the depot's row, 0, and a customer's, 1, of four."""
+    """True if a line of one number is followed by the depot's row, 0, and a customer's, 1, of four."""
     lines = head(text, 3)
     return widths(lines) == [1, 4, 4] and lines[1][0] == "0" and lines[2][0] == "1"
 
@@ -38,10 +38,10 @@ def read(text: str, path: Path) -> RoutingInstance:
     rows = Rows.of(text)
     line, (count,) = rows.values("first line", ("number of customers",))
     n = whole(plain(count), line, "number of customers", least=1)
-    held = [rows.values("point", POINT) for _ in range(min(n + 1, len(rows.lines)))]
-    at, table = [line for line, _ in held], np.array([values for _, values in held])
+    points = [rows.values("point", POINT) for _ in range(min(n + 1, len(rows.lines)))]
+    at, table = [line for line, _ in points], np.array([values for _, values in points])
     refuse(table[:, 0] != np.arange(len(table)), at, "points are numbered from 0 on", table[:, 0], "the next number")
-    refuse(table[:, 3] < 0, at, "demand is negative", table[:, 3], "0 or more")
+    refuse_negative(at, demand=table[:, 3])
     line, (kinds,) = rows.values("number of vehicle types", ("number of vehicle types",))
     types, lines = rows.table("vehicle type", VEHICLE, whole(plain(kinds), line, "number of vehicle types", least=1))
     refuse(types[:, 0] <= 0, lines, "capacity must be positive", types[:, 0], "more than 0")
@@ -62,15 +62,17 @@ def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``."""
     refuse_inexpressible(instance, "taillard", EXPRESSIBLE)
     sites, travel = instance.sites, instance.travel
-    if "capacity" not in features(instance) or travel.metric != "euclidean" or travel.convention != "exact":
-        raise cannot(instance, "taillard", "it needs capacities, and Euclidean distances that are not rounded")
-    if not numbered(instance, 0) or not sites.depot[0] or not np.array_equal(travel.coordinates, sites.coordinates):  # type: ignore[arg-type]
-        raise cannot(instance, "taillard", "sites must be numbered from 0, the depot, and have the coordinates that distances follow from")
-    named = tuple(f"type {k}" for k in range(1, len(instance.fleet) + 1))
-    if any(v.count is None or not np.isfinite(v.capacity) or v.capacity == 0 for v in instance.fleet):
-        raise cannot(instance, "taillard", "each type of vehicle needs a capacity and a number")
-    if tuple(v.name for v in instance.fleet) != named:
-        raise cannot(instance, "taillard", f"vehicle types must be called {', '.join(named)}")
+    names = tuple(f"type {k}" for k in range(1, len(instance.fleet) + 1))
+    refuse_where(
+        instance, "taillard",
+        ("capacity" not in features(instance) or travel.metric != "euclidean" or travel.convention != "exact",
+         "it needs capacities, and Euclidean distances that are not rounded"),
+        (not numbered(instance, 0) or not np.array_equal(travel.coordinates, sites.coordinates),  # type: ignore[arg-type]
+         "sites must be numbered from 0, the depot, and have the coordinates that distances follow from"),
+        (any(v.count is None or not np.isfinite(v.capacity) or v.capacity == 0 for v in instance.fleet),
+         "each type of vehicle needs a capacity and a number"),
+        (tuple(v.name for v in instance.fleet) != names, f"vehicle types must be called {', '.join(names)}"),
+    )  # fmt: skip
     assert sites.coordinates is not None
     points = np.column_stack([np.arange(len(sites)), sites.coordinates, sites.demand])
     rows = [[len(sites) - 1], *points.tolist(), [len(instance.fleet)]]
@@ -78,7 +80,4 @@ def write(instance: RoutingInstance) -> str:
     return "".join(" ".join(plain(value) for value in row) + "\n" for row in rows)
 
 
-FORMATS.add(
-    "taillard",
-    Format("taillard", "Taillard text (mixed fleets)", recognises, read, write, (".hvrp",), PROBLEMS[0], PROBLEMS, "exact"),
-)
+add_format(Format("taillard", "Taillard text (mixed fleets)", recognises, read, write, (".hvrp",), PROBLEMS[0], PROBLEMS))

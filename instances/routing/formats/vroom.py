@@ -25,28 +25,24 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...document import array, dump_json, fields, integer, kind_of, parse_json, real, square
+from ...document import array, fields, integer, kind_of, parse_json, real, square
 from ...errors import InputError
-from ...formats import FORMATS, Format
-from ...text import an, label
+from ...formats import Format, add_format
+from ...number_arrays import Floats
+from ...text import label
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..sites import Shipment
 from ..travel import EXPLICIT, Travel
 from ..vehicle_type import Energy
-from ._limits import cannot, refuse_inexpressible
 from ._vroom_settings import IGNORED, SETTINGS, location_of, on_the_globe, without
-
-Floats = NDArray[np.float64]
+from ._vroom_writer import ANYWHERE, OBJECTIVE, write
 
 PROBLEMS = ("min-cost-vrp",)
-OBJECTIVE = ("reward", "total-cost")
-ANYWHERE = "anywhere"
 
 DOCUMENT = ("jobs", "shipments", "vehicles", "matrices", "matrix", "options")
 TASK = ("id", "description", "location", "location_index", "setup", "service", "time_windows")
@@ -58,27 +54,20 @@ VEHICLE = (
 )  # fmt: skip
 COSTS = ("fixed", "per_hour", "per_km", "per_task_hour")
 LACKING = {"setup": 0, "breaks": [], "max_tasks": None, "steps": [], "per_task_hour": 0}
-"""Keys that the data have no place for, and the value that asks nothing."""
+"""Keys that the data have no place for, each with the value that means nothing."""
 
 _VEHICLES, _WAYBOUND = re.compile(r'"vehicles"\s*:'), re.compile(r'"waybound"\s*:')
 
 
 def recognises(text: str) -> bool:
-    """Whether a JSON object has vehicles, and is none of waybound's and no GeoJSON."""
-    return (
-        '"FeatureCollection"' not in text
-        and text.lstrip().startswith("{")
-        and _VEHICLES.search(text) is not None
-        and _WAYBOUND.search(text) is None
-    )
-
-
-# -- reading -------------------------------------------------------------------------------------------------------------
+    """True if a JSON object has vehicles, and is none of waybound's and no GeoJSON."""
+    mine = text.lstrip().startswith("{") and '"FeatureCollection"' not in text
+    return mine and _VEHICLES.search(text) is not None and _WAYBOUND.search(text) is None
 
 
 @dataclass
 class _Site:
-    """What is known of a site before there are arrays; ``place`` is its row of the matrices, None for anywhere."""
+    """A site, before there are arrays; ``place`` is its row of the matrices, None for anywhere."""
 
     id: str
     place: int | None
@@ -94,42 +83,40 @@ class _Site:
 
 def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> RoutingInstance:
     """The instance; see ``Format.read``."""
-    data, given, notes = parse_json(text), settings or {}, tuple[str, ...]()
+    data, settings, notes = parse_json(text), settings or {}, tuple[str, ...]()
     if not isinstance(data, dict):
         raise InputError("must hold one object", found=kind_of(data))
     if "routes" in data and "vehicles" not in data:
         raise InputError("is a solution file, not an instance")
     fields(data, "the document", DOCUMENT, ("vehicles",))
     for key, apply in (("ignore", without), ("speed", on_the_globe)):
-        if given.get(key) is not None:
-            data, told = apply(data, given[key])
-            notes += told
+        if settings.get(key) is not None:
+            data, remarks = apply(data, settings[key])
+            notes += remarks
     matrices = _matrices(data)
     size = next(iter(matrices.values()))["durations"].shape[0]
     vehicles = [_vehicle(item, f"vehicles[{k}]", matrices, size) for k, item in enumerate(array(data["vehicles"], "vehicles"))]
     if not vehicles:
         raise InputError("vehicles is empty", expected="at least one vehicle")
-    _different([v.id for v in vehicles], "vehicles")
+    _refuse_equal([v.id for v in vehicles], "vehicles")
     sites, tasks, shipments = _depots(vehicles), *_tasks(data, size)
-    dimensions = {len(v.capacity) for v in vehicles} | {len(s.delivery or s.pickup) for s in tasks if s.delivery or s.pickup}
+    dimensions = {len(v.kind.capacity) for v in vehicles} | {len(s.delivery or s.pickup) for s in tasks if s.delivery or s.pickup}
     dimensions |= {len(load) for *_, load in shipments if load}
     if len(dimensions) > 1:
-        raise InputError(
-            "loads and capacities have different lengths", expected="the same everywhere", found=", ".join(map(str, sorted(dimensions)))
-        )
-    made = _instance(label(path.stem), [*sites, *tasks], shipments, vehicles, matrices, max(1, *dimensions))
-    located = given.get("speed") is not None and made.sites.coordinates is not None
-    return replace(made, notes=notes, sites=replace(made.sites, geographic=located))
+        lengths = ", ".join(map(str, sorted(dimensions)))
+        raise InputError("loads and capacities have different lengths", expected="the same everywhere", found=lengths)
+    instance = _instance(label(path.stem), [*sites, *tasks], shipments, vehicles, matrices, max(1, *dimensions))
+    located = settings.get("speed") is not None and instance.sites.coordinates is not None
+    return replace(instance, notes=notes, sites=replace(instance.sites, geographic=located))
 
 
-@dataclass
-class _Vehicle:
-    id: int
+class _Kind(NamedTuple):
+    """Properties that vehicles of one type share."""
+
     profile: str
     start: int | None
     end: int | None
-    places: Mapping[int, tuple[float, float]]
-    capacity: Sequence[int]
+    capacity: tuple[int, ...]
     skills: frozenset[str]
     shift: tuple[float, float]
     speed: float
@@ -139,45 +126,43 @@ class _Vehicle:
     per_hour: float
     per_km: float
 
-    def kind(self) -> tuple[Any, ...]:
-        """What vehicles of one type share."""
-        return (
-            self.profile, self.start, self.end, tuple(self.capacity), self.skills, self.shift, self.speed, self.longest_travel,
-            self.longest_distance, self.fixed, self.per_hour, self.per_km,
-        )  # fmt: skip
+
+class _Vehicle(NamedTuple):
+    id: int
+    kind: _Kind
+    places: Mapping[int, tuple[float, float]]
 
 
 def _matrices(data: Mapping[str, Any]) -> dict[str, dict[str, Floats]]:
-    """By profile: durations, and distances and costs where they are given, all of one size."""
+    """Durations of each profile, and distances and costs where there are any, all of one size."""
     if "matrix" in data:
         if "matrices" in data:
             raise InputError("matrix stands beside matrices", expected="one of them")
         size = len(array(data["matrix"], "matrix"))
-        found = {"car": {"durations": square(data["matrix"], "matrix", size)}}
+        matrices = {"car": {"durations": square(data["matrix"], "matrix", size)}}
     else:
-        given = data.get("matrices")
-        if not isinstance(given, dict) or not given:
+        profiles = data.get("matrices")
+        if not isinstance(profiles, dict) or not profiles:
             expected = "matrices of durations, or --set speed=50 (km an hour) for great circles between the coordinates"
             raise InputError("matrices are missing, and no server is asked for travel times", expected=expected)
-        size, found = -1, {}
-        for profile, item in given.items():
+        size, matrices = -1, {}
+        for profile, item in profiles.items():
             where = f"matrices.{label(profile)}"
             fields(item, where, ("durations", "distances", "costs"), ("durations",))
             size = len(array(item["durations"], f"{where}.durations")) if size < 0 else size
-            found[profile] = {key: square(item[key], f"{where}.{key}", size) for key in item}
-    for profile, item in found.items():
+            matrices[profile] = {key: square(item[key], f"{where}.{key}", size) for key in item}
+    for profile, item in matrices.items():
         for key, matrix in item.items():
             if (matrix < 0).any():
-                raise InputError(
-                    f"{key} of profile {label(profile)} hold a negative number", expected="0 or more", found=f"{matrix.min():g}"
-                )
+                message = f"{key} of profile {label(profile)} hold a negative number"
+                raise InputError(message, expected="0 or more", found=f"{matrix.min():g}")
     if size < 1:
         raise InputError("matrices are empty", expected="a row for each location")
-    return found
+    return matrices
 
 
 def _known(data: Any, path: str, known: Collection[str], required: Collection[str] = ()) -> Mapping[str, Any]:
-    """``fields``, and what the data have no place for is refused."""
+    """``fields``, without any key that the data have no place for."""
     fields(data, path, known, required)
     for key, nothing in LACKING.items():
         if key in data and data[key] != nothing:
@@ -226,8 +211,7 @@ def _vehicle(item: Any, path: str, matrices: Mapping[str, Mapping[str, Floats]],
     ends: dict[str, int | None] = {}
     places: dict[int, tuple[float, float]] = {}
     for key in ("start", "end"):
-        given = f"{key}_index" in data or key in data
-        ends[key] = place = _place(data, f"{key}_index", path, size) if given else None
+        ends[key] = place = _place(data, f"{key}_index", path, size) if {key, f"{key}_index"} & data.keys() else None
         if place is not None and (at := location_of(data, key, path)) is not None:
             places[place] = at
     if ends["start"] is None and ends["end"] is None:
@@ -244,28 +228,29 @@ def _vehicle(item: Any, path: str, matrices: Mapping[str, Mapping[str, Floats]],
     speed = real(data.get("speed_factor", 1), f"{path}.speed_factor")
     if not 0 < speed <= 5:
         raise InputError(f"{path}.speed_factor is out of range", expected="above 0, at most 5", found=f"{speed:g}")
-    longest = {
-        key: math.inf if key not in data else float(integer(data[key], f"{path}.{key}", 0)) for key in ("max_travel_time", "max_distance")
-    }
-    if math.isfinite(longest["max_distance"]) and (per_hour or not per_km or "costs" in own):
-        raise InputError(
-            f"{path}.max_distance is not supported where costs are not by distance alone", expected="costs per_km, and per_hour 0"
-        )
-    return _Vehicle(
-        integer(data["id"], f"{path}.id", 0), profile, ends["start"], ends["end"], places, _amounts(data, "capacity", path),
-        _skills(data, path), _window(data["time_window"], f"{path}.time_window") if "time_window" in data else (-math.inf, math.inf), speed,
-        longest["max_travel_time"], longest["max_distance"], fixed, per_hour, per_km,
-    )  # fmt: skip
+    limits = ("max_travel_time", "max_distance")
+    travel_time, distance = (float(integer(data[key], f"{path}.{key}", 0)) if key in data else math.inf for key in limits)
+    if math.isfinite(distance) and (per_hour or not per_km or "costs" in own):
+        message = f"{path}.max_distance is not supported where costs are not by distance alone"
+        raise InputError(message, expected="costs per_km, and per_hour 0")
+    number, capacity, skills = integer(data["id"], f"{path}.id", 0), tuple(_amounts(data, "capacity", path)), _skills(data, path)
+    shift = _window(data["time_window"], f"{path}.time_window") if "time_window" in data else (-math.inf, math.inf)
+    kind = _Kind(profile, ends["start"], ends["end"], capacity, skills, shift, speed, travel_time, distance, fixed, per_hour, per_km)
+    return _Vehicle(number, kind, places)
 
 
 def _depots(vehicles: Sequence[_Vehicle]) -> list[_Site]:
-    found: dict[int | None, _Site] = {}
+    depots: dict[int | None, _Site] = {}
     at = {place: xy for v in vehicles for place, xy in v.places.items()}
     for vehicle in vehicles:
-        for place in (vehicle.start, vehicle.end):
-            name = ANYWHERE if place is None else f"location {place}"
-            found.setdefault(place, _Site(name, place, depot=True, location=None if place is None else at.get(place)))
-    return list(found.values())
+        for place in (vehicle.kind.start, vehicle.kind.end):
+            location = None if place is None else at.get(place)
+            depots.setdefault(place, _Site(_depot_name(place), place, depot=True, location=location))
+    return list(depots.values())
+
+
+def _depot_name(place: int | None) -> str:
+    return ANYWHERE if place is None else f"location {place}"
 
 
 def _task(data: Mapping[str, Any], name: str, path: str, size: int) -> _Site:
@@ -282,7 +267,7 @@ def _task(data: Mapping[str, Any], name: str, path: str, size: int) -> _Site:
 
 
 def _tasks(data: Mapping[str, Any], size: int) -> tuple[list[_Site], list[tuple[str, str, Sequence[int]]]]:
-    """Sites of jobs and shipments, and of each shipment the ids of both ends and the load."""
+    """Sites of jobs and shipments, and the ids of both ends and the load of each shipment."""
     sites: list[_Site] = []
     shipments: list[tuple[str, str, Sequence[int]]] = []
     for k, item in enumerate(array(data.get("jobs", []), "jobs")):
@@ -291,9 +276,8 @@ def _tasks(data: Mapping[str, Any], size: int) -> tuple[list[_Site], list[tuple[
         site = _task(job, str(integer(job["id"], f"{path}.id", 0)), path, size)
         amounts = [_amounts(job, key, path) for key in ("delivery", "pickup")]
         if all(amounts) and len(amounts[0]) != len(amounts[1]):
-            raise InputError(
-                f"{path} delivers and picks up different numbers of loads", expected=str(len(amounts[0])), found=str(len(amounts[1]))
-            )
+            message = f"{path} delivers and picks up different numbers of loads"
+            raise InputError(message, expected=str(len(amounts[0])), found=str(len(amounts[1])))
         sites.append(replace(site, delivery=amounts[0], pickup=amounts[1], skills=_skills(job, path), priority=_priority(job, path)))
     for k, item in enumerate(array(data.get("shipments", []), "shipments")):
         path = f"shipments[{k}]"
@@ -307,11 +291,11 @@ def _tasks(data: Mapping[str, Any], size: int) -> tuple[list[_Site], list[tuple[
         shipments.append((ends[0].id, ends[1].id, _amounts(shipment, "amount", path)))
     if not sites:
         raise InputError("there is nothing to do", expected="jobs or shipments")
-    _different([site.id for site in sites], "tasks")
+    _refuse_equal([site.id for site in sites], "tasks")
     return sites, shipments
 
 
-def _different(ids: Sequence[object], what: str) -> None:
+def _refuse_equal(ids: Sequence[object], what: str) -> None:
     seen: set[object] = set()
     for each in ids:
         if each in seen:
@@ -325,7 +309,6 @@ def _instance(
 ) -> RoutingInstance:  # fmt: skip
     index = {site.id: k for k, site in enumerate(listed)}
     tasks = sum(not site.depot for site in listed)
-
     xy = [site.location for site in listed if site.location is not None]
 
     def loads(key: str) -> Floats:
@@ -340,268 +323,55 @@ def _instance(
         coordinates=None if len(xy) < len(listed) else xy,
     )  # fmt: skip
     places = [site.place for site in listed]
-    types: dict[tuple[Any, ...], list[_Vehicle]] = {}
+    types: dict[_Kind, list[int]] = {}
     for vehicle in vehicles:
-        types.setdefault(vehicle.kind(), []).append(vehicle)
-    fleet: list[VehicleType] = []
-    common, shared = None, None
-    for alike in types.values():
-        first = alike[0]
-        key, travel, unit = _travel(first, matrices[first.profile], places)
-        if common is None:
-            common, shared = travel, key
-        start, end = (index[ANYWHERE if place is None else f"location {place}"] for place in (first.start, first.end))
-        fleet.append(
-            VehicleType(
-                len(alike), float(first.capacity[0]) if first.capacity else math.inf, start, end, max_distance=first.longest_distance,
-                energy=Energy(first.longest_travel) if math.isfinite(first.longest_travel) else None, fixed_cost=first.fixed,
-                unit_cost=unit, name="vehicle " + " ".join(str(v.id) for v in alike),
-                further_capacity=tuple(map(float, first.capacity[1:])),
-                shift=first.shift, skills=first.skills, travel=None if key == shared else travel,
-            )
-        )  # fmt: skip
-    assert common is not None
-    made = RoutingInstance(name, "vroom", sites, common, tuple(fleet), problem=PROBLEMS[0], problems=PROBLEMS, objective=OBJECTIVE)
-    refuse_unreachable(made)
-    return made
+        types.setdefault(vehicle.kind, []).append(vehicle.id)
+    ways = [_travel(kind, matrices[kind.profile], places) for kind in types]
+    shared, common, _ = ways[0]
+    fleet = tuple(
+        VehicleType(
+            len(numbers), float(kind.capacity[0]) if kind.capacity else math.inf, index[_depot_name(kind.start)],
+            index[_depot_name(kind.end)], max_distance=kind.longest_distance,
+            energy=Energy(kind.longest_travel) if math.isfinite(kind.longest_travel) else None, fixed_cost=kind.fixed, unit_cost=unit,
+            name=f"vehicle {' '.join(map(str, numbers))}", further_capacity=tuple(map(float, kind.capacity[1:])), shift=kind.shift,
+            skills=kind.skills, travel=None if key == shared else travel,
+        )
+        for (kind, numbers), (key, travel, unit) in zip(types.items(), ways, strict=True)
+    )  # fmt: skip
+    instance = RoutingInstance(name, "vroom", sites, common, fleet, problem=PROBLEMS[0], problems=PROBLEMS, objective=OBJECTIVE)
+    refuse_unreachable(instance)
+    return instance
 
 
-def _travel(vehicle: _Vehicle, own: Mapping[str, Floats], places: Sequence[int | None]) -> tuple[tuple[Any, ...], Travel, float]:
-    """What tells it from others, the travel between sites, and the cost of one unit of its distance."""
-    durations = own["durations"] / vehicle.speed
+def _travel(kind: _Kind, own: Mapping[str, Floats], places: Sequence[int | None]) -> tuple[tuple[Any, ...], Travel, float]:
+    """A key that is equal for equal travel, the travel between sites, and the cost of one unit of its distance."""
+    durations = own["durations"] / kind.speed
     if "costs" in own:
         how, distances, unit = "costs", own["costs"], 1.0
-    elif not vehicle.per_km:
-        how, distances, unit = "durations", durations, vehicle.per_hour / 3600
-    elif not vehicle.per_hour:
-        how, distances, unit = "distances", own["distances"], vehicle.per_km / 1000
+    elif not kind.per_km:
+        how, distances, unit = "durations", durations, kind.per_hour / 3600
+    elif not kind.per_hour:
+        how, distances, unit = "distances", own["distances"], kind.per_km / 1000
     else:
-        how, unit = f"{vehicle.per_hour} {vehicle.per_km}", 1.0
-        distances = durations * (vehicle.per_hour / 3600) + own["distances"] * (vehicle.per_km / 1000)
-    made, taken = _between(distances, places), None if how == "durations" else _between(durations, places)
-    return (vehicle.profile, vehicle.speed, how), Travel(EXPLICIT, matrix=made, duration_matrix=taken), unit
+        how, unit = f"{kind.per_hour} {kind.per_km}", 1.0
+        distances = durations * (kind.per_hour / 3600) + own["distances"] * (kind.per_km / 1000)
+    lengths, taken = _between(distances, places), None if how == "durations" else _between(durations, places)
+    return (kind.profile, kind.speed, how), Travel(EXPLICIT, matrix=lengths, duration_matrix=taken), unit
 
 
 def _between(matrix: Floats, places: Sequence[int | None]) -> Floats:
     """The matrix between sites; nothing from and to anywhere."""
     at = np.array([0 if place is None else place for place in places])
     nowhere = np.array([place is None for place in places])
-    made: Floats = matrix[np.ix_(at, at)]
-    made[nowhere] = 0.0
-    made[:, nowhere] = 0.0
-    return made
+    between: Floats = matrix[np.ix_(at, at)]
+    between[nowhere] = 0.0
+    between[:, nowhere] = 0.0
+    return between
 
 
-# -- writing -------------------------------------------------------------------------------------------------------------
-
-EXPRESSIBLE = frozenset(
-    {
-        "capacity", "demands", "pickups", "shipments", "several-loads", "time-windows", "several-windows", "depot-windows", "service-times",
-        "rewards", "optional-sites", "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes", "energy:travel",
-        "fixed-cost", "unit-cost", "separate-durations", "vehicle-travel", "skills", "shifts", "max-distance", "objective",
-    }
-)  # fmt: skip
-_NUMBER = re.compile(r"[0-9]{1,17}\Z")
-
-
-def write(instance: RoutingInstance) -> str:
-    """The text; see ``Format.write``.
-
-    Instances whose sites must all be visited, at least total cost, are written too: VROOM leaves sites out only where it must.
-    """
-    refuse_inexpressible(instance, "vroom", EXPRESSIBLE)
-    sites = instance.sites
-    priorities = _priorities(instance)
-    ids, places = _numbers(instance), _rows(instance)
-    size = max(places.values(), default=-1) + 1
-    partner = {k: s for s in sites.shipments for k in (s.pickup, s.delivery)}
-    jobs = [
-        {**_written_task(instance, k, ids[k], places[k]), **_written_loads(instance, k), **_written_wish(instance, k, priorities[k])}
-        for k in sites.customers.tolist()
-        if k not in partner
-    ]
-    shipments = [
-        {
-            "pickup": _written_task(instance, s.pickup, ids[s.pickup], places[s.pickup]),
-            "delivery": _written_task(instance, s.delivery, ids[s.delivery], places[s.delivery]),
-            "amount": [_whole(instance, v, "load") for v in (*s.load, *[0.0] * (sites.dimensions - len(s.load)))],
-            **_written_wish(instance, s.pickup, priorities[s.pickup]),
-        }
-        for s in sites.shipments
-    ]
-    matrices: dict[str, Any] = {}
-    vehicles: list[dict[str, Any]] = []
-    for kind in range(len(instance.fleet)):
-        vehicles += _written_vehicles(instance, kind, places, size, matrices)
-    data = {"vehicles": vehicles, "jobs": jobs, "shipments": shipments, "matrices": matrices}
-    return dump_json({key: value for key, value in data.items() if value})
-
-
-def _whole(instance: RoutingInstance, value: float, what: str) -> int:
-    if not float(value).is_integer() or not 0 <= value < 2**53:
-        raise cannot(instance, "vroom", f"the format has whole numbers of at least 0, and {an(what)} is {value:g}")
-    return int(value)
-
-
-def _priorities(instance: RoutingInstance) -> list[int]:
-    """Priority of each site, of what rewards stand for."""
-    sites, at = instance.sites, instance.sites.customers
-    if sites.required[at].all() and not sites.reward.any() and instance.objective in ((), ("total-cost",)) and instance.problem in (
-        "min-cost-vrp", "cvrp", "vrptw", "mdvrp", "tsp",
-    ):  # fmt: skip
-        return [0] * len(sites)
-    priority = (sites.reward - 1) / (len(at) + 1)
-    if instance.objective != OBJECTIVE or sites.required[at].any() or not np.isin(priority[at], np.arange(101)).all():
-        raise cannot(instance, "vroom", "VROOM assigns priorities, then tasks, and then minimises costs, and this asks for something else")
-    for s in sites.shipments:
-        if priority[s.pickup] != priority[s.delivery]:
-            raise cannot(instance, "vroom", "both ends of a shipment need the same priority")
-    return [0 if sites.depot[k] else int(v) for k, v in enumerate(priority.tolist())]
-
-
-def _numbers(instance: RoutingInstance) -> list[int]:
-    """A number for each task: its id without what it is, or else its place among the sites."""
-    sites = instance.sites
-    ends = {k: word for s in sites.shipments for k, word in ((s.pickup, "pickup "), (s.delivery, "delivery "))}
-    if len(ends) < 2 * len(sites.shipments):
-        raise cannot(instance, "vroom", "a site belongs to several shipments")
-    bare = [site.removeprefix(ends.get(k, "")) for k, site in enumerate(sites.ids)]
-    if all(_NUMBER.match(each) for k, each in enumerate(bare) if not sites.depot[k]):
-        return [0 if sites.depot[k] else int(each) for k, each in enumerate(bare)]
-    return list(range(len(sites)))
-
-
-def _rows(instance: RoutingInstance) -> dict[int, int]:
-    """A row of the matrices for each site but ``anywhere``; depots keep the row of their name."""
-    sites = instance.sites
-    kept = {
-        k: int(site.removeprefix("location "))
-        for k, site in enumerate(sites.ids)
-        if re.match(r"location [0-9]{1,7}\Z", site) and sites.depot[k]
-    }
-    if len(set(kept.values())) < len(kept) or max(kept.values(), default=0) >= 10 * len(sites):
-        kept = {}
-    free = iter(sorted(set(range(len(sites) + len(kept))) - set(kept.values())))
-    return {k: kept[k] if k in kept else next(free) for k in range(len(sites)) if sites.ids[k] != ANYWHERE or not sites.depot[k]}
-
-
-def _written_task(instance: RoutingInstance, k: int, number: int, place: int) -> dict[str, Any]:
-    sites = instance.sites
-    made: dict[str, Any] = {"id": number, "location_index": place}
-    if sites.coordinates is not None:
-        made["location"] = sites.coordinates[k].tolist()
-    if sites.service[k]:
-        made["service"] = _whole(instance, sites.service[k], "service time")
-    windows = sites.windows[k] if sites.windows and sites.windows[k] else ((float(sites.ready[k]), float(sites.due[k])),)
-    if windows != ((0.0, math.inf),):
-        if math.isinf(windows[-1][1]):
-            raise cannot(instance, "vroom", f"the window of site {sites.ids[k]} has no end")
-        made["time_windows"] = [[_whole(instance, v, "time") for v in window] for window in windows]
-    return made
-
-
-def _written_loads(instance: RoutingInstance, k: int) -> dict[str, Any]:
-    sites = instance.sites
-    made = {}
-    for key, values in (("delivery", (sites.demand[k], *sites.further_demand[k])), ("pickup", (sites.pickup[k], *sites.further_pickup[k]))):
-        if any(values):
-            made[key] = [_whole(instance, v, key) for v in values]
-    return made
-
-
-def _written_wish(instance: RoutingInstance, k: int, priority: int) -> dict[str, Any]:
-    skills = sorted(instance.sites.skills[k]) if instance.sites.skills else []
-    if not all(_NUMBER.match(each) for each in skills):
-        raise cannot(instance, "vroom", f"skills are numbers there, not {', '.join(skills)}")
-    return {**({"skills": [int(each) for each in skills]} if skills else {}), **({"priority": priority} if priority else {})}
-
-
-def _written_vehicles(
-    instance: RoutingInstance, kind: int, places: Mapping[int, int], size: int, matrices: dict[str, Any]
-) -> list[dict[str, Any]]:
-    vehicle, sites = instance.fleet[kind], instance.sites
-    if vehicle.count is None:
-        raise cannot(instance, "vroom", "the format needs a number of vehicles")
-    if vehicle.count > 100_000:
-        raise cannot(instance, "vroom", f"the format lists each vehicle, and there are {vehicle.count:,}")
-    made: dict[str, Any] = {"profile": "car" if vehicle.travel is None else f"type {kind + 1}"}
-    costs = _written_matrices(instance, kind, made["profile"], places, size, matrices)
-    if vehicle.fixed_cost:
-        costs["fixed"] = _whole(instance, vehicle.fixed_cost, "cost")
-    if costs:
-        made["costs"] = costs
-    for key, site in (("start", vehicle.start), ("end", vehicle.end)):
-        if site in places:
-            made[f"{key}_index"] = places[site]
-            if sites.coordinates is not None:
-                made[key] = sites.coordinates[site].tolist()
-    limits = (vehicle.capacity, *vehicle.further_capacity)
-    if any(map(math.isfinite, limits)):
-        made["capacity"] = [_whole(instance, v, "capacity") for v in limits]
-    elif sites.demand.any() or sites.pickup.any() or sites.shipments:
-        raise cannot(instance, "vroom", "vehicles that carry loads need a capacity")
-    if vehicle.skills:
-        if not all(_NUMBER.match(each) for each in vehicle.skills):
-            raise cannot(instance, "vroom", f"skills are numbers there, not {', '.join(sorted(vehicle.skills))}")
-        made["skills"] = sorted(int(each) for each in vehicle.skills)
-    opens = max(vehicle.shift[0], float(sites.ready[vehicle.start]))
-    closes = min(vehicle.shift[1], float(sites.due[vehicle.end]), float(sites.due[vehicle.start]))
-    if (opens, closes) != (0.0, math.inf) or vehicle.shift != (-math.inf, math.inf):
-        if math.isinf(closes) or sites.due[vehicle.start] < sites.due[vehicle.end]:
-            raise cannot(instance, "vroom", "the format has one window for departure and return")
-        made["time_window"] = [_whole(instance, opens, "time"), _whole(instance, closes, "time")]
-    if vehicle.energy is not None:
-        if vehicle.energy.rate != 1 or vehicle.energy.stations or vehicle.energy.at_departure < vehicle.energy.capacity:
-            raise cannot(instance, "vroom", "the format limits travel time, and no other energy")
-        made["max_travel_time"] = _whole(instance, vehicle.energy.capacity, "limit")
-    if math.isfinite(vehicle.max_distance):
-        if "per_km" not in costs:
-            raise cannot(instance, "vroom", "the format limits distances where costs are by distance")
-        made["max_distance"] = _whole(instance, vehicle.max_distance, "limit")
-    given = [int(each) for each in re.findall(r"[0-9]{1,17}", vehicle.name)]
-    named = vehicle.name == "vehicle " + " ".join(map(str, given)) and len(given) == vehicle.count
-    before = sum(v.count or 0 for v in instance.fleet[:kind])
-    return [{"id": number, **made} for number in (given if named else range(before + 1, before + vehicle.count + 1))]
-
-
-def _written_matrices(
-    instance: RoutingInstance, kind: int, profile: str, places: Mapping[int, int], size: int, matrices: dict[str, Any]
-) -> dict[str, Any]:
-    """Adds the matrices of a profile, and returns the costs that go with them."""
-    vehicle = instance.fleet[kind]
-    travel = vehicle.travel or instance.travel
-    at = list(places)
-
-    def rows(values: Floats, what: str) -> list[list[int]]:
-        whole = np.zeros((size, size))
-        where = [places[k] for k in at]
-        whole[np.ix_(where, where)] = values[np.ix_(at, at)]
-        worst = whole[whole != np.floor(whole)]
-        if len(worst):
-            _whole(instance, float(worst[0]), what)
-        return [[int(v) for v in row] for row in whole.tolist()]
-
-    costs: dict[str, Any] = {}
-    if not travel.own_durations:
-        lengths = rows(travel.distances, "distance")
-        held = {"durations": lengths, "distances": lengths}  # VROOM asks for distances even where they cost nothing
-        if vehicle.unit_cost != 1:
-            costs["per_hour"] = _whole(instance, vehicle.unit_cost * 3600, "cost of an hour")
-    elif vehicle.unit_cost == 1 and math.isinf(vehicle.max_distance):
-        lengths = rows(travel.distances, "distance")
-        held = {"durations": rows(travel.durations, "duration"), "distances": lengths, "costs": lengths}
-    else:
-        held = {"durations": rows(travel.durations, "duration"), "distances": rows(travel.distances, "distance")}
-        costs = {"per_hour": 0, "per_km": _whole(instance, vehicle.unit_cost * 1000, "cost of a kilometre")}
-    if matrices.setdefault(profile, held) != held:
-        raise cannot(instance, "vroom", "vehicles that share their travel differ in what it costs")
-    return costs
-
-
-FORMATS.add(
-    "vroom",
+add_format(
     Format(
         "vroom", "VROOM's JSON (jobs, shipments, vehicles, matrices)", recognises, read, write, (), PROBLEMS[0], PROBLEMS,
         solutions=(".json", ".sol", ".tour", ".vroom"), settings=SETTINGS,
-    ),
+    )
 )  # fmt: skip

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Generator, Setting, add_generator
 from ..fleet import with_problems
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import EXPLICIT, Travel
@@ -63,4 +62,4 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
     return with_problems(RoutingInstance(name, "generated", sites, travel, fleet))
 
 
-GENERATORS.add("random", Generator("random", "small uniform instances, optionally with loads and windows", SETTINGS, make))
+add_generator(Generator("random", "small uniform instances, optionally with loads and windows", SETTINGS, make))

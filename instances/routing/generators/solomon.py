@@ -22,20 +22,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Floats, Generator, Integers, Setting, add_generator
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import Travel
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
 class SolomonClass:
-    """What the files of one class share: units of time and load as in the files, sides of the region in units of distance."""
+    """Figures that the files of one class share: units of time and load as in the files, sides of the region in units of distance."""
 
     clustered: float
     horizon: int
@@ -168,11 +163,11 @@ def _arrivals(travel: Travel, cluster: Integers, service: float) -> tuple[Floats
 def _good_tour(d: Floats) -> Integers:
     """A tour from 0 by nearest neighbours, then 2-opt and Or-opt moves (segments of up to three) until none helps."""
     n = len(d)
-    tour, left = [0], list(range(1, n))
-    while left:
-        nearest = min(left, key=lambda k: (d[tour[-1], k], k))
+    tour, unvisited = [0], list(range(1, n))
+    while unvisited:
+        nearest = min(unvisited, key=lambda k: (d[tour[-1], k], k))
         tour.append(nearest)
-        left.remove(nearest)
+        unvisited.remove(nearest)
     improved = True
     while improved:
         improved = False
@@ -200,4 +195,4 @@ def _length(d: Floats, tour: list[int]) -> float:
     return float(d[tour, np.roll(tour, -1)].sum())
 
 
-GENERATORS.add("solomon", Generator("solomon", "time windows after Solomon's recipe, classes C1 to RC2", SETTINGS, make))
+add_generator(Generator("solomon", "time windows after Solomon's recipe, classes C1 to RC2", SETTINGS, make))

@@ -13,10 +13,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Generator, Integers, Setting, add_generator
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import Travel
 
@@ -56,12 +54,12 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
     return RoutingInstance(name, "generated", sites, travel, (VehicleType(None, capacity),), "cvrp", ("cvrp", "min-cost-vrp"))
 
 
-def _positions(draw: Draw, depot: NDArray[np.int64], n: int, positions: str, clusters: int) -> NDArray[np.int64]:
+def _positions(draw: Draw, depot: Integers, n: int, positions: str, clusters: int) -> Integers:
     """Points of the customers: the random ones, then the seeds of the clusters, then the customers they attract."""
     taken = {(int(depot[0]), int(depot[1]))}
     points: list[tuple[int, int]] = []
 
-    def add(candidates: NDArray[np.int64], upto: int) -> None:
+    def add(candidates: Integers, upto: int) -> None:
         for x, y in candidates.tolist():
             if len(points) < upto and (x, y) not in taken:
                 taken.add((x, y))
@@ -82,7 +80,7 @@ def _positions(draw: Draw, depot: NDArray[np.int64], n: int, positions: str, clu
     return np.array(points, dtype=np.int64)
 
 
-def _demands(draw: Draw, xy: NDArray[np.int64], rule: str) -> NDArray[np.int64]:
+def _demands(draw: Draw, xy: Integers, rule: str) -> Integers:
     n = len(xy)
     if rule in RANGES:
         return draw.integers(*RANGES[rule], n)
@@ -96,4 +94,4 @@ def _demands(draw: Draw, xy: NDArray[np.int64], rule: str) -> NDArray[np.int64]:
     return np.where(draw.chosen(round(share * n), n), small, large)
 
 
-GENERATORS.add("uchoa", Generator("uchoa", "capacitated instances after the recipe of Uchoa et al.'s set X", SETTINGS, make))
+add_generator(Generator("uchoa", "capacitated instances after the recipe of Uchoa et al.'s set X", SETTINGS, make))

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError, UsageError
-from ...formats import FORMATS, Format
-from ...formats.table import Settings, Table, settings_of, table_of, titles_of, written
-from ...text import label, number, plain, shown
+from ...formats import Format, add_format
+from ...formats.table import Table, name_of, settings_of, table_of, titles_of, written
+from ...number_arrays import Floats
+from ...text import number, plain
 from ..sensing_graph import PROBLEMS, SensingGraph
 from ..sensing_rows import COLUMNS, ORDERS, Named, exact_rows, graph_of_rows
 
@@ -25,36 +25,31 @@ KEYS = ("name", *CHOICES)
 
 
 def recognises(text: str) -> bool:
-    """Whether the first line that is no comment holds the titles ``robot``, ``action`` and ``target``, and none of a table of sites."""
+    """True if the first line that is no comment holds the titles ``robot``, ``action`` and ``target``, and none of a table of sites."""
     titles = titles_of(text)
     return {"robot", "action", "target"} <= titles and "id" not in titles and not {"x", "y"} <= titles
 
 
 def read(text: str, path: Path) -> SensingGraph:
     """The instance; see ``Format.read``."""
-    settings, start = settings_of(text, KEYS, COLUMNS)
-    chosen = {key: _choice(settings, key) for key in CHOICES}
+    settings, start = settings_of(text, KEYS, COLUMNS, CHOICES)
     table = table_of(text, start, COLUMNS, "edges")
-    cells: list[list[str]] = []
-    for title in COLUMNS[:3]:
-        column = table.column(title)
-        if column is None:
-            raise InputError(f"column {title} is missing", line=start + 1, expected=", ".join(COLUMNS), found=", ".join(table.titles))
-        cells.append(column)
+    cells = table.columns(COLUMNS[:3], start + 1, COLUMNS)
     robot, action, target = (Named.of(column) for column in cells)
     for title, named in (("robot", robot), ("action", action), ("target", target)):
         for code, name in enumerate(named.labels):
             if not name.isprintable():
                 line = table.at[int(np.argmax(named.codes == code))]
                 raise InputError(f"{title} cannot be printed", line=line, expected="a name", found=ascii(name)[:40])
+    usual = {"problem": PROBLEMS[0], "duplicates": "error", "order": ORDERS[0]}
+    chosen = {key: settings[key][1] if key in settings else value for key, value in usual.items()}
     return graph_of_rows(
-        robot, action, target, _weights(table, cells), lines=table.at, order=chosen["order"] or ORDERS[0],
-        duplicates=chosen["duplicates"] or "error", name=label(settings["name"][1] if "name" in settings else path.stem),
-        format="edges", problem=chosen["problem"] or PROBLEMS[0],
+        robot, action, target, _weights(table, cells), lines=table.at, order=chosen["order"], duplicates=chosen["duplicates"],
+        name=name_of(settings, path), format="edges", problem=chosen["problem"],
     )  # fmt: skip
 
 
-def _weights(table: Table, cells: list[list[str]]) -> NDArray[np.float64] | None:
+def _weights(table: Table, cells: list[list[str]]) -> Floats | None:
     column = table.column("weight")
     if column is None:
         return None
@@ -62,15 +57,6 @@ def _weights(table: Table, cells: list[list[str]]) -> NDArray[np.float64] | None
         if all(row) and not weight:
             raise InputError("the weight of the edge is empty", line=line, expected="a number")
     return np.array([number(cell, line, "weight") if cell else math.nan for cell, line in zip(column, table.at, strict=True)])
-
-
-def _choice(settings: Settings, key: str) -> str:
-    if key not in settings:
-        return ""
-    line, value = settings[key]
-    if value not in CHOICES[key]:
-        raise InputError(f"{key} {shown(value)} is unknown", line=line, expected=", ".join(CHOICES[key]))
-    return value
 
 
 def write(instance: Any) -> str:
@@ -96,10 +82,9 @@ def write(instance: Any) -> str:
     return written(settings, COLUMNS[: len(columns)], zip(*columns, strict=True))
 
 
-FORMATS.add(
-    "edges",
+add_format(
     Format(
-        "edges", "edge list of a sensing graph from CSV, one row each", recognises, read, write, (".csv",), "", PROBLEMS, "exact",
-        sense="max", answer="actions", solutions=(".json",), kinds=("sensing",),
-    ),
+        "edges", "edge list of a sensing graph from CSV, one row each", recognises, read, write, (".csv",), "", PROBLEMS, sense="max",
+        answer="actions", solutions=(".json",), kinds=("sensing",),
+    )
 )  # fmt: skip

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import UsageError
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Generator, Setting, add_generator
 from ..constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
 from ..selection import SelectionInstance
 from ..set_functions import Coverage
@@ -52,4 +51,4 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> SelectionInstance:
     return SelectionInstance(function, rule, name=name, format="generated")
 
 
-GENERATORS.add("coverage", Generator("coverage", "random weighted coverage under a constraint on what is chosen", SETTINGS, make))
+add_generator(Generator("coverage", "random weighted coverage under a constraint on what is chosen", SETTINGS, make))

@@ -19,14 +19,10 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import UsageError
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Generator, Integers, Setting, add_generator
 from ..sensing_graph import SensingGraph, graph_of_edges
-
-Keys = NDArray[np.int64]
 
 MOST_EDGES = 50_000_000
 
@@ -63,9 +59,9 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> SensingGraph:
     keys = np.concatenate([first, _others(draw, first, max(wanted - len(first), 0), pairs)])
     enough = _connecting(keys, len(first), owner, robots, targets)
     if enough is None or enough > wanted:
-        found = f"{enough} edges" if enough is not None else f"more than {len(keys)} edges"
+        count = f"{enough} edges" if enough is not None else f"more than {len(keys)} edges"
         hint = f"ask for phi of at least {_percent(enough or len(keys) + 1, pairs)}, or try another seed"
-        raise UsageError(f"phi={phi:g} asks for {wanted} edges, but with this seed it takes {found} to reach all and connect them: {hint}")
+        raise UsageError(f"phi={phi:g} asks for {wanted} edges, but with this seed it takes {count} to reach all and connect them: {hint}")
     weight = np.ones(wanted) if settings["weights"] == "binary" else draw.uniform(0.5, 1.5, wanted)
     keys = np.sort(keys)
     name = settings["name"] or f"sata-r{robots}-t{targets}-phi{phi:g}-s{settings['seed']}"
@@ -78,13 +74,13 @@ def _percent(edges: int, pairs: int) -> str:
     return f"{thousandth / 1000:g}"
 
 
-def _others(draw: Draw, taken: Keys, count: int, pairs: int) -> Keys:
+def _others(draw: Draw, taken: Integers, count: int, pairs: int) -> Integers:
     """``count`` random pairs that are not ``taken``, all different, in the order in which they were drawn."""
     if count == 0:
         return np.zeros(0, dtype=np.int64)
     if 2 * (len(taken) + count) > pairs:
-        left = np.delete(np.arange(pairs), taken)
-        return left[draw.permutation(len(left))[:count]]
+        free = np.delete(np.arange(pairs), taken)
+        return free[draw.permutation(len(free))[:count]]
     drawn = taken
     while len(drawn) < len(taken) + count:
         missing = len(taken) + count - len(drawn)
@@ -94,7 +90,7 @@ def _others(draw: Draw, taken: Keys, count: int, pairs: int) -> Keys:
     return drawn[len(taken) : len(taken) + count]
 
 
-def _connecting(keys: Keys, first: int, owner: Keys, robots: int, targets: int) -> int | None:
+def _connecting(keys: Integers, first: int, owner: Integers, robots: int, targets: int) -> int | None:
     """Least number of ``keys``, at least ``first``, whose edges connect all; None if all of them do not."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -118,4 +114,4 @@ def _connecting(keys: Keys, first: int, owner: Keys, robots: int, targets: int) 
     return low
 
 
-GENERATORS.add("sata", Generator("sata", "random sensing graphs of a given density (SATA experiments)", SETTINGS, make))
+add_generator(Generator("sata", "random sensing graphs of a given density (SATA experiments)", SETTINGS, make))

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ...generators import GENERATORS, Draw, Generator
-from ...generators.settings import Setting
+from ...generators import Draw, Generator, Setting, add_generator
 from ..sensing_graph import SensingGraph, graph_of_edges
 
 SPREAD = 48.0
@@ -40,8 +39,8 @@ def regular(draw: Draw, robots: int) -> dict[str, Any]:
 
 
 def ring(draw: Draw, robots: int) -> dict[str, Any]:
-    """As many targets as robots in a circle. Two actions a robot, each with two targets drawn from the 17 around the robot's own,
-    weight 1; a target drawn twice is seen once."""
+    """A circle of as many targets as robots. Two actions a robot, each with two targets drawn from the 17 around the robot's own, weight 1;
+    a target drawn twice is seen once."""
     owner = np.arange(2 * robots) // 2
     target = (owner[:, None] + draw.integers(-NEIGHBOURS, NEIGHBOURS, (len(owner), 2))) % robots
     action, seen = np.divmod(np.unique(np.arange(len(owner))[:, None] * robots + target), robots)
@@ -87,4 +86,4 @@ for _name, _summary, _make in (
     ("sensing-ring", "sensing graphs on a ring: two actions a robot, each with two targets nearby", ring),
     ("sensing-geometric", "sensing graphs in the plane: four actions a robot, each sees what is near", geometric),
 ):
-    GENERATORS.add(_name, _generator(_name, _summary, _make))
+    add_generator(_generator(_name, _summary, _make))

@@ -8,19 +8,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...errors import InputError, UsageError
-from ...generators import Draw
+from ...generators import Draw, Flags, Floats, Integers
 from ...text import an
 from ...worlds import WORLDS, Setting, World, WorldKind
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Integers = NDArray[np.int64]
-
 TOLERANCE = 1e-9
-"""By how much, relative to its length, a robot's move may exceed what it can do: rounding."""
+"""Relative rounding error by which a robot's move may exceed its longest one."""
 
 SCENARIOS: dict[str, dict[str, Any]] = {
     "matlab": {
@@ -41,27 +37,13 @@ SCENARIOS: dict[str, dict[str, Any]] = {
 
 @dataclass(frozen=True)
 class TrackingRules:
-    """What does not change while a tracking world unfolds.
+    """Numbers and ranges, which do not change while a tracking world unfolds.
 
-    Parameters
-    ----------
-    robots, targets : int
-    width, height : float, m
-        The area is [0, width] x [0, height]; nobody leaves it.
-    robot_step, target_step : float, m
-        Length of a robot's longest move, and of a target's every move, in one step.
-    moving : float
-        Share of the targets that move, rounded to a number of targets; the others stand still.
-    turn_every : int, steps
-        Every so many steps all moving targets take new headings; 0 for never.
-    turn_chance : float
-        Probability with which a moving target takes a new heading in a step.
-    sensing : float, m
-        A robot sees the targets within this distance.
-    communication : float, m
-        Robots within this distance hear each other.
-    noise : float, m
-        Standard deviation of the error of each measured coordinate, and of each measured component of a velocity (m a step).
+    The area is [0, ``width``] x [0, ``height``] in metres, and nobody leaves it. ``robot_step`` is a robot's longest move in a step,
+    ``target_step`` a target's every move, both in metres. ``moving`` is the share of the targets that move, rounded to a number of them.
+    Moving targets take new headings every ``turn_every`` steps (0 for never), and in any step with the probability ``turn_chance``. A robot
+    sees the targets within ``sensing`` metres and hears the robots within ``communication`` metres. ``noise`` is the standard deviation of
+    the error of each measured coordinate, in metres, and of each measured component of a velocity, in metres a step.
     """
 
     robots: int
@@ -92,25 +74,12 @@ class TrackingRules:
 
 @dataclass(frozen=True, eq=False)
 class TrackingObservation:
-    """What some robots know at one time.
+    """Knowledge of some robots, with the numbers ``ids``, at one time.
 
-    Parameters
-    ----------
-    time : int
-    rules : TrackingRules
-    ids : array of shape (robots,)
-        The robots' numbers in the world.
-    positions : array of shape (robots, 2), m
-    headings : array of shape (robots,), rad
-        Direction of each robot's last move.
-    seen : bool array of shape (robots, targets)
-        Which targets each robot sees now. Only these can it predict.
-    measured : array of shape (robots, targets, 2), m
-        Where each robot sees each target; NaN where it does not.
-    velocities : array of shape (robots, targets, 2), m a step
-        The target's last move as the robot measures it (before the first step: the move that its heading announces); NaN as above.
-    components : array of shape (robots,)
-        Robots of one number hear each other, directly or relayed.
+    ``positions``, shape (robots, 2), are in metres, and ``headings`` in radians, the direction of each robot's last move. ``seen``, shape
+    (robots, targets), tells which targets each robot sees now; only these can it predict. ``measured``, shape (robots, targets, 2), is
+    where it sees them, and ``velocities`` their last move in metres a step as it measures it (before the first step: the move that the
+    heading announces); both are NaN for other targets. Robots with one number in ``components`` hear each other, directly or relayed.
     """
 
     time: int
@@ -125,11 +94,11 @@ class TrackingObservation:
 
     @property
     def seen_by_any(self) -> Flags:
-        """Which targets at least one of the robots sees now, shape (targets,)."""
+        """Flag for each target, shape (targets,): true if at least one of the robots sees it now."""
         return np.asarray(self.seen.any(axis=0))
 
     def part(self, rows: ArrayLike) -> TrackingObservation:
-        """What the robots in these rows know."""
+        """The observation of the robots in these rows alone."""
         at = np.asarray(rows)
         return replace(
             self, ids=self.ids[at], positions=self.positions[at], headings=self.headings[at], seen=self.seen[at],
@@ -140,22 +109,11 @@ class TrackingObservation:
 class TrackingWorld(World):
     """Targets move along straight lines and turn now and then; robots move as they are told and see what is near.
 
-    Parameters
-    ----------
-    rules : TrackingRules
-    rng : numpy.random.Generator
-    robots, targets : arrays of shape (number, 2), m, optional
-        Where they start; uniform in the area by default.
+    ``robots`` and ``targets``, shape (number, 2) in metres, are where they start, uniform in the area unless they are given. Raises
+    InputError unless each start is one finite position in the area for each.
 
-    Raises
-    ------
-    InputError
-        If a start is not one finite position in the area for each robot or target.
-
-    Notes
-    -----
-    Source: Sung (2019), section 3.5; what it leaves open: docs/missions.md#tracking. A target whose next move would cross a wall
-    draws headings until one leads inside. The targets' way depends on the seed, the rules and their numbers alone.
+    Source: Sung (2019), section 3.5; what it leaves open: docs/missions.md#tracking. A target whose next move would cross a wall draws
+    headings until one leads inside. The targets' way depends on the seed, the rules and their numbers alone.
     """
 
     def __init__(
@@ -188,7 +146,7 @@ class TrackingWorld(World):
     # -- the three things that every world does ------------------------------------------------------------------------
 
     def observe(self) -> TrackingObservation:
-        """What all robots know now; ``TrackingObservation.part`` gives the share of some of them."""
+        """The observation of all robots; ``TrackingObservation.part`` gives the share of some of them."""
         return self._observation
 
     def step(self, actions: Mapping[int, ArrayLike]) -> None:
@@ -286,7 +244,7 @@ def _area(rules: TrackingRules) -> str:
 
 
 def scenario_values(values: Mapping[str, Any]) -> dict[str, Any]:
-    """``values``, with the scenario's own where nothing else is said."""
+    """Values of the settings, with the scenario's own in place of those that are None."""
     preset = SCENARIOS[values["scenario"]]
     return {key: preset[key] if value is None and key in preset else value for key, value in values.items()}
 

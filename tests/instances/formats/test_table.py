@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import pytest
+from file_cases import check_fault, error_of
 
-from waybound.instances.errors import InputError
 from waybound.instances.formats.table import delimiter_of, settings_of, table_of, titles_of, written
 
 COLUMNS = ("id", "x", "y")
@@ -35,9 +35,7 @@ def test_settings_have_their_line_and_remarks_are_passed_over() -> None:
     ],
 )
 def test_a_fault_in_the_settings_is_refused_with_its_line(text: str, line: int | None, words: str) -> None:
-    with pytest.raises(InputError, match=words) as caught:
-        settings_of(text, ("name",), COLUMNS)
-    assert caught.value.line == line
+    check_fault(error_of(settings_of, text, ("name",), COLUMNS), words, line)
 
 
 def test_cells_are_stripped_rows_keep_their_line_and_empty_ones_are_no_rows() -> None:
@@ -60,9 +58,7 @@ def test_cells_are_stripped_rows_keep_their_line_and_empty_ones_are_no_rows() ->
     ],
 )
 def test_a_fault_in_the_table_is_refused_with_its_line(text: str, line: int, words: str) -> None:
-    with pytest.raises(InputError, match=words) as caught:
-        table_of(text, 0, COLUMNS, "sites")
-    assert caught.value.line == line
+    check_fault(error_of(table_of, text, 0, COLUMNS, "sites"), words, line)
 
 
 def test_what_is_written_reads_back() -> None:

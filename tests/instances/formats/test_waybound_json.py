@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from typing import Any
 
 import pytest
+from file_cases import Refusal, check_fault, check_refused
 
-from waybound.instances.errors import InputError, UsageError
+from waybound.instances.errors import UsageError
 from waybound.instances.formats.waybound_json import recognises, write
 from waybound.instances.generating import generate
 from waybound.instances.kinds import KINDS
@@ -32,15 +32,12 @@ def test_the_version_stands_first() -> None:
         ({"waybound": True}, "waybound must be a whole number"),
         ({"waybound": "drop"}, "is JSON, but no waybound instance"),
         ({"kind": "drop"}, "the document lacks the key 'kind'"),
-        (
-            {"kind": "sudoku"},
-            f"kind is unknown; expected {', '.join(KINDS.names())}",
-        ),
+        ({"kind": "sudoku"}, f"kind is unknown; expected {', '.join(KINDS.names())}"),
         ({"waybound": "drop", "answer": None}, "is a solution file, not an instance"),
         ({"colour": "red"}, "the document has an unknown key 'colour'"),
     ],
 )
-def test_a_document_of_another_sort_is_refused(changes: dict[str, Any], message: str, refusal: Callable[..., InputError]) -> None:
+def test_a_document_of_another_sort_is_refused(changes: dict[str, Any], message: str, refusal: Refusal) -> None:
     assert message in str(refusal(document(**changes)))
 
 
@@ -57,13 +54,11 @@ def test_a_document_of_another_sort_is_refused(changes: dict[str, Any], message:
         ('{"a": ' + "[" * 60 + "]" * 60 + "}", "is nested too deeply", None),
     ],
 )
-def test_what_is_no_json_is_refused(text: str, message: str, line: int | None, refusal: Callable[..., InputError]) -> None:
-    error = refusal(text)
-    assert message in error.message
-    assert error.line == line
+def test_what_is_no_json_is_refused(text: str, message: str, line: int | None, refusal: Refusal) -> None:
+    check_fault(refusal(text), message, line)
 
 
-def test_an_unknown_convention_in_the_file_is_an_input_error(refusal: Callable[..., InputError]) -> None:
+def test_an_unknown_convention_in_the_file_is_an_input_error(refusal: Refusal) -> None:
     assert "unknown convention 'half'" in refusal(document(convention="half")).message
 
 
@@ -77,8 +72,7 @@ def test_an_instance_of_a_kind_without_json_is_refused() -> None:
         kind = "sudoku"
         name = "s1"
 
-    with pytest.raises(UsageError, match="s1 is of kind sudoku"):
-        write(Other())
+    check_refused(UsageError, "s1 is of kind sudoku", write, Other())
 
 
 @pytest.mark.parametrize(
@@ -88,7 +82,7 @@ def test_an_instance_of_a_kind_without_json_is_refused() -> None:
         ({"risk": [1]}, "settings.risk must be a text, a number, true or false; found a list"),
     ],
 )
-def test_settings_of_a_saved_problem_are_plain_values(settings: Any, message: str, refusal: Callable[..., InputError]) -> None:
+def test_settings_of_a_saved_problem_are_plain_values(settings: Any, message: str, refusal: Refusal) -> None:
     assert message in str(refusal(document(settings=settings)))
 
 

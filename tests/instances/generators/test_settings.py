@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import pytest
+from file_cases import check_refused
 
 from waybound.instances.errors import UsageError
 from waybound.instances.generators.settings import Setting
@@ -51,8 +52,7 @@ def test_a_valid_value_has_the_type_of_its_setting(setting: Setting, given: Any,
     ],
 )
 def test_another_value_is_refused_with_what_would_do(setting: Setting, given: Any, words: str) -> None:
-    with pytest.raises(UsageError, match=words):
-        setting.value("s", given)
+    check_refused(UsageError, words, setting.value, "s", given)
 
 
 def test_the_ends_of_a_range_belong_to_it() -> None:

@@ -12,7 +12,7 @@ from waybound.instances.routing.foreign_names import ELSEWHERE, OURS, elsewhere,
 from waybound.instances.routing.frame_columns import COLUMNS, known
 from waybound.instances.routing.frame_fleet import SHIFT
 from waybound.instances.routing.frame_lists import COLUMNS as LISTS
-from waybound.instances.routing.frame_moves import MOVES
+from waybound.instances.routing.frame_travel import MOVES
 from waybound.instances.routing.json_vehicles import VEHICLE_KEYS
 
 PLAIN = {"id", "name", "description", "location", "self", "default_service"}

@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+import inspect
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
+from file_cases import check_refused, refused
 
 import waybound as wb
 from waybound.instances.errors import InputError, WayboundError
-from waybound.instances.routing.frame_arguments import loads_given, number_given, text_given, titles_given, whole_given
+from waybound.instances.routing.frame_arguments import FrameArguments, loads_of, number_of, text_of, titles_of, whole_of
 
 SITES = pd.DataFrame({"id": ["hub", "a", "b"], "x": [0, 10, 20], "y": [0, 3, 4]})
 NUMBERS = ("vehicles", "capacity", "max_distance", "fixed_cost", "unit_cost", "min_vehicles", "team_risk", "speed")
 TEXTS = ("name", "distance_unit", "weight", "convention", "time_unit")
 OTHERS = ("max_duration", "extra", "closing", "windows", "shipments", "groups", "fleet", "travel", "durations", "variances", "columns")
+
+
+def test_they_are_those_of_from_frame_with_the_same_defaults() -> None:
+    documented = inspect.signature(wb.RoutingProblem.from_frame).parameters
+    own = {field.name: field.default for field in fields(FrameArguments)}
+    assert own == {name: p.default for name, p in documented.items() if name not in ("sites", "objective", "problem")}
 
 
 def said(value: object) -> str:
@@ -41,15 +50,14 @@ def test_what_is_no_number_is_refused_by_the_name_of_the_argument(key: str, valu
 
 @pytest.mark.parametrize("value", [5, None, ["x"], b"x", 3.5, True])
 def test_a_name_is_a_text(value: Any) -> None:
-    with pytest.raises(InputError, match="name must be a text; found"):
-        wb.RoutingProblem.from_frame(SITES, name=value)
+    check_refused(InputError, "name must be a text; found", wb.RoutingProblem.from_frame, SITES, name=value)
 
 
 def test_numbers_of_any_library_are_numbers() -> None:
-    assert number_given(np.float32(2), "n") == 2 and whole_given(np.int64(3), "n") == 3 and whole_given(4.0, "n") == 4
-    assert loads_given(np.array([1, 2]), "n") == [1, 2] and loads_given((5,), "n") == [5] and loads_given(7, "n") == [7]
-    assert titles_given("a", "n") == ["a"] and titles_given((), "n") == [] and titles_given(True, "n") is True
-    assert text_given("a", "n") == "a"
+    assert number_of(np.float32(2), "n") == 2 and whole_of(np.int64(3), "n") == 3 and whole_of(4.0, "n") == 4
+    assert loads_of(np.array([1, 2]), "n") == [1, 2] and loads_of((5,), "n") == [5] and loads_of(7, "n") == [7]
+    assert titles_of("a", "n") == ["a"] and titles_of((), "n") == [] and titles_of(True, "n") is True
+    assert text_of("a", "n") == "a"
     made = wb.RoutingProblem.from_frame(SITES.assign(demand2=1), capacity=np.array([5, 6]), vehicles=np.int64(2))
     assert (made.fleet[0].capacities, made.fleet[0].count) == ((5, 6), 2)
 
@@ -71,9 +79,7 @@ def test_numbers_of_any_library_are_numbers() -> None:
     ],
 )
 def test_what_is_of_the_wrong_kind_is_named(given: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError) as error:
-        wb.RoutingProblem.from_frame(SITES, **given)
-    assert message in str(error.value)
+    assert message in refused(wb.RoutingProblem.from_frame, SITES, **given)
 
 
 def test_a_fleet_may_be_read_once_alone() -> None:
@@ -84,5 +90,4 @@ def test_a_fleet_may_be_read_once_alone() -> None:
 
 @pytest.mark.parametrize("frame", [SITES[:1], SITES.assign(depot=True)])
 def test_sites_without_a_customer_are_refused(frame: pd.DataFrame) -> None:
-    with pytest.raises(InputError, match="there is no customer; expected a row that is no depot"):
-        wb.RoutingProblem.from_frame(frame)
+    check_refused(InputError, "there is no customer; expected a row that is no depot", wb.RoutingProblem.from_frame, frame)

@@ -8,11 +8,11 @@ import warnings
 import numpy as np
 import pandas as pd
 import pytest
+from file_cases import refused
 
 import waybound as wb
-from waybound.instances.errors import InputError
 from waybound.instances.routing.frame_columns import columns_of
-from waybound.instances.routing.geography import coordinates_of, middle, warn_of_swapped
+from waybound.instances.routing.geography import at_open_sea, coordinates_of, middle, warn_of_swapped
 from waybound.instances.routing.travel import Travel
 
 BERLIN, SYDNEY, NEW_YORK, QUITO, ZAGREB = (52.52, 13.40), (-33.87, 151.21), (40.71, -74.01), (-0.18, -78.47), (45.81, 15.98)
@@ -99,9 +99,7 @@ def test_the_warning_reaches_who_makes_the_problem() -> None:
     ],
 )
 def test_what_is_no_place_is_refused(columns: dict[str, list[object]], message: str) -> None:
-    with pytest.raises(InputError) as error:
-        coordinates_of(columns_of(pd.DataFrame(columns), None, ()))
-    assert str(error.value).startswith(message)
+    assert refused(coordinates_of, columns_of(pd.DataFrame(columns), None, ())).startswith(message)
 
 
 def test_a_square_of_degrees_is_not_warned_of() -> None:
@@ -110,3 +108,12 @@ def test_a_square_of_degrees_is_not_warned_of() -> None:
         warnings.simplefilter("error")
         for place in ((8.0, 47.0), (24.0, 60.0), (-80.0, 37.0)):
             warn_of_swapped(np.array(place) + rng.random((60, 2)))
+
+
+LAND = [(2.35, 48.86), (-74.0, 40.7), (15.98, 45.81), (151.2, -33.9), (-157.9, 21.3), (36.8, -1.3), (0.0, -90.0), (180.0, -85.0)]
+SEA = [(-30.0, 40.0), (0.0, 0.0), (-180.0, 0.5), (180.0, 0.5), (80.0, -30.0), (10.0, 90.0)]
+
+
+def test_cities_are_on_land_and_the_middle_of_oceans_is_not() -> None:
+    assert not at_open_sea(np.array(LAND)).any()
+    assert at_open_sea(np.array(SEA)).all()

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from draws import draws
+from file_cases import check_refused
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -36,8 +37,7 @@ def test_rounding_puts_no_customer_out_of_reach() -> None:
         if read:
             refuse_unreachable(made)
         else:
-            with pytest.raises(InputError, match="customer 1: earliest arrival"):
-                refuse_unreachable(made)
+            check_refused(InputError, "customer 1: earliest arrival", refuse_unreachable, made)
 
 
 @pytest.mark.parametrize(

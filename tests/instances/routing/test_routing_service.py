@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from file_cases import check_refused, refused
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.routing_service import is_table, table_from_file, table_of, unit_of_distance
@@ -43,8 +44,7 @@ def test_without_distances_what_routes_cost_is_time() -> None:
 
 def test_miles_are_miles() -> None:
     assert table_of({"distances": [[0, 1609.344], [1, 0]]}).in_units("mi", None)[0][0, 1] == pytest.approx(1.0)
-    with pytest.raises(UsageError, match="unknown unit of distance 'kms'; choose from km, m, mi; did you mean 'km'"):
-        unit_of_distance("kms")
+    check_refused(UsageError, "unknown unit of distance 'kms'; choose from km, m, mi; did you mean 'km'", unit_of_distance, "kms")
 
 
 @pytest.mark.parametrize(
@@ -63,13 +63,10 @@ def test_miles_are_miles() -> None:
     ],
 )
 def test_what_is_no_table_is_refused(data: Any, message: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError) as error:
-        table_of(data)
-    assert message in str(error.value)
+    assert message in refused(table_of, data)
     path = tmp_path / "table.json"
     path.write_text(json.dumps(data))
-    with pytest.raises(InputError, match=r"table\.json"):
-        table_from_file(path)
+    check_refused(InputError, r"table\.json", table_from_file, path)
 
 
 def test_a_table_is_told_from_other_objects() -> None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from file_cases import check_fault, check_refused, error_of
 
-from waybound.instances.errors import InputError, UsageError
+from waybound.instances.errors import UsageError
 from waybound.instances.routing.instance import Sites
 from waybound.instances.routing.solution_files import SolutionFile, routes_from_text, sol_text, tour_text
 
@@ -48,10 +49,7 @@ def test_customers_are_counted_in_the_order_of_the_file_without_depots() -> None
     ],
 )
 def test_a_fault_of_a_sol_file_is_refused_with_its_line(text: str, message: str, line: int) -> None:
-    with pytest.raises(InputError) as caught:
-        routes_from_text(text, FIRST)
-    assert message in str(caught.value)
-    assert caught.value.line == line
+    check_fault(error_of(routes_from_text, text, FIRST), message, line)
 
 
 SEQUENCE = (
@@ -83,10 +81,7 @@ def test_a_sequence_of_oplib_is_turned_until_the_depot_comes_first_and_claims_a_
 )  # fmt: skip
 def test_a_fault_of_a_sequence_is_refused_with_its_line(old: str, new: str, message: str, line: int) -> None:
     assert SEQUENCE.count(old) == 1
-    with pytest.raises(InputError) as caught:
-        routes_from_text(SEQUENCE.replace(old, new), FIRST)
-    assert message in str(caught.value)
-    assert caught.value.line == line
+    check_fault(error_of(routes_from_text, SEQUENCE.replace(old, new), FIRST), message, line)
 
 
 TOUR = "NAME : six\nTYPE : TOUR\nDIMENSION : 6\nTOUR_SECTION\n3\n4\n1\n6\n5 2\n-1\nEOF\n"
@@ -111,10 +106,7 @@ def test_a_tour_is_turned_until_the_depot_comes_first() -> None:
 )
 def test_a_fault_of_a_tour_file_is_refused_with_its_line(old: str, new: str, message: str, line: int) -> None:
     assert old in TOUR
-    with pytest.raises(InputError) as caught:
-        routes_from_text(TOUR.replace(old, new, 1), FIRST)
-    assert message in str(caught.value)
-    assert caught.value.line == line
+    check_fault(error_of(routes_from_text, TOUR.replace(old, new, 1), FIRST), message, line)
 
 
 @pytest.mark.parametrize("depot", [0, 3, 5])
@@ -132,5 +124,4 @@ def test_the_text_of_both_forms() -> None:
 
 
 def test_several_routes_are_no_tour() -> None:
-    with pytest.raises(UsageError, match=r"six: 2 routes from 1 depots are no tour; write a .sol file"):
-        tour_text(FIRST, [(1,), (2,)], name="six")
+    check_refused(UsageError, r"six: 2 routes from 1 depots are no tour; write a .sol file", tour_text, FIRST, [(1,), (2,)], name="six")

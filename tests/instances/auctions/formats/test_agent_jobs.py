@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
+from file_cases import check_refused
 
 from waybound.instances.auctions.formats.agent_jobs import read, recognises, write
 from waybound.instances.auctions.generalised_assignment import GeneralisedAssignmentInstance
@@ -49,12 +50,9 @@ def test_profits_are_told_by_their_title() -> None:
     ],
 )
 def test_what_is_wrong_is_named_with_its_line(old: str, new: str, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        read(TEXT.replace(old, new), Path("x.csv"))
+    check_refused(InputError, message, read, TEXT.replace(old, new), Path("x.csv"))
 
 
 def test_what_a_table_has_no_place_for_is_refused() -> None:
-    with pytest.raises(UsageError, match="a job has no agent"):
-        write(GeneralisedAssignmentInstance([[1.0, math.inf]], [[1.0, 1.0]], [1.0]))
-    with pytest.raises(UsageError, match="has no agents with capacities"):
-        write(object())
+    check_refused(UsageError, "a job has no agent", write, GeneralisedAssignmentInstance([[1.0, math.inf]], [[1.0, 1.0]], [1.0]))
+    check_refused(UsageError, "has no agents with capacities", write, object())

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from file_cases import check_fault, check_refused, error_of
 
 from waybound.instances.auctions.formats.assignment_matrix import read, recognises, write
-from waybound.instances.errors import InputError, UsageError
+from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
 
 TEXT = "# name: yard\nrobot/bin,a,b\nr1,2,-\nr2,,1.5\n"
@@ -31,11 +32,8 @@ def test_what_is_read_is_written_and_read_again() -> None:
     ],
 )
 def test_what_is_wrong_is_named_with_its_line(text: str, line: int | None, message: str) -> None:
-    with pytest.raises(InputError, match=message) as caught:
-        read(text, Path("x.csv"))
-    assert caught.value.line == line
+    check_fault(error_of(read, text, Path("x.csv")), message, line)
 
 
 def test_what_the_format_has_no_place_for_is_refused() -> None:
-    with pytest.raises(UsageError, match="no place for"):
-        write(generate("assignment", 1, costs="euclidean"))
+    check_refused(UsageError, "no place for", write, generate("assignment", 1, costs="euclidean"))

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from file_cases import check_fault, check_refused, error_of
 
 from waybound.instances.auctions.assignment import AssignmentInstance
 from waybound.instances.auctions.formats.assignment_pairs import read, recognises, write
-from waybound.instances.errors import InputError, UsageError
+from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
 
 TEXT = "# name: yard\nrobot;bin;cost\nr1;a;2\nr2;a;1.5\nr1;b;-3\n"
@@ -38,9 +39,7 @@ def test_what_is_read_is_written_and_read_again() -> None:
     ],
 )
 def test_what_is_wrong_is_named_with_its_line(text: str, line: int, message: str) -> None:
-    with pytest.raises(InputError, match=message) as caught:
-        read(text, Path("x.csv"))
-    assert caught.value.line == line
+    check_fault(error_of(read, text, Path("x.csv")), message, line)
 
 
 @pytest.mark.parametrize("costs", ["uniform", "whole", "euclidean", "orchard"])
@@ -67,9 +66,7 @@ def test_a_bin_that_nobody_fills_stays_one() -> None:
     ],
 )
 def test_what_does_not_belong_together_is_refused(text: str, line: int | None, message: str) -> None:
-    with pytest.raises(InputError, match=message) as caught:
-        read(text, Path("x.csv"))
-    assert caught.value.line == line
+    check_fault(error_of(read, text, Path("x.csv")), message, line)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -98,5 +95,4 @@ def test_only_what_has_no_pair_has_a_row_of_its_own() -> None:
 
 
 def test_what_the_format_has_no_place_for_is_refused() -> None:
-    with pytest.raises(UsageError, match="cannot be written as assignment-pairs"):
-        write(generate("generalised-assignment", 1))
+    check_refused(UsageError, "cannot be written as assignment-pairs", write, generate("generalised-assignment", 1))

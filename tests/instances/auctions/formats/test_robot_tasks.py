@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from file_cases import check_refused
 
 from waybound.instances.auctions.robot_tasks import RobotTasks
 from waybound.instances.errors import InputError, UsageError
@@ -49,8 +50,7 @@ def test_little_is_needed(tmp_path):
     ],
 )
 def test_tables_that_break_a_rule_are_refused_with_their_line(tmp_path, old, new, message):
-    with pytest.raises(InputError, match=message):
-        read(tmp_path, TEXT.replace(old, new))
+    check_refused(InputError, message, read, tmp_path, TEXT.replace(old, new))
 
 
 def test_a_matrix_has_no_place_in_it(tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from file_cases import check_refused
 
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.instances.auctions.generators.assignment import orchard_distance
@@ -46,5 +47,4 @@ def test_every_robot_has_as_many_bins_as_are_asked_for_and_can_be_matched(costs:
 
 
 def test_too_many_pairs_are_refused() -> None:
-    with pytest.raises(UsageError, match="more than 50,000,000 pairs; set arcs"):
-        generate("assignment", 1, robots=100_000, bins=100_000)
+    check_refused(UsageError, "more than 50,000,000 pairs; set arcs", generate, "assignment", 1, robots=100_000, bins=100_000)

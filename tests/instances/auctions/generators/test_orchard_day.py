@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import pytest
+from file_cases import check_refused
 
 from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
@@ -17,7 +17,5 @@ def test_days_repeat_and_name_every_bin():
 
 
 def test_settings_out_of_range_are_refused():
-    with pytest.raises(UsageError, match="9 groups do not fit into 8 harvest cells"):
-        generate("orchard-day", 1, groups=9)
-    with pytest.raises(UsageError, match="no setting 'pickers'"):
-        generate("orchard-day", 1, pickers=4)
+    check_refused(UsageError, "9 groups do not fit into 8 harvest cells", generate, "orchard-day", 1, groups=9)
+    check_refused(UsageError, "no setting 'pickers'", generate, "orchard-day", 1, pickers=4)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from file_cases import check_refused
 
 from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
@@ -24,5 +25,4 @@ def test_on_a_grid_the_first_bases_are_corners_and_moves_go_in_eight_directions(
 
 
 def test_settings_out_of_range_are_refused():
-    with pytest.raises(UsageError, match="robots must lie between 1 and"):
-        generate("robot-tasks", 1, robots=0)
+    check_refused(UsageError, "robots must lie between 1 and", generate, "robot-tasks", 1, robots=0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from file_cases import check_refused
 
 from waybound.instances.auctions.worlds.information_gathering import GatheringRules, GatheringWorld, Move
 from waybound.instances.errors import InputError, UsageError
@@ -89,17 +90,14 @@ def test_a_robot_unloads_at_its_own_base_alone():
 )  # fmt: skip
 def test_what_cannot_be_done_changes_nothing(actions, message):
     w = GatheringWorld(GatheringRules(5, 5, 2, 1), np.random.default_rng(1))
-    with pytest.raises(InputError, match=message):
-        w.step(actions)
+    check_refused(InputError, message, w.step, actions)
     assert (w.time, w.stores.sum()) == (0, 0.0)
 
 
 def test_sizes_and_starts_that_do_not_fit_are_refused():
-    with pytest.raises(UsageError, match="5 sensors do not fit into 4 cells"):
-        make_world("information-gathering", 1, rows=2, columns=2, sensors=5)
+    check_refused(UsageError, "5 sensors do not fit into 4 cells", make_world, "information-gathering", 1, rows=2, columns=2, sensors=5)
     rules = GatheringRules(3, 3, 2, 1)
     for places, rates, message in (
         ([[0, 0], [0, 0]], [1, 1], "two sensors"), ([[0, 0], [3, 0]], [1, 1], "2 cells"), ([[0, 0], [1, 0]], [1, 0], "one rate"),
     ):  # fmt: skip
-        with pytest.raises(InputError, match=message):
-            world(rules, places, rates)
+        check_refused(InputError, message, world, rules, places, rates)

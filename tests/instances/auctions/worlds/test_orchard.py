@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from file_cases import check_refused
 from orchard_cases import LANE, ONE_ROUTE, lane, played
 
 from waybound.instances.auctions.orchard_grid import OrchardGrid
@@ -107,19 +108,16 @@ def test_a_group_waits_without_a_bin():
 )
 def test_what_cannot_be_done_changes_nothing(actions, message):
     w = world()
-    with pytest.raises(InputError, match=message):
-        w.step(actions)
+    check_refused(InputError, message, w.step, actions)
     assert (w.time, w.made, w.on_way.any(), (w.taker >= 0).any()) == (0, 1, False, False)
 
 
 def test_busy_robots_and_robots_in_the_field_are_refused_what_they_cannot_do():
     w = world()
     w.step({0: Trip(1, -1)})
-    with pytest.raises(InputError, match=r"no new bin may|not at the repository"):
-        w.step({0: Trip(1, 0)})
+    check_refused(InputError, r"no new bin may|not at the repository", w.step, {0: Trip(1, 0)})
     w.step({1: Trip(-1, 0)})
-    with pytest.raises(InputError, match="robot number 1 has not finished its trip"):
-        w.step({1: Trip()})
+    check_refused(InputError, "robot number 1 has not finished its trip", w.step, {1: Trip()})
 
 
 def test_starts_depend_on_the_seed_alone():
@@ -131,8 +129,6 @@ def test_starts_depend_on_the_seed_alone():
 
 
 def test_more_groups_than_cells_and_false_routes_are_refused():
-    with pytest.raises(UsageError, match="5 groups do not fit into 4 harvest cells"):
-        make_world("orchard", 1, rows=1, columns=6, groups=5)
+    check_refused(UsageError, "5 groups do not fit into 4 harvest cells", make_world, "orchard", 1, rows=1, columns=6, groups=5)
     for start in (OrchardStart(np.array([0]), np.array([[1]])), OrchardStart(np.array([1]), np.array([[5]]))):
-        with pytest.raises(InputError, match="harvest cell"):
-            world(start=start, rules=OrchardRules(LANE, 1, 1))
+        check_refused(InputError, "harvest cell", world, start=start, rules=OrchardRules(LANE, 1, 1))

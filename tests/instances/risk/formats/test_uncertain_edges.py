@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from file_cases import check_refused
 from uncertain_graphs import WORKED, graph_of
 
 from waybound.instances.errors import InputError, UsageError
@@ -49,8 +50,7 @@ def test_undirected_edges_stay_so(tmp_path):
     ],
 )
 def test_lists_that_break_a_rule_are_refused_with_their_line(tmp_path, old, new, message):
-    with pytest.raises(InputError, match=message):
-        read(tmp_path, TEXT.replace(old, new))
+    check_refused(InputError, message, read, tmp_path, TEXT.replace(old, new))
 
 
 def test_in_an_undirected_list_the_way_back_is_the_same_edge(tmp_path):
@@ -59,10 +59,8 @@ def test_in_an_undirected_list_the_way_back_is_the_same_edge(tmp_path):
 
 
 def test_what_has_no_place_in_a_list_is_not_written(tmp_path):
-    with pytest.raises(UsageError, match="no place for positions; use json"):
-        write_instance(generate("prm-graph", 1, vertices=9), tmp_path / "g.csv")
+    check_refused(UsageError, "no place for positions; use json", write_instance, generate("prm-graph", 1, vertices=9), tmp_path / "g.csv")
     odd = graph_of([*WORKED, ("C", "B", 40, 2)], variable=[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 4])
-    with pytest.raises(UsageError, match="no place for costs that edges share; use json"):
-        write_instance(odd, tmp_path / "g.csv")
+    check_refused(UsageError, "no place for costs that edges share; use json", write_instance, odd, tmp_path / "g.csv")
     write_instance(graph_of(WORKED), tmp_path / "g.csv")
     assert read_instance(tmp_path / "g.csv").num_edges == 10

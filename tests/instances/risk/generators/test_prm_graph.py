@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from file_cases import check_refused
 
 from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
@@ -37,8 +38,7 @@ def test_the_same_seed_gives_the_same_graph_and_others_do_not():
 
 def test_graphs_without_a_path_are_drawn_again_or_refused():
     assert all(np.isfinite(g.costs_to(g.goal, g.mean)[0]) for g in (generate("prm-graph", seed, vertices=4) for seed in range(20)))
-    with pytest.raises(UsageError, match="none of 100 random graphs of 2 vertices has a path"):
-        generate("prm-graph", 1, vertices=2)
+    check_refused(UsageError, "none of 100 random graphs of 2 vertices has a path", generate, "prm-graph", 1, vertices=2)
 
 
 def test_near_pairs_are_those_within_the_radius():

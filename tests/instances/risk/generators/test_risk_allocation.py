@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from file_cases import check_refused
 
 from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
@@ -41,5 +42,4 @@ def test_other_seeds_and_settings_are_other_problems() -> None:
 
 
 def test_three_constraints_a_step_are_refused() -> None:
-    with pytest.raises(UsageError, match="2 or 4"):
-        generate("risk-allocation", 1, family="corridor", constraints=3)
+    check_refused(UsageError, "2 or 4", generate, "risk-allocation", 1, family="corridor", constraints=3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from file_cases import check_refused
 
 from waybound.formulations.risk.risky_path import RiskyPath
 from waybound.instances.errors import UsageError
@@ -31,5 +32,4 @@ def test_rewards_free_the_end():
 
 @pytest.mark.parametrize(("given", "message"), [({"connectivity": 6}, "must be 4 or 8"), ({"rows": 900, "columns": 900}, "at most 250000")])
 def test_what_cannot_be_made_is_refused(given, message):
-    with pytest.raises(UsageError, match=message):
-        generate("risky-grid", 1, **given)
+    check_refused(UsageError, message, generate, "risky-grid", 1, **given)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from file_cases import check_refused
 from uncertain_graphs import WORKED, graph_of
 
 from waybound.instances.bundled import bundled_path
@@ -65,10 +66,8 @@ def test_draws_have_the_moments_of_the_graph():
 
 def test_moves_that_are_none_are_refused_and_change_nothing():
     w = world()
-    with pytest.raises(InputError, match="no edge leads from S to vertex number 99"):
-        w.step({0: 99})
-    with pytest.raises(InputError, match="agent 1 does not exist"):
-        w.step({1: 2})
+    check_refused(InputError, "no edge leads from S to vertex number 99", w.step, {0: 99})
+    check_refused(InputError, "agent 1 does not exist", w.step, {1: 2})
     assert (w.time, w.path) == (0, [w.graph.start])
 
 
@@ -80,7 +79,5 @@ def test_a_graph_is_drawn_or_read(tmp_path):
     assert make_world("uncertain-graph", 1, roadmap="raster-graph", vertices=40, scene="empty", pixels=32).graph.num_vertices == 40
     write_instance(graph_of(WORKED), tmp_path / "g.csv")
     assert make_world("uncertain-graph", 5, file=str(tmp_path / "g.csv")).graph.num_vertices == 7
-    with pytest.raises(InputError, match="no such file"):
-        make_world("uncertain-graph", 5, file="nowhere.csv")
-    with pytest.raises(UsageError, match="holds no graph of uncertain costs"):
-        make_world("uncertain-graph", 5, file=str(bundled_path("demo-tiny")))
+    check_refused(InputError, "no such file", make_world, "uncertain-graph", 5, file="nowhere.csv")
+    check_refused(UsageError, "holds no graph of uncertain costs", make_world, "uncertain-graph", 5, file=str(bundled_path("demo-tiny")))

@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
+from file_cases import Change, Differences, Read, Refusal, check_fault, check_refused, check_unwritable, with_line_of
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.reading import read_instance
-from waybound.instances.routing.formats.cordeau import read, recognises, write
+from waybound.instances.routing.formats._rows import Rows
+from waybound.instances.routing.formats.cordeau import Table, read, recognises, write
 from waybound.instances.routing.instance import VehicleType
 
 MDVRP = """\
@@ -32,15 +34,10 @@ VRPTW = """\
 1 -29.730 64.136 2 12 1 1 1 354 509
 2 -30.664 5.463 7 8 1 1 1 234 401
 """
+with_line = partial(with_line_of, MDVRP)
 
 
-def with_line(number: int, text: str, of: str = MDVRP) -> str:
-    lines = of.split("\n")
-    lines[number - 1] = text
-    return "\n".join(lines)
-
-
-def test_several_depots_have_vehicles_each_and_limits_of_their_own(read_text_as: Callable[..., Any]) -> None:
+def test_several_depots_have_vehicles_each_and_limits_of_their_own(read_text_as: Read) -> None:
     made = read_text_as(MDVRP, "p99.txt")
     assert (made.name, made.format, made.problem, made.problems) == ("p99", "cordeau", "mdvrp", ("mdvrp", "min-cost-vrp"))
     assert made.fleet == (
@@ -55,7 +52,7 @@ def test_several_depots_have_vehicles_each_and_limits_of_their_own(read_text_as:
     assert made.notes == ("3 vehicles at each of 2 depots",)
 
 
-def test_windows_stand_behind_the_list(read_text_as: Callable[..., Any]) -> None:
+def test_windows_stand_behind_the_list(read_text_as: Read) -> None:
     made = read_text_as(VRPTW, format="cordeau")
     assert (made.problem, made.problems, made.notes) == ("vrptw", ("vrptw", "min-cost-vrp"), ())
     assert made.fleet == (VehicleType(3, 200.0, max_duration=500.0),)
@@ -63,12 +60,12 @@ def test_windows_stand_behind_the_list(read_text_as: Callable[..., Any]) -> None
     assert (made.sites.ready.tolist(), made.sites.due.tolist()) == ([0, 354, 234], [1000, 509, 401])
 
 
-def test_one_depot_without_windows_is_a_cvrp(read_text_as: Callable[..., Any]) -> None:
+def test_one_depot_without_windows_is_a_cvrp(read_text_as: Read) -> None:
     made = read_text_as("0 2 1 1\n0 5\n0 0 0 0 0 0 0\n1 3 4 0 2 1 1 1\n")
     assert (made.format, made.problem, made.fleet) == ("cordeau", "cvrp", (VehicleType(2, 5.0),))
 
 
-def test_several_depots_with_windows(read_text_as: Callable[..., Any], differences: Callable[..., list[str]]) -> None:
+def test_several_depots_with_windows(read_text_as: Read, differences: Differences) -> None:
     lines = MDVRP.replace("2 3 3 2", "6 3 3 2", 1).rstrip("\n").split("\n")
     made = read_text_as("\n".join([*lines[:3], *(f"{line} 0 {900 + k}" for k, line in enumerate(lines[3:]))]))
     assert (made.problem, made.sites.due.tolist()) == ("mdvrp", [900, 901, 902, 903, 904])
@@ -76,7 +73,7 @@ def test_several_depots_with_windows(read_text_as: Callable[..., Any], differenc
 
 
 @pytest.mark.parametrize("change", [lambda t: t.replace("\n", "\r\n"), lambda t: "\ufeff" + t, lambda t: t.rstrip("\n")])
-def test_line_ends_and_marks_do_not_matter(change: Callable[[str], str], read_text_as: Callable[..., Any]) -> None:
+def test_line_ends_and_marks_do_not_matter(change: Callable[[str], str], read_text_as: Read) -> None:
     assert read_text_as(change(MDVRP)).sites.demand.tolist() == [7, 30, 16, 0, 0]
 
 
@@ -110,23 +107,19 @@ def test_line_ends_and_marks_do_not_matter(change: Callable[[str], str], read_te
     ],
 )  # fmt: skip
 def test_a_fault_is_refused_with_its_line(
-    text: str, line: int, message: str | None, expected: str | None, found: str | None, refusal: Callable[..., InputError]
+    text: str, line: int, message: str | None, expected: str | None, found: str | None, refusal: Refusal
 ) -> None:
-    error = refusal(text)
-    assert message is None or message in str(error)
-    assert error.line == line
-    assert expected is None or error.expected == expected
-    assert found is None or error.found == found
+    check_fault(refusal(text), message or "", line, expected, found)
 
 
-def test_windows_that_close_before_they_open_are_refused(refusal: Callable[..., InputError]) -> None:
-    error = refusal(with_line(4, "1 -29.730 64.136 2 12 1 1 1 654 509", VRPTW), format="cordeau")
+def test_windows_that_close_before_they_open_are_refused(refusal: Refusal) -> None:
+    error = refusal(with_line_of(VRPTW, 4, "1 -29.730 64.136 2 12 1 1 1 654 509"), format="cordeau")
     assert "time window closes before it opens" in str(error)
     assert error.line == 4
 
 
 @pytest.mark.parametrize("text", [MDVRP, VRPTW])
-def test_what_is_read_is_written_again(text: str, differences: Callable[..., list[str]]) -> None:
+def test_what_is_read_is_written_again(text: str, differences: Differences) -> None:
     made = read(text, Path("file.txt"))
     assert differences(made, read(write(made), Path("file.txt"))) == []
 
@@ -143,9 +136,8 @@ def test_what_is_read_is_written_again(text: str, differences: Callable[..., lis
         (lambda i: replace(i, sites=replace(i.sites, ids=tuple("abcde"))), "sites must be numbered in order"),
     ],
 )  # fmt: skip
-def test_what_the_format_cannot_express_is_refused(change: Callable[[Any], Any], message: str) -> None:
-    with pytest.raises(UsageError, match=message):
-        write(change(read(MDVRP, Path("file.txt"))))
+def test_what_the_format_cannot_express_is_refused(change: Change, message: str) -> None:
+    check_unwritable(write, change(read(MDVRP, Path("file.txt"))), message)
 
 
 def test_a_file_that_may_be_another_is_settled_by_its_problem(tmp_path: Path) -> None:
@@ -158,8 +150,7 @@ def test_a_file_that_may_be_another_is_settled_by_its_problem(tmp_path: Path) ->
     assert caught.value.exit_code == 2
     assert read_instance(path, problem="vrptw").format == "cordeau"
     assert read_instance(path, problem="team-orienteering").format == "toptw"
-    with pytest.raises(UsageError, match="more than one format"):
-        read_instance(path, problem="tsp")
+    check_refused(UsageError, "more than one format", read_instance, path, problem="tsp")
 
 
 @pytest.mark.parametrize(
@@ -167,3 +158,31 @@ def test_a_file_that_may_be_another_is_settled_by_its_problem(tmp_path: Path) ->
 )
 def test_other_texts_are_not_recognised(text: str) -> None:
     assert not recognises(text)
+
+
+# -- rows with a list of combinations of visits -------------------------------------------------------------------------
+
+
+def test_windows_of_a_row_stand_behind_a_list_of_any_length() -> None:
+    table = Table()
+    table.read(Rows.of("1 5 6 7 8 2 3 1 2 4 9 10\n2 5 6 7 8 1 0 9 10\n"), "site", 1, 2, windows=True)
+    assert table.columns.tolist() == [[1, 5, 6, 7, 8, 9, 10], [2, 5, 6, 7, 8, 9, 10]]
+    assert (table.frequency, table.combinations, table.at) == ([2, 1], [[1, 2, 4], []], [1, 2])
+
+
+def test_without_windows_a_site_is_always_open() -> None:
+    table = Table()
+    table.read(Rows.of("4 5 6 7 8 1 1 1"), "site", 4, 1, windows=False)
+    assert table.columns.tolist() == [[4, 5, 6, 7, 8, 0, math.inf]]
+    table.check("demand")
+
+
+@pytest.mark.parametrize(
+    "row", ["1 5 6 7 8 1", "1 5 6 7 8 1 2 1", "1 5 6 7 8 1 -1", "1 5 6 7 8 1 0.5", "1 5 6 7 8 1 1 1 9", "1 5 6 7 8 1 1e300 1"]
+)
+def test_a_row_that_is_as_long_as_it_says_alone_is_read(row: str) -> None:
+    check_refused(InputError, "row of a site has a wrong length", Table().read, Rows.of(row), "site", 1, 1, windows=False)
+
+
+def test_a_table_without_rows_keeps_its_columns() -> None:
+    assert Table().columns.shape == (0, 7)

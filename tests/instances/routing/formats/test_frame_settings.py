@@ -9,9 +9,11 @@ from typing import Any
 
 import pandas as pd
 import pytest
+from file_cases import check_refused, refused
 
+from waybound.instances.clock import moment_of, span_of
 from waybound.instances.errors import InputError, UsageError
-from waybound.instances.routing.formats._frame_settings import KEYS, arguments, in_file, of_set
+from waybound.instances.routing.formats._frame_settings import KEYS, arguments, flag, in_file, kept, of_set
 
 
 def test_every_key_is_an_argument(tmp_path: Path) -> None:
@@ -63,9 +65,7 @@ def test_what_comes_from_python_is_handed_on() -> None:
     ],
 )
 def test_a_setting_that_makes_no_sense_is_refused_with_its_line(key: str, text: str, message: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError) as caught:
-        arguments({key: (4, text)}, tmp_path, 2)
-    assert str(caught.value).startswith(message)
+    assert refused(arguments, {key: (4, text)}, tmp_path, 2).startswith(message)
 
 
 @pytest.mark.parametrize(
@@ -103,8 +103,7 @@ def test_a_setting_of_the_command_line_has_no_line(given: dict[str, Any]) -> Non
 
 
 def test_a_unit_of_the_command_line_has_no_line() -> None:
-    with pytest.raises(UsageError, match="unknown unit of time 'week'"):
-        arguments(of_set({"time-unit": "week"}), Path(), 2)
+    check_refused(UsageError, "unknown unit of time 'week'", arguments, of_set({"time-unit": "week"}), Path(), 2)
 
 
 @pytest.mark.parametrize(
@@ -120,3 +119,50 @@ def test_a_unit_of_the_command_line_has_no_line() -> None:
 def test_a_cure_is_told_as_the_command_line_writes_it(python: Any, command: str) -> None:
     assert in_file(InputError("wrong", expected=python, line=3)).expected == command
     assert in_file(InputError("wrong")).expected is None
+
+
+# -- cells ---------------------------------------------------------------------------------------------------------------
+
+
+HOUR = datetime.timedelta(hours=1)
+
+
+@pytest.mark.parametrize(
+    ("cell", "meant"),
+    [
+        ("", None), ("480", 480.0), ("08:05", datetime.time(8, 5)), ("8:05:30", datetime.time(8, 5, 30)), ("24:00", 24 * HOUR),
+        ("2026-05-04", datetime.datetime(2026, 5, 4)), ("2026-05-04 08:05", datetime.datetime(2026, 5, 4, 8, 5)),
+        ("2026-05-04T08:05:00+02:00", datetime.datetime(2026, 5, 4, 8, 5, tzinfo=datetime.timezone(2 * HOUR))),
+    ],
+)  # fmt: skip
+def test_moments(cell: str, meant: Any) -> None:
+    assert moment_of(cell, 3, "ready") == meant
+
+
+@pytest.mark.parametrize(
+    ("cell", "meant"),
+    [
+        ("", None), ("20", 20.0), ("20min", HOUR / 3), ("1h 30min", 1.5 * HOUR), ("90 Minutes", 1.5 * HOUR), ("0.5 h", HOUR / 2),
+        ("00:20:00", HOUR / 3), ("0 days 00:20:00", HOUR / 3), ("1 day, 0:00:00.5", 24 * HOUR + datetime.timedelta(seconds=0.5)),
+    ],
+)  # fmt: skip
+def test_lengths_of_time(cell: str, meant: Any) -> None:
+    assert span_of(cell, 3, "service") == meant
+
+
+@pytest.mark.parametrize("cell", ["noon", "25:00", "24:01", "08:60", "2026-13-04", "2026-05-04T25:00", "-08:00", "1_0"])
+def test_what_is_no_moment_is_refused(cell: str) -> None:
+    check_refused(InputError, "line 3: ready must be a number or a moment", moment_of, cell, 3, "ready")
+
+
+@pytest.mark.parametrize(
+    "cell", ["00:20", "20 fortnights", "min", "1h and 5min", "2026-05-04", "-20min", "999999999999h", "9" * 400 + "min"]
+)
+def test_what_is_no_length_of_time_is_refused(cell: str) -> None:
+    """Hours and minutes with a colon may be minutes and seconds as well."""
+    check_refused(InputError, "line 3: service must be a number or a length of time", span_of, cell, 3, "service")
+
+
+def test_flags_and_what_is_only_kept() -> None:
+    assert [flag(cell, 1, "depot") for cell in ("yes", "FALSE", "")] == [True, False, None]
+    assert kept(["1", "", "-2.5"]) == [1, None, -2.5] and kept(["007", "8"]) == ["007", "8"] and kept(["1", "x"]) == ["1", "x"]

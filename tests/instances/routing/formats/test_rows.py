@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from waybound.instances.errors import InputError
-from waybound.instances.routing.formats._rows import Rows, head, positive, widths
+from waybound.instances.routing.formats._rows import Rows, head, widths
 
 
 def test_the_head_of_a_text_is_its_first_lines_that_are_not_blank() -> None:
@@ -35,9 +35,7 @@ def test_a_table_without_rows_keeps_its_width() -> None:
 
 def test_what_is_left_over_is_refused_with_its_line() -> None:
     with pytest.raises(InputError, match="goes on after its end") as caught:
-        Rows.of(
-            "1 2\n3\n",
-        ).end()
+        Rows.of("1 2\n3\n").end()
     assert (caught.value.line, caught.value.found) == (1, "'1 2'")
 
 
@@ -52,9 +50,3 @@ def test_a_key_that_is_missing_is_named() -> None:
     with pytest.raises(InputError, match="tmax is missing") as caught:
         Rows.of("time 4\n").keyed("tmax")
     assert caught.value.expected == "tmax and its value"
-
-
-def test_positive_numbers() -> None:
-    assert positive("2.5", 1, "Q") == 2.5
-    with pytest.raises(InputError, match="Q must be positive"):
-        positive("0", 1, "Q")

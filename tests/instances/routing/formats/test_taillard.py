@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import pytest
+from file_cases import Differences, Read, Refusal, check_refused, with_line_of
 
-from waybound.instances.errors import InputError, UsageError
+from waybound.instances.errors import UsageError
 from waybound.instances.routing.formats.taillard import read, recognises, write
 from waybound.instances.routing.instance import VehicleType
 from waybound.instances.routing.travel import Travel
 
 GOOD = " 3\n 0 40 40 0\n 1 22 22 18 \n 2 36.5 26 26 \n 3 21 45 11\n2 \n20   20 1.0 0 50\n30   35 1.1 0 2\n"
+with_line = partial(with_line_of, GOOD)
 
 
-def with_line(number: int, text: str) -> str:
-    lines = GOOD.split("\n")
-    lines[number - 1] = text
-    return "\n".join(lines)
-
-
-def test_everything_in_the_file_is_read(read_text_as: Callable[..., Any]) -> None:
+def test_everything_in_the_file_is_read(read_text_as: Read) -> None:
     made = read_text_as(GOOD, "c3.txt")
     assert (made.name, made.format, made.problem, made.problems) == ("c3", "taillard", "cvrp", ("cvrp", "min-cost-vrp"))
     assert made.fleet == (
@@ -49,7 +45,7 @@ def test_everything_in_the_file_is_read(read_text_as: Callable[..., Any]) -> Non
         ("3\n0 40 40 0\n1 22 22 18\n", "ends early", 3),
     ],
 )
-def test_a_fault_is_refused_with_its_line(text: str, message: str, line: int, refusal: Callable[..., InputError]) -> None:
+def test_a_fault_is_refused_with_its_line(text: str, message: str, line: int, refusal: Refusal) -> None:
     error = refusal(text)
     assert message in error.message and error.line == line
 
@@ -58,9 +54,7 @@ def test_recognition() -> None:
     assert recognises(GOOD) and not recognises("3\n1 40 40 0\n2 1 1 1\n") and not recognises("3 4\n0 1 1 0\n1 1 1 1\n")
 
 
-def test_what_is_written_reads_back_the_same(
-    read_text_as: Callable[..., Any], differences: Callable[..., list[str]], tmp_path: Any
-) -> None:
+def test_what_is_written_reads_back_the_same(read_text_as: Read, differences: Differences, tmp_path: Any) -> None:
     made = read_text_as(GOOD, "c3.txt")
     assert differences(made, read(write(made), tmp_path / "c3.txt")) == []
 
@@ -75,10 +69,9 @@ def test_what_is_written_reads_back_the_same(
         (lambda i: i.with_customers(2), None),
     ],
 )
-def test_what_the_format_cannot_express_is_refused(change: Any, message: str | None, read_text_as: Callable[..., Any]) -> None:
+def test_what_the_format_cannot_express_is_refused(change: Any, message: str | None, read_text_as: Read) -> None:
     made = change(read_text_as(GOOD))
     if message is None:
         assert write(made).startswith("2\n")
         return
-    with pytest.raises(UsageError, match=message):
-        write(made)
+    check_refused(UsageError, message, write, made)

@@ -53,12 +53,12 @@ def test_a_line_that_is_not_understood_is_refused(text: str, line: int, words: s
 
 def test_what_is_missing_is_told_with_the_last_line() -> None:
     spec = scan("NAME :\nDIMENSION : 3\n\n")
-    assert spec.dimension() == 3
+    assert spec.whole("DIMENSION") == 3
     assert fault(spec.value, "TYPE") == (2, "line 2: header TYPE is missing; expected TYPE : ...; found the end of the file")
     assert fault(spec.value, "NAME") == (1, "line 1: NAME has no value")
     assert fault(spec.section, "DEMAND_SECTION")[0] == 2
-    assert "DIMENSION" in fault(scan("DIMENSION : 2.5\n").dimension)[1]
-    assert "DIMENSION" in fault(scan("DIMENSION : 0\n").dimension)[1]
+    assert "DIMENSION" in fault(scan("DIMENSION : 2.5\n").whole, "DIMENSION")[1]
+    assert "DIMENSION" in fault(scan("DIMENSION : 0\n").whole, "DIMENSION")[1]
 
 
 def test_what_would_be_dropped_is_refused_and_fixed_edges_say_why() -> None:

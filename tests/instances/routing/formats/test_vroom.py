@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import copy
 import json
-import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from file_cases import Differences, Read, Refusal
 
-from waybound.instances.errors import InputError, UsageError
 from waybound.instances.formats import waybound_json
 from waybound.instances.generating import generate
 from waybound.instances.routing.formats.vroom import read, recognises, write
-from waybound.instances.routing.instance import RoutingInstance, Sites, VehicleType
+from waybound.instances.routing.instance import VehicleType
 from waybound.instances.routing.sites import Shipment
-from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.instances.routing.vehicle_type import Energy
 
 DURATIONS = [[0, 2104, 197, 1299], [2103, 0, 2255, 3152], [197, 2256, 0, 1102], [1299, 3153, 1102, 0]]
@@ -60,7 +57,7 @@ def changed(path: str, value: Any) -> str:
 
 
 @pytest.fixture
-def good(read_text_as: Callable[..., Any]) -> Any:
+def good(read_text_as: Read) -> Any:
     return read_text_as(json.dumps(GOOD), "delivery.json")
 
 
@@ -98,7 +95,7 @@ def test_anywhere_is_no_distance_from_any_site(good: Any) -> None:
     assert (float(bike.distance(1, 3)), float(bike.duration(1, 3))) == (3153 // 2, 3153)
 
 
-def test_costs_by_time_and_distance_are_summed(read_text_as: Callable[..., Any]) -> None:
+def test_costs_by_time_and_distance_are_summed(read_text_as: Read) -> None:
     made = read_text_as(
         changed("vehicles.2", {**GOOD["vehicles"][2], "costs": {"per_km": 500}, "max_distance": 9000}).replace(', "max_distance": 9000', "")
     )
@@ -106,7 +103,7 @@ def test_costs_by_time_and_distance_are_summed(read_text_as: Callable[..., Any])
     assert made.fleet[1].unit_cost == 1
 
 
-def test_costs_of_their_own_and_a_speed(read_text_as: Callable[..., Any]) -> None:
+def test_costs_of_their_own_and_a_speed(read_text_as: Read) -> None:
     data = json.loads(changed("vehicles.2.costs", {}))
     del data["vehicles"][2]["max_distance"]
     data["vehicles"][2]["speed_factor"] = 0.5
@@ -115,7 +112,7 @@ def test_costs_of_their_own_and_a_speed(read_text_as: Callable[..., Any]) -> Non
     assert (float(bike.distance(1, 3)), float(bike.duration(1, 3))) == (3154, 6306)
 
 
-def test_the_matrix_of_older_versions_is_that_of_cars(read_text_as: Callable[..., Any]) -> None:
+def test_the_matrix_of_older_versions_is_that_of_cars(read_text_as: Read) -> None:
     data = {"vehicles": [{"id": 0, "end_index": 0}], "jobs": [{"id": 3, "location_index": 1}], "matrix": [[0, 5], [6, 0]]}
     made = read_text_as(json.dumps(data))
     assert made.sites.ids == ("anywhere", "location 0", "3")
@@ -166,27 +163,25 @@ def test_the_matrix_of_older_versions_is_that_of_cars(read_text_as: Callable[...
         ("options", {"g": True}, None),
     ],
 )  # fmt: skip
-def test_a_fault_is_refused_by_its_key(
-    path: str, value: Any, message: str | None, read_text_as: Callable[..., Any], refusal: Callable[..., InputError]
-) -> None:
+def test_a_fault_is_refused_by_its_key(path: str, value: Any, message: str | None, read_text_as: Read, refusal: Refusal) -> None:
     if message is None:
         read_text_as(changed(path, value))
     else:
         assert message in str(refusal(changed(path, value)))
 
 
-def test_nothing_to_do_is_refused(refusal: Callable[..., InputError]) -> None:
+def test_nothing_to_do_is_refused(refusal: Refusal) -> None:
     data = {"vehicles": GOOD["vehicles"][:1], "matrices": GOOD["matrices"]}
     assert "there is nothing to do; expected jobs or shipments" in str(refusal(json.dumps(data)))
     assert "is a solution file" in str(refusal(json.dumps({"code": 0, "routes": []}), format="vroom"))
 
 
-def test_what_is_read_is_written_again(good: Any, differences: Callable[..., list[str]]) -> None:
+def test_what_is_read_is_written_again(good: Any, differences: Differences) -> None:
     again = read(write(good), Path("delivery.json"))
     assert differences(good, again) == []
 
 
-def test_what_every_site_asks_for_is_written_too(read_text_as: Callable[..., Any]) -> None:
+def test_what_every_site_asks_for_is_written_too(read_text_as: Read) -> None:
     made: Any = generate("random", 1, metric="EUC_2D", windows=True, vehicles=3)
     data = json.loads(write(made))
     assert [job["id"] for job in data["jobs"]] == [1, 2, 3, 4, 5, 6]
@@ -196,46 +191,6 @@ def test_what_every_site_asks_for_is_written_too(read_text_as: Callable[..., Any
     assert np.array_equal(again.travel.distances, made.travel.distances)
     assert again.sites.reward.tolist() == [0, 1, 1, 1, 1, 1, 1]
     assert waybound_json.recognises(waybound_json.write(again)) and not recognises(waybound_json.write(again))
-
-
-def tiny(
-    vehicle: VehicleType | None = None, problem: str = "cvrp", objective: tuple[str, ...] = (), matrix: Any = None, **sites: Any
-) -> RoutingInstance:
-    travel = Travel(EXPLICIT, matrix=[[0, 1, 2], [3, 0, 4], [5, 6, 0]] if matrix is None else matrix)
-    return RoutingInstance("tiny", "json", Sites.of("abc", **sites), travel, (vehicle or VehicleType(1),), problem, objective=objective)
-
-
-@pytest.mark.parametrize(
-    ("made", "message"),
-    [
-        (lambda: tiny(VehicleType()), "needs a number of vehicles"),
-        (lambda: tiny(VehicleType(10**9)), "lists each vehicle"),
-        (lambda: tiny(VehicleType(1, max_duration=9)), "no place for max-duration"),
-        (lambda: tiny(VehicleType(1, max_distance=9)), "limits distances where costs are by distance"),
-        (lambda: tiny(VehicleType(1, energy=Energy(9, 2.0))), "limits travel time, and no other energy"),
-        (lambda: tiny(VehicleType(1, skills=frozenset({"crane"}))), "skills are numbers there, not crane"),
-        (lambda: tiny(demand=[0, 1, 1]), "vehicles that carry loads need a capacity"),
-        (lambda: tiny(VehicleType(1, 2.5), demand=[0, 1, 1]), "a capacity is 2.5"),
-        (lambda: tiny(matrix=[[0, 1.5, 2], [3, 0, 4], [5, 6, 0]]), "a distance is 1.5"),
-        (lambda: tiny(service=[0, 0.5, 0]), "a service time is 0.5"),
-        (lambda: tiny(ready=[0, 4, 0]), "the window of site b has no end"),
-        (lambda: tiny(VehicleType(1, skills=frozenset({"crane"})), skills={1: {"crane"}}), "skills are numbers there, not crane"),
-        (lambda: tiny(required=False), "this asks for something else"),
-        (lambda: tiny(required=False, reward=[0, 1, 2], objective=("reward", "total-cost")), "this asks for something else"),
-        (lambda: tiny(objective=("vehicles", "total-cost")), "this asks for something else"),
-        (lambda: tiny(VehicleType(1, 2), shipments=[Shipment(1, 2)], required=False, reward=[0, 1, 4], objective=("reward", "total-cost")),
-         "both ends of a shipment need the same priority"),
-    ],
-)  # fmt: skip
-def test_what_the_format_cannot_express_is_refused(made: Callable[[], Any], message: str) -> None:
-    with pytest.raises(UsageError, match=message):
-        write(made())
-
-
-def test_tasks_without_numbers_are_numbered_by_their_place() -> None:
-    data = json.loads(write(tiny(due=[math.inf, 9, 9])))
-    assert [job["id"] for job in data["jobs"]] == [1, 2]
-    assert data["matrices"]["car"]["durations"] == [[0, 1, 2], [3, 0, 4], [5, 6, 0]]
 
 
 @pytest.mark.parametrize("text", ["vehicles", '{"jobs": []}', '{"waybound": 1, "vehicles": []}', "[]", ""])

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from file_cases import check_refused
 
 from waybound.instances.errors import InputError
 from waybound.instances.reading import read_instance
@@ -56,8 +57,7 @@ def test_great_circles_stand_for_matrices_at_a_speed(tmp_path: Path) -> None:
     ],
 )
 def test_a_setting_that_does_not_fit_is_refused(settings: dict[str, Any], message: str, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=re.escape(message)):
-        read_places(tmp_path, **settings)
+    check_refused(InputError, re.escape(message), read_places, tmp_path, **settings)
 
 
 @pytest.mark.parametrize(
@@ -75,5 +75,4 @@ def test_places_that_are_none_are_refused(path: tuple[Any, ...], value: Any, mes
     for key in path[:-1]:
         held = held[key]
     held[path[-1]] = value
-    with pytest.raises(InputError, match=re.escape(message)):
-        read(json.dumps(data), Path("p.json"), {"speed": 50, "ignore": "breaks,steps,setup"})
+    check_refused(InputError, re.escape(message), read, json.dumps(data), Path("p.json"), {"speed": 50, "ignore": "breaks,steps,setup"})

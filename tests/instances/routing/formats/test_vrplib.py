@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from file_cases import Change, Differences, Read, Refusal, check_fault, check_refused, check_unwritable, refused, tsplib
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.generating import generate
@@ -18,28 +18,10 @@ from waybound.instances.routing.formats.vrplib import read, recognises
 from waybound.instances.routing.instance import VehicleType
 from waybound.instances.routing.sites import Shipment
 
-CVRP = """\
-NAME : small
-COMMENT : (nobody, No of trucks: 2)
-TYPE : CVRP
-DIMENSION : 4
-EDGE_WEIGHT_TYPE : EUC_2D
-CAPACITY : 10
-NODE_COORD_SECTION
-1 0 0
-2 3 4
-3 1.5 2
-4 -3 4.5
-DEMAND_SECTION
-1 0
-2 5
-3 7
-4 2
-DEPOT_SECTION
- 1
- -1
-EOF
-"""
+CVRP = tsplib(
+    "NAME : small", "COMMENT : (nobody, No of trucks: 2)", "TYPE : CVRP", "DIMENSION : 4", "EDGE_WEIGHT_TYPE : EUC_2D", "CAPACITY : 10",
+    NODE_COORD_SECTION="1 0 0|2 3 4|3 1.5 2|4 -3 4.5", DEMAND_SECTION="1 0|2 5|3 7|4 2", DEPOT_SECTION=" 1| -1",
+) + "EOF\n"  # fmt: skip
 VRPTW = (
     CVRP.replace("TYPE : CVRP", "TYPE : VRPTW")
     .replace("CAPACITY : 10", "CAPACITY : 10\nVEHICLES : 3")
@@ -65,7 +47,7 @@ def cvrp(old: str, new: str, text: str = CVRP) -> str:
     return text.replace(old, new, 1)
 
 
-def test_everything_in_a_cvrp_file_is_read(read_text_as: Callable[..., Any]) -> None:
+def test_everything_in_a_cvrp_file_is_read(read_text_as: Read) -> None:
     made = read_text_as(CVRP)
     assert (made.name, made.format, made.problem, made.problems) == ("small", "vrplib", "cvrp", ("cvrp", "min-cost-vrp"))
     assert made.fleet == (VehicleType(None, 10.0),)
@@ -77,7 +59,7 @@ def test_everything_in_a_cvrp_file_is_read(read_text_as: Callable[..., Any]) -> 
     assert made.notes == ()
 
 
-def test_everything_in_a_vrptw_file_is_read(read_text_as: Callable[..., Any]) -> None:
+def test_everything_in_a_vrptw_file_is_read(read_text_as: Read) -> None:
     made = read_text_as(VRPTW)
     assert made.problem == "vrptw"
     assert made.fleet[0].count == 3
@@ -86,14 +68,14 @@ def test_everything_in_a_vrptw_file_is_read(read_text_as: Callable[..., Any]) ->
     assert made.sites.service.tolist() == [0, 2, 3, 4]
 
 
-def test_a_limit_of_duration_counts_service(read_text_as: Callable[..., Any]) -> None:
+def test_a_limit_of_duration_counts_service(read_text_as: Read) -> None:
     made = read_text_as(cvrp("CAPACITY : 10", "CAPACITY : 10\nDISTANCE : 30\nSERVICE_TIME : 10"))
     assert made.fleet[0].max_duration == 30
     assert made.sites.service.tolist() == [0, 10, 10, 10]
     assert any("service included" in note for note in made.notes)
 
 
-def test_nodes_may_come_in_any_order_and_the_depot_anywhere(read_text_as: Callable[..., Any]) -> None:
+def test_nodes_may_come_in_any_order_and_the_depot_anywhere(read_text_as: Read) -> None:
     text = cvrp("1 0 0\n2 3 4\n", "2 3 4\n1 0 0\n")
     text = cvrp(" 1\n -1", " 2 -1", text)
     text = cvrp("1 0\n2 5\n", "1 5\n2 0\n", text)
@@ -104,29 +86,13 @@ def test_nodes_may_come_in_any_order_and_the_depot_anywhere(read_text_as: Callab
     assert (made.fleet[0].start, made.fleet[0].end) == (1, 1)
 
 
-OP = """\
-NAME : three
-TYPE : OP
-DIMENSION : 3
-TSPSOL : 12
-COST_LIMIT : 9
-EDGE_WEIGHT_TYPE : EUC_2D
-NODE_COORD_SECTION
-1 0 0
-2 3 0
-3 0 4
-NODE_SCORE_SECTION
-1 1
-2 7
-3 5
-DEPOT_SECTION
-2
--1
-EOF
-"""
+OP = tsplib(
+    "NAME : three", "TYPE : OP", "DIMENSION : 3", "TSPSOL : 12", "COST_LIMIT : 9", "EDGE_WEIGHT_TYPE : EUC_2D",
+    NODE_COORD_SECTION="1 0 0|2 3 0|3 0 4", NODE_SCORE_SECTION="1 1|2 7|3 5", DEPOT_SECTION="2|-1",
+) + "EOF\n"  # fmt: skip
 
 
-def test_everything_in_an_op_file_is_read(read_text_as: Callable[..., Any]) -> None:
+def test_everything_in_an_op_file_is_read(read_text_as: Read) -> None:
     made = read_text_as(OP)
     assert (made.name, made.problem, made.problems) == ("three", "orienteering", ("orienteering", "team-orienteering"))
     assert made.fleet == (VehicleType(1, start=1, end=1, max_distance=9.0),)
@@ -152,35 +118,18 @@ def test_everything_in_an_op_file_is_read(read_text_as: Callable[..., Any]) -> N
         ("\n2\n-1\nEOF", "\n4\n-1\nEOF", "DEPOT_SECTION names a node that does not exist", 16),
     ],
 )  # fmt: skip
-def test_a_fault_of_an_op_is_refused_with_its_line(old: str, new: str, message: str, line: int, refusal: Callable[..., InputError]) -> None:
-    error = refusal(cvrp(old, new, OP))
-    assert message in str(error)
-    assert error.line == line
+def test_a_fault_of_an_op_is_refused_with_its_line(old: str, new: str, message: str, line: int, refusal: Refusal) -> None:
+    check_fault(refusal(cvrp(old, new, OP)), message, line)
 
 
-VRPSPD = """\
-NAME : both
-TYPE : MVRPB
-DIMENSION : 3
-VEHICLES : 2
-CAPACITY : 10
-EDGE_WEIGHT_TYPE : EXACT_2D
-NODE_COORD_SECTION
-1 0 0
-2 1 1
-3 0 4
-PICKUP_AND_DELIVERY_SECTION
-1 0 0 10000000 0 0 0
-2 0 0 10000000 0 3 7
-3 0 0 10000000 5 2 8
-DEPOT_SECTION
-1
--1
-EOF
-"""
+VRPSPD = tsplib(
+    "NAME : both", "TYPE : MVRPB", "DIMENSION : 3", "VEHICLES : 2", "CAPACITY : 10", "EDGE_WEIGHT_TYPE : EXACT_2D",
+    NODE_COORD_SECTION="1 0 0|2 1 1|3 0 4", PICKUP_AND_DELIVERY_SECTION="1 0 0 10000000 0 0 0|2 0 0 10000000 0 3 7|3 0 0 10000000 5 2 8",
+    DEPOT_SECTION="1|-1",
+) + "EOF\n"  # fmt: skip
 
 
-def test_everything_in_a_file_with_simultaneous_pickups_and_deliveries_is_read(read_text_as: Callable[..., Any]) -> None:
+def test_everything_in_a_file_with_simultaneous_pickups_and_deliveries_is_read(read_text_as: Read) -> None:
     made = read_text_as(VRPSPD)
     assert (made.name, made.problem, made.problems) == ("both", "cvrp", ("cvrp", "min-cost-vrp"))
     assert made.fleet == (VehicleType(2, 10.0),)
@@ -193,33 +142,15 @@ def test_everything_in_a_file_with_simultaneous_pickups_and_deliveries_is_read(r
     assert made.notes == ("published values of simultaneous pickups and deliveries keep no number of vehicles: set vehicles=unlimited",)
 
 
-PDPTW = """\
-NAME : pairs
-TYPE : PDPTW
-DIMENSION : 5
-VEHICLES : 2
-CAPACITY : 20
-EDGE_WEIGHT_TYPE : EXACT_2D
-NODE_COORD_SECTION
-1 40 50
-2 45 68
-3 42.5 66
-4 42 68
-5 40 69
-PICKUP_AND_DELIVERY_SECTION
-1 0 0 1236 0 0 0
-2 -10 0 967 90 4 0
-3 7 65 246 90 0 5
-4 10 0 782 90 0 2
-5 -7 15 467 90 3 0
-DEPOT_SECTION
-1
--1
-EOF
-"""
+PDPTW = tsplib(
+    "NAME : pairs", "TYPE : PDPTW", "DIMENSION : 5", "VEHICLES : 2", "CAPACITY : 20", "EDGE_WEIGHT_TYPE : EXACT_2D",
+    NODE_COORD_SECTION="1 40 50|2 45 68|3 42.5 66|4 42 68|5 40 69",
+    PICKUP_AND_DELIVERY_SECTION="1 0 0 1236 0 0 0|2 -10 0 967 90 4 0|3 7 65 246 90 0 5|4 10 0 782 90 0 2|5 -7 15 467 90 3 0",
+    DEPOT_SECTION="1|-1",
+) + "EOF\n"  # fmt: skip
 
 
-def test_pairs_of_lkh_are_shipments_as_pyvrp_reads_them(read_text_as: Callable[..., Any], tmp_path: Path) -> None:
+def test_pairs_of_lkh_are_shipments_as_pyvrp_reads_them(read_text_as: Read, tmp_path: Path) -> None:
     import pyvrp
 
     made = read_text_as(PDPTW)
@@ -244,47 +175,19 @@ def test_pairs_of_lkh_are_shipments_as_pyvrp_reads_them(read_text_as: Callable[.
         ("CAPACITY : 20\n", "", "CAPACITY"),
     ],
 )
-def test_a_fault_of_pairs_is_refused(read_text_as: Callable[..., Any], old: str, new: str, message: str) -> None:
+def test_a_fault_of_pairs_is_refused(read_text_as: Read, old: str, new: str, message: str) -> None:
     assert old in PDPTW
-    with pytest.raises(InputError) as caught:
-        read_text_as(PDPTW.replace(old, new))
-    assert message in str(caught.value)
+    assert message in refused(read_text_as, PDPTW.replace(old, new))
 
 
-SECTIONS = """\
-NAME : pairs
-TYPE : PDPTW
-DIMENSION : 3
-VEHICLES : 1
-CAPACITY : 20 3
-EDGE_WEIGHT_TYPE : EXACT_2D
-NODE_COORD_SECTION
-1 40 50
-2 45 68
-3 42.5 66
-DEMAND_SECTION
-1 0 0
-2 7 2
-3 -7 -2
-TIME_WINDOW_SECTION
-1 0 900
-2 5 400
-3 0 500
-SERVICE_TIME_SECTION
-1 0
-2 9
-3 8
-PICKUP_AND_DELIVERY_SECTION
-1 0 0
-2 0 3
-3 2 0
-DEPOT_SECTION
-1
-EOF
-"""
+SECTIONS = tsplib(
+    "NAME : pairs", "TYPE : PDPTW", "DIMENSION : 3", "VEHICLES : 1", "CAPACITY : 20 3", "EDGE_WEIGHT_TYPE : EXACT_2D",
+    NODE_COORD_SECTION="1 40 50|2 45 68|3 42.5 66", DEMAND_SECTION="1 0 0|2 7 2|3 -7 -2", TIME_WINDOW_SECTION="1 0 900|2 5 400|3 0 500",
+    SERVICE_TIME_SECTION="1 0|2 9|3 8", PICKUP_AND_DELIVERY_SECTION="1 0 0|2 0 3|3 2 0", DEPOT_SECTION="1",
+) + "EOF\n"  # fmt: skip
 
 
-def test_pairs_have_windows_and_several_loads_in_sections_of_their_own(read_text_as: Callable[..., Any]) -> None:
+def test_pairs_have_windows_and_several_loads_in_sections_of_their_own(read_text_as: Read) -> None:
     made = read_text_as(SECTIONS)
     assert made.sites.shipments == (Shipment(1, 2, (7.0, 2.0)),) and made.fleet == (VehicleType(1, 20.0, further_capacity=(3.0,)),)
     assert made.sites.ready.tolist() == [0, 5, 0] and made.sites.due.tolist() == [900, 400, 500]
@@ -311,14 +214,12 @@ def test_pairs_have_windows_and_several_loads_in_sections_of_their_own(read_text
         ("1 0 0\n2 7 2", "1 0 1\n2 7 2", "the depot has a demand, a service time or a partner"),
     ],
 )
-def test_a_fault_of_sections_beside_pairs_is_refused(read_text_as: Callable[..., Any], old: str, new: str, message: str) -> None:
+def test_a_fault_of_sections_beside_pairs_is_refused(read_text_as: Read, old: str, new: str, message: str) -> None:
     assert old in SECTIONS
-    with pytest.raises(InputError) as caught:
-        read_text_as(SECTIONS.replace(old, new))
-    assert message in str(caught.value)
+    assert message in refused(read_text_as, SECTIONS.replace(old, new))
 
 
-def test_windows_that_routes_can_outlast_are_windows(read_text_as: Callable[..., Any]) -> None:
+def test_windows_that_routes_can_outlast_are_windows(read_text_as: Read) -> None:
     made = read_text_as(cvrp("3 0 0 10000000 5", "3 0 0 30 5", VRPSPD.replace("MVRPB", "VRPSPDTW")))
     assert (made.problem, made.sites.due.tolist()) == ("vrptw", [10000000, 10000000, 30])
     assert read_text_as(VRPSPD.replace("10000000", "15")).sites.due.tolist() == [15, 15, 15]
@@ -339,12 +240,8 @@ def test_windows_that_routes_can_outlast_are_windows(read_text_as: Callable[...,
         ("CAPACITY : 10", "SERVICE_TIME : 10", "header 'SERVICE_TIME' is not supported in a file of TYPE MVRPB", 5),
     ],
 )
-def test_a_fault_of_pickups_and_deliveries_is_refused_with_its_line(
-    old: str, new: str, message: str, line: int, refusal: Callable[..., InputError]
-) -> None:
-    error = refusal(cvrp(old, new, VRPSPD))
-    assert message in str(error)
-    assert error.line == line
+def test_a_fault_of_pickups_and_deliveries_is_refused_with_its_line(old: str, new: str, message: str, line: int, refusal: Refusal) -> None:
+    check_fault(refusal(cvrp(old, new, VRPSPD)), message, line)
 
 
 @pytest.mark.parametrize(
@@ -356,16 +253,14 @@ def test_a_fault_of_pickups_and_deliveries_is_refused_with_its_line(
         ("small", None, None),
     ],
 )
-def test_the_fleet_of_a_name_is_a_limit_except_in_set_x(
-    name: str, count: int | None, note: str | None, read_text_as: Callable[..., Any]
-) -> None:
+def test_the_fleet_of_a_name_is_a_limit_except_in_set_x(name: str, count: int | None, note: str | None, read_text_as: Read) -> None:
     for text, file in ((cvrp("NAME : small", f"NAME : {name}"), "file.vrp"), (CVRP, f"{name}.vrp")):
         made = read_text_as(text, file)
         assert made.fleet[0].count == count
         assert (note is None and made.notes == ()) or (note is not None and note in made.notes[0])
 
 
-def test_a_vehicles_header_wins_over_the_name(read_text_as: Callable[..., Any]) -> None:
+def test_a_vehicles_header_wins_over_the_name(read_text_as: Read) -> None:
     made = read_text_as(cvrp("NAME : small", "NAME : A-n4-k2\nVEHICLES : 4"))
     assert made.fleet[0].count == 4
     assert made.notes == ()
@@ -386,7 +281,7 @@ def test_a_vehicles_header_wins_over_the_name(read_text_as: Callable[..., Any]) 
     ],
 )
 @pytest.mark.parametrize("wrap", [3, 100])
-def test_every_layout_of_a_matrix_gives_the_same_distances(layout: str, numbers: str, wrap: int, read_text_as: Callable[..., Any]) -> None:
+def test_every_layout_of_a_matrix_gives_the_same_distances(layout: str, numbers: str, wrap: int, read_text_as: Read) -> None:
     tokens = numbers.split()
     lines = "\n".join(" ".join(tokens[k : k + wrap]) for k in range(0, len(tokens), wrap))
     made = read_text_as(TSP.format(layout=layout, numbers=lines), "t4.tsp")
@@ -394,7 +289,7 @@ def test_every_layout_of_a_matrix_gives_the_same_distances(layout: str, numbers:
     assert (made.problem, made.fleet, made.sites.coordinates) == ("tsp", (VehicleType(1),), None)
 
 
-def test_an_atsp_may_differ_by_direction_and_a_tsp_may_not(read_text_as: Callable[..., Any], refusal: Callable[..., InputError]) -> None:
+def test_an_atsp_may_differ_by_direction_and_a_tsp_may_not(read_text_as: Read, refusal: Refusal) -> None:
     text = TSP.format(layout="FULL_MATRIX", numbers="9999 1 2 3\n1 9999 4 5\n2 4 9999 6\n3 5 7 9999")
     error = refusal(text)
     assert "symmetric, but the distance from 3 to 4 differs" in error.message
@@ -403,14 +298,14 @@ def test_an_atsp_may_differ_by_direction_and_a_tsp_may_not(read_text_as: Callabl
     assert (made.travel.distance(2, 3), made.travel.distance(3, 2)) == (6, 7)
 
 
-def test_display_coordinates_serve_as_a_map_and_not_as_distances(read_text_as: Callable[..., Any]) -> None:
+def test_display_coordinates_serve_as_a_map_and_not_as_distances(read_text_as: Read) -> None:
     text = TSP.format(layout="UPPER_ROW", numbers="1 2 3 4 5 6").replace("EOF", "DISPLAY_DATA_SECTION\n1 5 6\n2 7 8\n3 1 1\n4 2 2\nEOF")
     made = read_text_as(text)
     assert made.sites.coordinates.tolist()[0] == [5, 6]
     assert np.array_equal(made.travel.distances, MATRIX)
 
 
-def test_a_geographical_map_has_the_longitude_on_its_x_axis(read_text_as: Callable[..., Any]) -> None:
+def test_a_geographical_map_has_the_longitude_on_its_x_axis(read_text_as: Read) -> None:
     head = "NAME: g\nTYPE: TSP\nDIMENSION: 2\nEDGE_WEIGHT_TYPE: GEO\nEDGE_WEIGHT_FORMAT: FUNCTION\n"
     text = head + "NODE_COORD_SECTION\n1 38.24 20.42\n2 39.57 26.15\nEOF\n"
     made = read_text_as(text)
@@ -473,19 +368,13 @@ FAULTS = [
 
 @pytest.mark.parametrize(("old", "new", "message", "line", "expected", "found"), FAULTS)
 def test_a_fault_is_refused_with_its_line(
-    old: str, new: str, message: str, line: int, expected: str | None, found: str | None, refusal: Callable[..., InputError]
+    old: str, new: str, message: str, line: int, expected: str | None, found: str | None, refusal: Refusal
 ) -> None:
-    error = refusal(cvrp(old, new), "small.vrp")
-    assert message in error.message
-    assert error.line == line
-    if expected is not None:
-        assert error.expected == expected
-    if found is not None:
-        assert error.found == found
+    check_fault(refusal(cvrp(old, new), "small.vrp"), message, line, expected, found)
 
 
 @pytest.mark.parametrize(("old", "new"), [(" -1\n", ""), ("DEMAND_SECTION", "# who gets what\nDEMAND_SECTION\n  # all of them")])
-def test_what_others_leave_out_or_remark_changes_nothing(old: str, new: str, read_text_as: Callable[..., Any]) -> None:
+def test_what_others_leave_out_or_remark_changes_nothing(old: str, new: str, read_text_as: Read) -> None:
     assert read_text_as(cvrp(old, new), "small.vrp").sites.demand.tolist() == [0, 5, 7, 2]
 
 
@@ -499,12 +388,8 @@ def test_what_others_leave_out_or_remark_changes_nothing(old: str, new: str, rea
         ("VEHICLES : 3", "SERVICE_TIME : 3", "SERVICE_TIME stands beside a SERVICE_TIME_SECTION", 7),
     ],
 )
-def test_a_fault_of_the_extensions_is_refused_with_its_line(
-    old: str, new: str, message: str, line: int, refusal: Callable[..., InputError]
-) -> None:
-    error = refusal(cvrp(old, new, VRPTW))
-    assert message in error.message
-    assert error.line == line
+def test_a_fault_of_the_extensions_is_refused_with_its_line(old: str, new: str, message: str, line: int, refusal: Refusal) -> None:
+    check_fault(refusal(cvrp(old, new, VRPTW)), message, line)
 
 
 @pytest.mark.parametrize(
@@ -517,23 +402,21 @@ def test_a_fault_of_the_extensions_is_refused_with_its_line(
         ("1 2 3\n4 1e999 6", "no finite number", 8),
     ],
 )
-def test_a_fault_of_a_matrix_is_refused_with_its_line(numbers: str, message: str, line: int, refusal: Callable[..., InputError]) -> None:
-    error = refusal(TSP.format(layout="UPPER_ROW", numbers=numbers))
-    assert message in error.message
-    assert error.line == line
+def test_a_fault_of_a_matrix_is_refused_with_its_line(numbers: str, message: str, line: int, refusal: Refusal) -> None:
+    check_fault(refusal(TSP.format(layout="UPPER_ROW", numbers=numbers)), message, line)
 
 
-def test_a_huge_claim_about_a_matrix_is_compared_and_not_allocated(refusal: Callable[..., InputError]) -> None:
+def test_a_huge_claim_about_a_matrix_is_compared_and_not_allocated(refusal: Refusal) -> None:
     error = refusal(TSP.format(layout="FULL_MATRIX", numbers="1 2 3").replace("DIMENSION: 4", "DIMENSION: 2000000000"))
     assert error.expected == "4000000000000000000 (DIMENSION 2000000000)"
 
 
-def test_an_unknown_layout_is_refused(refusal: Callable[..., InputError]) -> None:
+def test_an_unknown_layout_is_refused(refusal: Refusal) -> None:
     assert "EDGE_WEIGHT_FORMAT 'SPIRAL' is not supported" in refusal(TSP.format(layout="SPIRAL", numbers="1")).message
 
 
 @pytest.mark.parametrize("extra", ["CAPACITY: 5", "DISTANCE: 2"])
-def test_a_tsp_with_headers_of_a_vrp_is_refused(extra: str, refusal: Callable[..., InputError]) -> None:
+def test_a_tsp_with_headers_of_a_vrp_is_refused(extra: str, refusal: Refusal) -> None:
     text = TSP.format(layout="UPPER_ROW", numbers="1 2 3 4 5 6").replace("DIMENSION", f"{extra}\nDIMENSION")
     assert "in a file of TYPE TSP" in refusal(text).message
 
@@ -556,7 +439,7 @@ def test_every_cut_of_a_tsp_is_refused(tmp_path: Path) -> None:
     assert len(read(text[: text.index("EOF")], tmp_path / "x.tsp").sites) == 3
 
 
-def test_a_tour_file_is_named_as_what_it_is(refusal: Callable[..., InputError]) -> None:
+def test_a_tour_file_is_named_as_what_it_is(refusal: Refusal) -> None:
     assert refusal("NAME: t\nTYPE: TOUR\nDIMENSION: 2\nTOUR_SECTION\n1\n2\n-1\n").message == "is a solution file, not an instance"
 
 
@@ -572,21 +455,20 @@ def written(made: Any) -> Any:
 
 
 @pytest.mark.parametrize("text", [CVRP, VRPTW, TSP.format(layout="UPPER_ROW", numbers="1 2 3 4 5 6.5"), OP, VRPSPD])
-def test_what_is_written_reads_back_the_same(text: str, read_text_as: Callable[..., Any], differences: Callable[..., list[str]]) -> None:
+def test_what_is_written_reads_back_the_same(text: str, read_text_as: Read, differences: Differences) -> None:
     made = read_text_as(text)
     assert differences(made, written(made)) == []
 
 
-def test_generated_instances_read_back_the_same(differences: Callable[..., list[str]]) -> None:
+def test_generated_instances_read_back_the_same(differences: Differences) -> None:
     made = generate("uchoa", 3, customers=30)
     assert differences(made, written(made)) == []
 
 
-def test_a_written_name_does_not_limit_the_fleet_by_accident(read_text_as: Callable[..., Any]) -> None:
+def test_a_written_name_does_not_limit_the_fleet_by_accident(read_text_as: Read) -> None:
     made = read_text_as(cvrp("NAME : small", "NAME : A-n4-k2"))
     unlimited = replace(made, fleet=(replace(made.fleet[0], count=None),))
-    with pytest.raises(UsageError, match="would be read as a limit"):
-        write(unlimited)
+    check_refused(UsageError, "would be read as a limit", write, unlimited)
     assert written(made).fleet[0].count == 2
 
 
@@ -600,6 +482,5 @@ def test_a_written_name_does_not_limit_the_fleet_by_accident(read_text_as: Calla
         (lambda i: replace(i, name="a\nb"), "its name is no single line"),
     ],
 )
-def test_what_the_format_cannot_express_is_refused(change: Callable[[Any], Any], message: str, read_text_as: Callable[..., Any]) -> None:
-    with pytest.raises(UsageError, match=message):
-        write(change(read_text_as(CVRP)))
+def test_what_the_format_cannot_express_is_refused(change: Change, message: str, read_text_as: Read) -> None:
+    check_unwritable(write, change(read_text_as(CVRP)), message)

@@ -21,8 +21,7 @@ def test_the_defaults_make_a_cvrp() -> None:
 
 
 @pytest.mark.parametrize(
-    ("settings", "problem"),
-    [({"windows": True}, "vrptw"), ({"capacity": 0, "vehicles": 1}, "tsp"), ({"capacity": 0}, "min-cost-vrp")],
+    ("settings", "problem"), [({"windows": True}, "vrptw"), ({"capacity": 0, "vehicles": 1}, "tsp"), ({"capacity": 0}, "min-cost-vrp")]
 )
 def test_settings_choose_the_problem(settings: dict[str, Any], problem: str) -> None:
     assert made(**settings).problem == problem

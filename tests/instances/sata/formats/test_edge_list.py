@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from file_cases import Read, Refusal, check_refused
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -29,7 +28,7 @@ r3,,,
 """
 
 
-def test_rows_are_edges_or_declare_what_has_none(read_text_as: Callable[..., Any]) -> None:
+def test_rows_are_edges_or_declare_what_has_none(read_text_as: Read) -> None:
     g = read_text_as(TEXT, "a.csv")
     assert isinstance(g, SensingGraph)
     assert (g.name, g.format, g.problem) == ("two robots", "edges", "bottleneck")
@@ -40,20 +39,20 @@ def test_rows_are_edges_or_declare_what_has_none(read_text_as: Callable[..., Any
 
 
 @pytest.mark.parametrize("delimiter", [",", ";", "\t", "|"])
-def test_columns_may_stand_in_any_order_and_be_parted_by_any_delimiter(read_text_as: Callable[..., Any], delimiter: str) -> None:
+def test_columns_may_stand_in_any_order_and_be_parted_by_any_delimiter(read_text_as: Read, delimiter: str) -> None:
     text = "Target,ACTION,robot\n7,12,3\n\n7,4,1\n".replace(",", delimiter)
     g = read_text_as(text, "pairs.csv")
     assert (g.name, g.robot_names, g.action_names, g.target_names) == ("pairs", ("1", "3"), ("4", "12"), ("7",))
     assert g.weights.tolist() == [1.0, 1.0]
 
 
-def test_settings_choose_problem_order_and_what_duplicates_mean(read_text_as: Callable[..., Any]) -> None:
+def test_settings_choose_problem_order_and_what_duplicates_mean(read_text_as: Read) -> None:
     text = "# problem: winner-takes-all\n# duplicates: sum\n# order: rows\nrobot,action,target,weight\n3,12,7,1\n1,4,7,2\n3,12,7,0.25\n"
     g = read_text_as(text)
     assert (g.problem, g.robot_names, g.weights.tolist()) == ("winner-takes-all", ("3", "1"), [1.25, 2.0])
 
 
-def test_a_quoted_name_may_hold_the_delimiter(read_text_as: Callable[..., Any]) -> None:
+def test_a_quoted_name_may_hold_the_delimiter(read_text_as: Read) -> None:
     g = read_text_as('robot,action,target\n"a, b",p,"say ""x"""\n')
     assert (g.robot_names, g.target_names) == (("a, b",), ('say "x"',))
 
@@ -82,7 +81,7 @@ def test_a_quoted_name_may_hold_the_delimiter(read_text_as: Callable[..., Any]) 
         ("robot,action,target\n1,p,x\n2,q\x07,y\n", 3, "action cannot be printed"),
     ],
 )
-def test_a_fault_is_named_by_its_line(refusal: Callable[..., InputError], text: str, line: int, says: str) -> None:
+def test_a_fault_is_named_by_its_line(refusal: Refusal, text: str, line: int, says: str) -> None:
     error = refusal(text)
     assert error.line == line
     assert says in str(error)
@@ -143,7 +142,5 @@ def test_weights_that_are_all_1_are_not_written() -> None:
 
 
 def test_what_has_no_place_in_the_format_is_refused() -> None:
-    with pytest.raises(UsageError, match="no place for positions; use json"):
-        write(graph_of_edges([0], [0], [0], action_positions=[(0, 0)]))
-    with pytest.raises(UsageError, match="no place for a choice of problems"):
-        write(graph_of_edges([0], [0], [0], problems=("bottleneck",)))
+    check_refused(UsageError, "no place for positions; use json", write, graph_of_edges([0], [0], [0], action_positions=[(0, 0)]))
+    check_refused(UsageError, "no place for a choice of problems", write, graph_of_edges([0], [0], [0], problems=("bottleneck",)))

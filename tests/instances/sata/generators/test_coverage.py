@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from file_cases import check_refused
 
 from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
@@ -41,5 +42,4 @@ def test_the_constraint_changes_nothing_in_the_sets() -> None:
 
 
 def test_more_draws_than_memory_allows_are_refused() -> None:
-    with pytest.raises(UsageError, match="at most 200000000 are drawn"):
-        made(elements=10_000_000, per_element=100)
+    check_refused(UsageError, "at most 200000000 are drawn", made, elements=10_000_000, per_element=100)

@@ -8,6 +8,7 @@ import networkx as nx
 import numpy as np
 import pytest
 from draws import draws
+from file_cases import check_refused
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
@@ -72,8 +73,7 @@ def test_a_density_below_what_the_recipe_makes_is_refused_and_the_named_one_is_m
 
 
 def test_too_many_edges_are_refused_before_they_are_drawn() -> None:
-    with pytest.raises(UsageError, match="at most 50000000 are made"):
-        made(robots=100_000, targets=100_000, phi=50)
+    check_refused(UsageError, "at most 50000000 are made", made, robots=100_000, targets=100_000, phi=50)
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(2, 60), st.data())

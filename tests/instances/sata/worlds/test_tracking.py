@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from draws import draws
+from file_cases import check_refused
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -160,31 +161,26 @@ def test_headings_follow_the_last_move_and_stay_with_a_robot_that_stays():
 def test_what_a_robot_cannot_do_is_refused_and_changes_nothing(actions, says):
     made = world(robots=[[10.0, 2.0], [50.0, 30.0]], robot_step=4.0) if "inside" in says else world(robots=[[10.0, 10.0], [50.0, 30.0]])
     before = made.robots.copy(), made.targets.copy(), made.time
-    with pytest.raises(InputError, match=says):
-        made.step(actions)
+    check_refused(InputError, says, made.step, actions)
     assert np.array_equal(made.robots, before[0])
     assert np.array_equal(made.targets, before[1])
     assert made.time == before[2]
 
 
 def test_a_start_outside_or_of_the_wrong_number_is_refused():
-    with pytest.raises(InputError, match="target 2 starts outside"):
-        world(targets=[[1, 1], [101, 1], [1, 1]])
-    with pytest.raises(InputError, match="one position a robot"):
-        world(robots=[[1, 1]])
+    check_refused(InputError, "target 2 starts outside", world, targets=[[1, 1], [101, 1], [1, 1]])
+    check_refused(InputError, "one position a robot", world, robots=[[1, 1]])
 
 
 def test_a_target_step_longer_than_half_the_area_is_refused():
-    with pytest.raises(UsageError, match="too long"):
-        make_world("tracking", 1, target_step=101)
+    check_refused(UsageError, "too long", make_world, "tracking", 1, target_step=101)
 
 
 @pytest.mark.parametrize(
     ("key", "value"), [("robots", 0), ("moving", 1.5), ("noise", -1), ("width", "wide"), ("sensing", math.nan), ("scenario", "x")]
 )
 def test_settings_out_of_range_are_refused_by_name(key, value):
-    with pytest.raises(UsageError, match=key):
-        make_world("tracking", 1, **{key: value})
+    check_refused(UsageError, key, make_world, "tracking", 1, **{key: value})
 
 
 def test_scenarios_hold_the_numbers_of_the_source_and_settings_override_them():

@@ -1,0 +1,64 @@
+"""Shared by the tests of file formats: types of their fixtures, texts with one change, and checks of refusals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from waybound.instances.errors import InputError, UsageError
+
+Read = Callable[..., Any]
+"""Type of the fixture ``read_text_as``."""
+Refusal = Callable[..., InputError]
+"""Type of the fixture ``refusal``."""
+Differences = Callable[[Any, Any], list[str]]
+Change = Callable[[Any], Any]
+
+
+def tsplib(*headers: str, **sections: str) -> str:
+    """A TSPLIB-like text of headers, a line each, and sections, whose rows are parted by ``|``."""
+    parts = [f"{name}\n{rows}".replace("|", "\n") for name, rows in sections.items()]
+    return "".join(f"{part}\n" for part in (*headers, *parts))
+
+
+def with_line_of(text: str, number: int, line: str) -> str:
+    """``text`` with another line in the place of the one with that number, from 1."""
+    lines = text.split("\n")
+    lines[number - 1] = line
+    return "\n".join(lines)
+
+
+def check_fault(error: InputError, message: str, line: int | None, expected: str | None = None, found: str | None = None) -> None:
+    """Check the message of an error, or its whole text where more is given, its line, and what it expected and found unless None."""
+    whole = "; expected" in message or message.startswith(("expected ", "found "))
+    assert message in (str(error) if whole else error.message)
+    assert error.line == line
+    assert expected is None or error.expected == expected
+    assert found is None or error.found == found
+
+
+def error_of(read: Callable[..., Any], *arguments: Any, **settings: Any) -> InputError:
+    """The InputError that a call ends with, which is one line."""
+    with pytest.raises(InputError) as caught:
+        read(*arguments, **settings)
+    assert "\n" not in str(caught.value)
+    return caught.value
+
+
+def refused(read: Callable[..., Any], *arguments: Any, **settings: Any) -> str:
+    """Text of the InputError that a call ends with."""
+    return str(error_of(read, *arguments, **settings))
+
+
+def check_refused(error: type[Exception], message: str, call: Callable[..., Any], *arguments: Any, **settings: Any) -> None:
+    """A call ends with an error whose text matches a regular expression."""
+    with pytest.raises(error, match=message):
+        call(*arguments, **settings)
+
+
+def check_unwritable(write: Callable[[Any], str], instance: Any, message: str) -> None:
+    """An instance that cannot be written is refused with ``message``."""
+    with pytest.raises(UsageError, match=message):
+        write(instance)
