@@ -1,7 +1,9 @@
 # waybound: `make demo` and `make test` create the environment where it is missing; everything else is in CONTRIBUTING.md.
-# Another Python has an environment of its own: `make test PYTHON=python3.13`.
+# Another Python has an environment of its own: `make test PYTHON=python3.13`. One wing with what every method must keep: `make test WING=risk`.
 PYTHON ?= python3
 PYTEST_FLAGS ?=
+WING ?=
+ROOMS := $(if $(WING),$(shell find tests -type d -name $(WING)) tests/conformance)
 VERSION := $(if $(filter-out python3,$(PYTHON)),-$(shell $(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])'))
 VENV := .venv$(VERSION)
 BIN := $(VENV)/bin
@@ -28,7 +30,7 @@ demo: $(READY)
 	@echo "The map is in demo/demo-c25.png"
 
 test: $(READY)
-	$(TESTING) $(BIN)/python -m pytest -n 2 --dist worksteal -q -rs $(PYTEST_FLAGS)
+	$(TESTING) $(BIN)/python -m pytest -n 2 --dist worksteal -q -rs $(ROOMS) $(PYTEST_FLAGS)
 
 test-all: $(READY)
 	WAYBOUND_DRAWS=all $(TESTING) $(BIN)/python -m pytest -n 2 --dist worksteal -q -rs -m "not hostile" $(PYTEST_FLAGS)
