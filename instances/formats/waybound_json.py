@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..document import dump_json, fields, integer, kind_of, parse_json, string
-from ..errors import InputError, UsageError
+from ..errors import InputError, UsageError, in_words
 from ..instance import Instance, settings_of, with_settings
 from ..kinds import KINDS
 from . import Format, add_format
@@ -39,8 +39,19 @@ def read(text: str, path: Path) -> Instance:
     kind = string(data["kind"], "kind")
     if kind not in KINDS:
         raise InputError("kind is unknown", expected=", ".join(KINDS.names()), found=kind)
-    instance = KINDS[kind].decode({key: value for key, value in data.items() if key not in ("waybound", "kind", "settings")})
+    instance = _decoded(kind, {key: value for key, value in data.items() if key not in ("waybound", "kind", "settings")})
     return with_settings(instance, _settings(data["settings"])) if "settings" in data else instance
+
+
+def _decoded(kind: str, data: dict[str, Any]) -> Instance:
+    """The instance of a document; a kind from outside that trips over bad data has been given bad data."""
+    decode = KINDS[kind].decode
+    try:
+        return decode(data)
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError) as fault:
+        if decode.__module__.startswith("waybound."):
+            raise
+        raise InputError(f"is no document of kind {kind}", found=in_words(fault)) from fault
 
 
 def _settings(data: Any) -> dict[str, Any]:

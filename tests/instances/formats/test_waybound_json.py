@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import pytest
 from file_cases import Refusal, check_fault, check_refused
 
-from waybound.instances.errors import UsageError
-from waybound.instances.formats.waybound_json import recognises, write
+from waybound.instances.errors import InputError, UsageError
+from waybound.instances.formats.waybound_json import read, recognises, write
 from waybound.instances.generating import generate
-from waybound.instances.kinds import KINDS
+from waybound.instances.kinds import KINDS, Kind
 
 
 def document(**changes: Any) -> str:
@@ -88,3 +89,10 @@ def test_settings_of_a_saved_problem_are_plain_values(settings: Any, message: st
 
 def test_geojson_is_left_to_its_own_format() -> None:
     assert not recognises('{"type": "FeatureCollection", "features": []}')
+
+
+@pytest.mark.parametrize("document", [{}, {"items": 3}, {"items": [{"size": "x"}]}])
+def test_bad_data_of_a_kind_from_outside_are_told_in_one_line(document: dict[str, Any]) -> None:
+    kind = Kind("boxes", lambda boxes: {}, lambda data: sum(item["size"] / 1 for item in data["items"]))
+    with KINDS.temporary("boxes", kind), pytest.raises(InputError, match="is no document of kind boxes; found"):
+        read(json.dumps({"waybound": 1, "kind": "boxes", **document}), Path("a.json"))
