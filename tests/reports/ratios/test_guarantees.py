@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -120,7 +121,7 @@ def test_an_audit_sees_a_certificate_that_differs_from_the_run(measured, monkeyp
     from waybound.solving import solve as solving
 
     honest = solving.solve
-    monkeypatch.setattr(solving, "solve", lambda problem, **options: honest(problem, **{**options, "heuristic": "random"}))
+    monkeypatch.setattr(solving, "solve", lambda problem, request: honest(problem, replace(request, heuristic="random", options={})))
     assert kinds(measured("greedy", expected=SUBMODULAR)) >= {"certificate"}
 
 
