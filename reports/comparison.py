@@ -46,6 +46,17 @@ class Compared:
         return None if self.solution is None else self.solution.seconds["solve"]
 
     @property
+    def remark(self) -> str:
+        """The error or faults of the run, or its claimed bound."""
+        s = self.solution
+        if s is None:
+            return one_line(self.error)
+        parts = [one_line(fault) for fault in s.faults]
+        if s.bound_kind == "claimed" and isinstance(s.bound, float):
+            parts.append(f"claims the bound {s.bound:.10g}")
+        return "; ".join(parts)
+
+    @property
     def status(self) -> str:
         """How the run ended, and on whose word."""
         s = self.solution
@@ -155,7 +166,7 @@ class Comparison:
         """
         import pandas as pd
 
-        rows = [(r.name, r.objective, r.verified, self.gap(r), r.seconds, r.status, remark_of(r)) for r in self.runs]
+        rows = [(r.name, r.objective, r.verified, self.gap(r), r.seconds, r.status, r.remark) for r in self.runs]
         names = ["method", "objective", "verified_bound", "gap", "seconds", "status", "remark"]
         return pd.DataFrame(rows, columns=names).astype(dict.fromkeys(names[1:5], float))
 
@@ -173,7 +184,7 @@ class Comparison:
             "runs": [
                 {
                     "method": r.name, "objective": r.objective, "verified_bound": r.verified, "gap": self.gap(r), "seconds": r.seconds,
-                    "status": r.status, "remark": remark_of(r), "solution": None if r.solution is None else r.solution.to_json(),
+                    "status": r.status, "remark": r.remark, "solution": None if r.solution is None else r.solution.to_json(),
                 } for r in self.runs
             ],
         }  # fmt: skip
@@ -211,17 +222,6 @@ def _ahead(problem: Problem, a: Solution, b: Solution) -> bool:
         if not a.evaluation.same_at(level, b.evaluation.values[level]):
             return better_bound(sense, b.evaluation.values[level], a.evaluation.values[level])
     return False
-
-
-def remark_of(run: Compared) -> str:
-    """The error or faults of a run, or its claimed bound."""
-    s = run.solution
-    if s is None:
-        return one_line(run.error)
-    parts = [one_line(fault) for fault in s.faults]
-    if s.bound_kind == "claimed" and isinstance(s.bound, float):
-        parts.append(f"claims the bound {s.bound:.10g}")
-    return "; ".join(parts)
 
 
 Methods = Sequence[str] | Mapping[str, Mapping[str, Any]]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from ...formulations.rendering import number
 from ...formulations.solution import Solution
 from ...instances.errors import UsageError
-from ..comparison import Comparison
 from .drawing import ALARM, COLOURS, chart_axes, entitle, figures_of, legend_below, literal, new_axes, rounded
 
 if TYPE_CHECKING:
     from ...formulations.search_history import Event
+    from ..comparison import Comparison
 
 Floats = NDArray[np.float64]
-History = Solution | Comparison | Sequence[Solution] | Mapping[str, Solution]
+History: TypeAlias = "Solution | Comparison | Sequence[Solution] | Mapping[str, Solution]"
 
 SPREAD, FAR = 3.0, 0.3
 """A final value is shown if it is no farther from the best than so many times the way to the bound, or such a share of the value; others
@@ -61,7 +61,7 @@ def plot_history(history: History, *, ax: Any = None, title: str | None = None, 
     ends = max(s.events[-1].seconds if s.events else 0.0 for s in named.values()) or 1.0
     for k, (name, solution) in enumerate(named.items()):
         _draw(ax, name, solution, level - 1, COLOURS[k % len(COLOURS)], ends, alone=len(named) == 1)
-    best = history.bound if isinstance(history, Comparison) else None
+    best = None if isinstance(history, Solution | Sequence | Mapping) else history.bound
     if best is not None and level == 1 and len(named) > 1:
         ax.axhline(best, color="#222222", linewidth=1.0, linestyle=(0, (1, 2)), label=f"best verified bound {rounded(best)}", zorder=2)
     _frame(ax, named, level - 1, ends)
@@ -89,10 +89,10 @@ def plot_history(history: History, *, ax: Any = None, title: str | None = None, 
 def _named(history: History) -> dict[str, Solution]:
     if isinstance(history, Solution):
         return {history.solver: history}
-    if isinstance(history, Comparison):
-        return {run.name: run.solution for run in history.runs if run.solution is not None}
     if isinstance(history, Mapping):
         return dict(history)
+    if not isinstance(history, Sequence):
+        return {run.name: run.solution for run in history.runs if run.solution is not None}
     named: dict[str, Solution] = {}
     for solution in history:
         name, k = solution.solver, 2

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
 def comparison_table(comparison: Comparison) -> Table:
     """One row a method; the gap is to the best verified bound of all."""
-    from ..comparison import remark_of
-
     rows = [
         (
             run.name,
@@ -23,7 +21,7 @@ def comparison_table(comparison: Comparison) -> Table:
             percent(comparison.gap(run)),
             "-" if run.seconds is None else f"{run.seconds:.2f}",
             run.status,
-            remark_of(run),
+            run.remark,
         )
         for run in comparison.runs
     ]

@@ -12,7 +12,7 @@ import waybound as wb
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.levels import LevelBound
 from waybound.formulations.problem import Problem
-from waybound.reports.comparison import Compared, Comparison, _contradictions, remark_of
+from waybound.reports.comparison import Compared, Comparison, _contradictions
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 
 
@@ -74,8 +74,8 @@ def test_the_status_says_on_whose_word(solved: Any, change: dict[str, Any], stat
 
 
 def test_remarks_are_one_printable_line(solved: Any) -> None:
-    assert remark_of(Compared("a", None, "broke\n\x1b[31mhere")).isprintable()
-    assert "claims the bound 3" in remark_of(Compared("a", replace(solved["good"], bound=3.0, bound_kind="claimed")))
+    assert Compared("a", None, "broke\n\x1b[31mhere").remark.isprintable()
+    assert "claims the bound 3" in Compared("a", replace(solved["good"], bound=3.0, bound_kind="claimed")).remark
 
 
 @pytest.fixture(scope="module")

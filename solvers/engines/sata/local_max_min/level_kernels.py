@@ -22,7 +22,7 @@ from .....formulations.stop_kernel import asked
 from .cleaning import Layout
 from .lane_kernels import add, inlined, larger, load, multiply, splat, store, subtract
 from .layer_kernels import GRAPH, clear, least_of_others, note
-from .search import DEEPEST, Lists, Scratch, Sight
+from .records import DEEPEST, Lists, Scratch, Sight
 
 _SIGHT = "named(Sight, i8[::1], i4[::1])"
 _SCRATCH = "named(Scratch, f8[:, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], f8[::1])"

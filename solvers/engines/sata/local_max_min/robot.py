@@ -16,7 +16,8 @@ import numpy as np
 
 from .....instances.errors import UsageError
 from .cleaning import Floats
-from .search import DEEPEST, MARGIN, SLACK, LevelGrid
+from .records import DEEPEST
+from .search import MARGIN, SLACK, LevelGrid
 
 Outbox = dict[int, Any]
 Inbox = Mapping[int, Any]

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .....formulations.stop import NEVER, Stop
 from .....instances.errors import UsageError
 from .cleaning import CleanGraph, Floats, Indices
+from .records import Lists, Scratch, Sight
 
 MARGIN = 1e-9
 """Levels found are lowered by this part: z_R(t (1 - d)) >= (1 - d) z_R(t) + d cap, so rounding makes no red copy negative."""
 
 SLACK = MARGIN / 2
 """A red copy may lie so far below 0, in parts of the cap, at a valid level of the additive search: less than the margin mends."""
-
-DEEPEST = 1024.0
-"""Red copies count as no further below 0 than this, in parts of the cap: a level at which one is negative is not valid, however much."""
 
 _INTERVALS = 7
 """Between the eight levels of a block."""
@@ -33,35 +30,6 @@ _SAMPLE = (64, 16, 4)
 
 _MOST_STEPS = 1e12
 """Numbers of steps must stay whole in a double."""
-
-
-class Scratch(NamedTuple):
-    """Working arrays of ``level_kernels.sweep``; rows of eight doubles start at cache lines."""
-
-    reds: Floats
-    least: Floats
-    room: Floats
-    next_room: Floats
-    near: Floats
-    next_near: Floats
-    blues: Floats
-    below: Floats
-
-
-class Sight(NamedTuple):
-    """Robots that see each target, one entry an edge."""
-
-    starts: NDArray[np.int64]
-    robots: Indices
-
-
-class Lists(NamedTuple):
-    """Robots and targets within reach of some roots; ``distance`` is -1 elsewhere."""
-
-    distance: Indices
-    marked: NDArray[np.bool_]
-    robots: Indices
-    targets: Indices
 
 
 def aligned_rows(rows: int, width: int) -> Floats:

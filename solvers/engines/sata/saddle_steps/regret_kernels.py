@@ -6,7 +6,7 @@ import numpy as np
 
 from .....formulations.kernels import kernel
 from .....formulations.stop_kernel import asked
-from .game import LAYOUT, Layout
+from .layout import LAYOUT, Layout
 
 _NAMED = (Layout,)
 """The named tuple that these types name."""

@@ -1,0 +1,47 @@
+"""The arrays of a sensing graph in the order in which the compiled loops of the game take them."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .....formulations.sata.balls import Floats
+from .....instances.sata.sensing_graph import SensingGraph
+
+
+class Layout(NamedTuple):
+    """The arrays of a graph, as kernels take them.
+
+    The actions of robot i are ``order[first[i]]`` to ``order[first[i + 1] - 1]``; ``starts``, ``targets`` and ``weights`` are the CSR form
+    of actions x targets; ``viewer_starts`` and ``viewers`` that of targets x robots, in which a robot stands once for each of its actions
+    that sees the target.
+    """
+
+    first: NDArray[np.int32]
+    order: NDArray[np.int32]
+    starts: NDArray[np.int32]
+    targets: NDArray[np.int32]
+    weights: Floats
+    viewer_starts: NDArray[np.int32]
+    viewers: NDArray[np.int32]
+
+    @classmethod
+    def of(cls, graph: SensingGraph) -> Layout:
+        """The layout of a graph."""
+        first, order = graph.by_robot
+        sight = graph.by_target
+        arrays = cls(first, order, graph.indptr, graph.indices, graph.weights, sight.indptr, graph.robot_of_action[sight.indices])
+        return cls(*(_read_only(array) for array in arrays))
+
+
+LAYOUT = "named(Layout, read(i4[::1]), read(i4[::1]), read(i4[::1]), read(i4[::1]), read(f8[::1]), read(i4[::1]), read(i4[::1]))"
+"""In the words of ``kernel``."""
+
+
+def _read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """A view: kernels are compiled for one kind of arrays."""
+    view = array.view()
+    view.setflags(write=False)
+    return view
