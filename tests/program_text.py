@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -40,6 +41,11 @@ def written(text: str, form: str, folder: Path, suffix: str = ".csv", *, relax: 
 def expected(text: str) -> str:
     """A literal of a test, without the indent of the code around it."""
     return textwrap.dedent(text).lstrip()
+
+
+def lines_of(problem: Any, *starts: str) -> list[str]:
+    """Those of the three-index form's lines for a problem that begin so."""
+    return [line for line in program_text(problem.compile("three-index").program).splitlines() if line.startswith(starts)]
 
 
 def program_text(program: Program) -> str:

@@ -279,11 +279,11 @@ def enumerated(problem: RoutingProblem) -> tuple[float, ...] | None:
     return best_values(problem)
 
 
-def excludes(problem: RoutingProblem, bound: float, slack: float = 1e-9) -> bool:
-    """Whether a bound is beyond the optimum of the first level by more than a part of it; no bound is where there is no answer."""
+def excludes(problem: RoutingProblem, bound: float, relative: float = 1e-9, absolute: float = 1e-9) -> bool:
+    """Whether a bound is beyond the optimum of the first level by more than is allowed; none is where there is no answer."""
     best = enumerated(problem)
     sign = 1.0 if problem.sense == "min" else -1.0
-    return best is not None and sign * (bound - float(best[0])) > slack * max(1.0, abs(float(best[0])))
+    return best is not None and sign * (bound - float(best[0])) > max(relative * abs(float(best[0])), absolute)
 
 
 LINE = np.abs(np.subtract.outer(*[np.array([0.0, 4, -5, 6, -7])] * 2))

@@ -42,10 +42,9 @@ def fleet_conflicts(
     """Proofs that the fleet is too small for the required sites, or the number of routes asked for too large.
 
     Each was checked, and is looked for only where no simpler kind was found: total load, the bin packing bound L2 (Martello and Toth
-    1990,
-    *Knapsack Problems*, section 8.3), total range, a set of sites of which no two fit on one route; then up to ``most_enumerated`` sites
-    for
-    which no choice of routes is left; then the time between two moments. ``stopped`` is asked between arguments whether to give up.
+    1990, *Knapsack Problems*, section 8.3), total range, a set of sites of which no two fit on one route; then up to ``most_enumerated``
+    sites for which no choice of routes is left; then the time between two moments. ``stopped`` is asked between arguments whether to give
+    up.
     """
     small_groups = partial(_small_groups, stopped=stopped, most=most_enumerated)
     for tier in ((_routes_asked_for, _loads, _ranges, _sites_apart), (small_groups,), (_hours,)):

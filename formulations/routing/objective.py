@@ -321,8 +321,7 @@ def default_objective(problem: str, sites: Sites) -> Objective:
     """The objective of a named problem where none is asked for.
 
     Where sites may be left out, total cost comes with the penalties of the sites left out and less the rewards of those visited. So it is
-    for
-    pairs too, whose fewest vehicles would be none at all.
+    for pairs too, whose fewest vehicles would be none at all.
     """
     usual = DEFAULT_OBJECTIVE.get(problem, Objective())
     free = optional(sites)

@@ -37,8 +37,7 @@ def stated_times(clock: Clock | None, columns: Mapping[str, Sequence[Any]]) -> t
     """Rows of arrival, begin and departure, in units of the data, and what their last digit counts; no rows where nothing is stated.
 
     ``columns`` has one value a visit by the titles ``arrival, begin, departure``; None, NaN, NaT or an empty text where nothing is
-    stated.
-    Raises UsageError for a value that is no time, or a moment where times have no origin.
+    stated. Raises UsageError for a value that is no time, or a moment where times have no origin.
     """
     numbers: list[float] = []
     spans: list[int] = []
@@ -141,12 +140,9 @@ def routes_given(problem: RoutingProblem, given: Any) -> Routes:
     """``Routes``, or what says clearly which.
 
     A list of routes, each a ``Route`` or a list of site indices or ids, with or without the depot at its ends; such a list, or several,
-    by the
-    name of each vehicle or of its type; or a frame with the columns ``vehicle`` and ``site``, one row a visit, whose times ``arrival,
-    begin,
-    departure`` are stated with the routes (``timetable``) unless they are those of the judge. Raises UsageError for anything else, and
-    for
-    lists that do not say which of several vehicle types drives.
+    by the name of each vehicle or of its type; or a frame with the columns ``vehicle`` and ``site``, one row a visit, whose times
+    ``arrival, begin, departure`` are stated with the routes (``timetable``) unless they are those of the judge. Raises UsageError for
+    anything else, and for lists that do not say which of several vehicle types drives.
     """
     if isinstance(given, Routes):
         return given

@@ -36,10 +36,8 @@ class Resource:
     """Something that grows along a route.
 
     ``weight`` is what a move adds, shape (nodes, nodes), in a ``Preparation`` (arcs,): to time, the service at its tail and the move; to
-    load,
-    the demand at its head. ``lower`` and ``upper`` are the range of the level at each node, all finite in a ``Preparation``. Where a
-    level
-    ``waits``, it may be raised at will; else it is the sum of the weights.
+    load, the demand at its head. ``lower`` and ``upper`` are the range of the level at each node, all finite in a ``Preparation``. Where
+    a level ``waits``, it may be raised at will; else it is the sum of the weights.
     """
 
     name: str
@@ -65,12 +63,9 @@ class Preparation:
     """Arrays of a routing problem for one vehicle type.
 
     Both ends of a route are nodes of their own. ``required`` and ``usable`` mark customers that must be visited and nodes that some route
-    can
-    visit; arcs are in order of ``tail`` and ``head``, without the idle move from start to end, ``cost`` being an arc's share in the first
-    level
-    of the objective. ``resources`` has ``time`` always, the others where they are limited; ``fleet`` is the largest number of routes.
-    Programs
-    are restrictions unless the moves are ``whole``.
+    can visit; arcs are in order of ``tail`` and ``head``, without the idle move from start to end, ``cost`` being an arc's share in the
+    first level of the objective. ``resources`` has ``time`` always, the others where they are limited; ``fleet`` is the largest number of
+    routes. Programs are restrictions unless the moves are ``whole``.
     """
 
     vehicle: int

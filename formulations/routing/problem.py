@@ -321,8 +321,8 @@ class RoutingProblem(Problem):
     # -- judging answers ---------------------------------------------------------------------------------------------
 
     def evaluate(self, answer: Routes) -> Evaluation:
-        """Recompute everything from the data: visits, loads, windows with waiting and service, durations, distances,
-        energy, fleet size, objective."""
+        """Recompute everything from the data: visits, loads, windows with waiting and service, durations, distances, energy, fleet size,
+        objective."""
         if not isinstance(answer, Routes):
             raise UsageError(f"an answer to a routing problem is Routes, not {type(answer).__name__}: Routes.of([[1, 2], [3]]) makes one")
         return evaluate_routes(self, answer)

@@ -41,10 +41,8 @@ def unreachable(problem: RoutingProblem) -> dict[int, str]:
     """Customers that no vehicle can serve, not even alone, and why, by site index; with several vehicle types, the reason of each.
 
     Ways are shortest ways through any other customers, services on the way included, and over depots where the vehicle reloads or
-    recharges;
-    only sites are named that the checker confirms to be out of reach. Beyond ``MOST_DETOURS`` customers, only those whose demand is too
-    large
-    are looked for. The mathematics: docs/formulations/routing.md#proofs-that-there-is-no-answer.
+    recharges; only sites are named that the checker confirms to be out of reach. Beyond ``MOST_DETOURS`` customers, only those whose
+    demand is too large are looked for. The mathematics: docs/formulations/routing.md#proofs-that-there-is-no-answer.
     """
     from .checking.known_features import without_stops
 

@@ -25,13 +25,10 @@ class Schedule:
     """The one schedule by which a route's limits and the objective are judged, and which every output shows.
 
     Arrays have one entry a stop between start and end, ``leaves`` and ``closing`` one a move: when it begins, and when it must have
-    begun.
-    ``charged`` holds the time charged under each of the four ways, before it is multiplied by the rate of the store, ``stretches`` the
-    time on
-    the move between recharging stops. ``load`` adds up the demands, of the first load dimension; ``on_board`` of shape (load dimensions,
-    stops + 1) is the load on leaving start and stops. ``variance`` is that of the time on the move, ``astray`` what a stated timetable
-    says
-    that does not go with the data.
+    begun. ``charged`` holds the time charged under each of the four ways, before it is multiplied by the rate of the store, ``stretches``
+    the time on the move between recharging stops. ``load`` adds up the demands, of the first load dimension; ``on_board`` of shape (load
+    dimensions, stops + 1) is the load on leaving start and stops. ``variance`` is that of the time on the move, ``astray`` what a stated
+    timetable says that does not go with the data.
     """
 
     arrival: Floats
@@ -252,8 +249,7 @@ def _on_board(problem: RoutingProblem, route: Route) -> Floats:
     """Load on leaving the start and each stop, shape (load dimensions, stops + 1).
 
     A vehicle leaves with what it delivers until it reloads or returns, and keeps what it picks up for as long; shipments stay on board
-    from
-    their pickup to their delivery.
+    from their pickup to their delivery.
     """
     sites, vehicle = problem.sites, problem.fleet[route.vehicle]
     visits = np.array(route.visits, dtype=np.int64)

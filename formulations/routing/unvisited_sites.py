@@ -1,8 +1,7 @@
 """Why an answer leaves sites out.
 
 That no vehicle can serve a site, whatever else it does, is proved from the data (``reachability``, confirmed by ``checking``). All else
-is
-said of this answer: what each place for the site in its routes, as they are, would break or change.
+is said of this answer: what each place for the site in its routes, as they are, would break or change.
 """
 
 from __future__ import annotations

@@ -32,10 +32,9 @@ def check_arc_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     """Bound on total cost, the number of vehicles, or a weighted sum of them, by any multipliers (weak duality).
 
     ``data``: ``out`` and ``in``, lists with one number a site (entries of depots are ignored); ``fleet``, one number; ``resources``,
-    optional:
-    lists with one number a site by name (also ``order``, the number of moves so far), negative ones read as 0; ``ray``, optional: true
-    for
-    multipliers of the rows alone, as if no arc cost anything. A ray with a bound above 0 proves that there is no answer.
+    optional: lists with one number a site by name (also ``order``, the number of moves so far), negative ones read as 0; ``ray``,
+    optional: true for multipliers of the rows alone, as if no arc cost anything. A ray with a bound above 0 proves that there is no
+    answer.
 
     Source: Geoffrion (1974), "Lagrangean relaxation for integer programming"; rows as in Bard, Kontoravdis, Yu (2002).
     """

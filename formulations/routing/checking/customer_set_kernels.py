@@ -67,8 +67,7 @@ def with_route(flag, best, sets, values):  # type: ignore[no-untyped-def] # prag
     """``best``, or less with one more route through one of ``sets``; NaN first where it was stopped.
 
     ``best`` of shape (counts, 2^customers) is the least value of routes through each set of customers, by their number; the last counts
-    for
-    all larger ones.
+    for all larger ones.
     """
     joined = best.copy()
     last, full = len(best) - 1, best.shape[1] - 1

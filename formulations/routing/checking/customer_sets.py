@@ -1,5 +1,4 @@
-"""Evidence ``customer-sets``: the cheapest route of each type of vehicle through each set of a few customers, and the best of all ways
-to
+"""Evidence ``customer-sets``: the cheapest route of each type of vehicle through each set of a few customers, and the best of all ways to
 divide the customers among routes.
 
 Routes are relaxed one limit at a time: a set is ruled out where the least level of some resource, over all orders of its members, breaks
@@ -55,9 +54,8 @@ class CustomerSets:
 
     ``types`` has for each type of vehicle its sets, what each adds to the objective at least, its least length or duration (by which the
     largest route is told), and the number of vehicles. ``ends`` are the sets that an answer may visit in all, ``fewest`` its least number
-    of
-    routes, ``fixed`` what routes do not change, ``weight`` and ``least`` those of the largest route in the objective; sums of values are
-    wrong by ``error`` at most, one peak by ``blur``.
+    of routes, ``fixed`` what routes do not change, ``weight`` and ``least`` those of the largest route in the objective; sums of values
+    are wrong by ``error`` at most, one peak by ``blur``.
     """
 
     types: list[tuple[Longs, Floats, Floats, int]]

@@ -27,14 +27,12 @@ def check_cut_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     """Bound on the first level of the objective that any prices prove (weak duality); maxima count by the farthest round trip.
 
     ``data``: ``out`` and ``in``, lists with one number a site (entries of depots are ignored); ``rates``, the price of a unit of a
-    resource by
-    its name; ``cuts``, objects with ``sites``, positions of customers, ``price``, and ``of``, the position of that one of them whose
-    visit is
-    the right side, or null for what the required ones among them need. Negative prices of resources and cuts are read as 0.
+    resource by its name; ``cuts``, objects with ``sites``, positions of customers, ``price``, and ``of``, the position of that one of
+    them whose visit is the right side, or null for what the required ones among them need. Negative prices of resources and cuts are read
+    as 0.
 
     Source: Fischetti, Salazar González, Toth (1998), "Solving the orienteering problem through branch-and-cut", for sets that hold a
-    visit;
-    Laporte, Nobert, Desrochers (1985) for those that need vehicles.
+    visit; Laporte, Nobert, Desrochers (1985) for those that need vehicles.
     """
     sites, customers = problem.sites, problem.sites.customers
     out, into = numbers(data, "out", len(sites)), numbers(data, "in", len(sites))

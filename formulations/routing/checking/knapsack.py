@@ -1,8 +1,7 @@
 """Evidence ``knapsack``: what visits are worth at most, where each takes a part of what all routes have of one resource.
 
 At any price of the resource it is the dual of a fractional knapsack, in which a visit takes half of the least moves in and out of its
-site;
-docs/formulations/routing.md#knapsack.
+site; docs/formulations/routing.md#knapsack.
 """
 
 from __future__ import annotations

@@ -1,10 +1,9 @@
 """Evidence ``load-shares`` and ``nearest-moves``: what each customer pays of the routes at least, which adds up site by site.
 
 ``load-shares``: the loads on a route are no more than the vehicle holds, so that the load of each customer pays its part of the vehicle
-and
-of the way out to it and home. ``nearest-moves``: half of a move is paid by either end of it, so that a customer pays half of its two
-least moves, from two sites or a depot, and the depots half of the least first and last moves of as many routes as loads need.
-Formulas: docs/formulations/routing.md#load-shares.
+and of the way out to it and home. ``nearest-moves``: half of a move is paid by either end of it, so that a customer pays half of its two
+least moves, from two sites or a depot, and the depots half of the least first and last moves of as many routes as loads need. Formulas:
+docs/formulations/routing.md#load-shares.
 """
 
 from __future__ import annotations

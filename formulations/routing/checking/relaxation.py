@@ -35,10 +35,8 @@ class Resource:
     """Something that grows along a route; node 0 is the depot, the others are the customers in site order.
 
     ``weight`` is what each move adds at least, shape (nodes, nodes), ``start`` the level on leaving the depot, ``lower`` and ``upper``
-    the levels
-    at which a route of an accepted answer can stand at a node (``upper[0]`` on return); rounding may add ``slack``, and no level, limit
-    or
-    weight is larger than half of ``size``.
+    the levels at which a route of an accepted answer can stand at a node (``upper[0]`` on return); rounding may add ``slack``, and no
+    level, limit or weight is larger than half of ``size``.
     """
 
     weight: Floats
@@ -54,12 +52,9 @@ class Relaxation:
     """Arcs that some route may use, their costs, and how many routes there are.
 
     ``customers`` are the sites of nodes 1, 2, ...; ``cost`` of shape (nodes, nodes) is the share of an arc in the first level of the
-    objective,
-    infinite for one that no feasible route can use; there is no answer if ``fewest > most``. ``resources`` are those that are limited,
-    and
-    ``time`` always; the objective of every answer is a multiple of ``grain``; ``first`` and ``last`` mark customers who can only be the
-    first
-    and the last of their route.
+    objective, infinite for one that no feasible route can use; there is no answer if ``fewest > most``. ``resources`` are those that are
+    limited, and ``time`` always; the objective of every answer is a multiple of ``grain``; ``first`` and ``last`` mark customers who can
+    only be the first and the last of their route.
     """
 
     customers: Longs
@@ -234,8 +229,8 @@ def _widened_resource(
     """Limits widened by what a check lets pass; infinite ones are replaced by a level that no earliest schedule exceeds.
 
     ``clock`` is the largest time at which a route starts, ``rounded`` the size of numbers from which the judge computes levels. Where all
-    data
-    are multiples of 0.001 (and all that counts is looked at: ``alike``), no level can exceed a limit by as little as what is let pass.
+    data are multiples of 0.001 (and all that counts is looked at: ``alike``), no level can exceed a limit by as little as what is let
+    pass.
     """
     top = max(start, float(lower.max())) + float(weight.max(axis=1).sum())
     wider = widening(upper, clock)

@@ -43,8 +43,7 @@ def check_farthest_round_trip(problem: RoutingProblem, data: Mapping[str, Any]) 
     """Bound on a minimised first level of maxima (makespan, longest route, latest return); nothing of ``data`` is read.
 
     Source: Frederickson, Hecht, Kim (1978), "Approximation algorithms for some routing problems"; ways lead over other sites and depots,
-    so
-    that no triangle inequality is assumed; docs/formulations/routing.md#makespan.
+    so that no triangle inequality is assumed; docs/formulations/routing.md#makespan.
     """
     level = problem.objective.levels()[0].terms
     relaxed = without_stops(problem)

@@ -2,8 +2,7 @@
 
 Whatever is not shown to be impossible counts as possible. Visits that a proof does not name are free detours, so that the triangle
 inequality is never assumed, and every limit is widened by what ``evaluate`` lets pass. Shortest ways and earliest times are worked out
-here
-once more, apart from ``reachability`` and ``instances.routing.reach``, which only suspect: what is wrong there must not be confirmed
+here once more, apart from ``reachability`` and ``instances.routing.reach``, which only suspect: what is wrong there must not be confirmed
 here.
 """
 
@@ -45,11 +44,10 @@ class Limits:
     """Limits of one vehicle type, all widened, over the nodes start (0), customers in site order (1 to n) and end (n + 1).
 
     ``busy`` is the service at the tail and the move, shape (nodes, nodes). ``budgets`` are weights of moves of which the sum along a
-    route is
-    limited, ``spans`` (rate, limit, fixed) limits on ``rate`` times the time to the return, from the opening of the depot (``fixed``) or
-    from the latest departure, ``chances`` (means, variances, deviations, limit) limits on a sum of means and so many times the root of
-    one
-    of variances. No earliest schedule runs longer than ``horizon``; sums of times along any route may be wrong by ``rounding``.
+    route is limited, ``spans`` (rate, limit, fixed) limits on ``rate`` times the time to the return, from the opening of the depot
+    (``fixed``) or from the latest departure, ``chances`` (means, variances, deviations, limit) limits on a sum of means and so many times
+    the root of one of variances. No earliest schedule runs longer than ``horizon``; sums of times along any route may be wrong by
+    ``rounding``.
     """
 
     ready: Floats

@@ -40,10 +40,8 @@ def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any
     """Bound on total cost, the number of vehicles, or a weighted sum of them, by any prices of visits (weak duality).
 
     ``data``: ``visits``, one number a site (entries of depots are ignored); ``memory``, how many of the nearest customers are remembered
-    at each
-    one, of those next to whom he can be visited; ``ray``, optional: true for prices of the visits alone, as if no arc cost anything.
-    Minus
-    infinity where labels exceed their limits, infinity where no answer is left.
+    at each one, of those next to whom he can be visited; ``ray``, optional: true for prices of the visits alone, as if no arc cost
+    anything. Minus infinity where labels exceed their limits, infinity where no answer is left.
 
     Source: Desrochers, Desrosiers, Solomon (1992) for the relaxation and its bound; Baldacci, Mingozzi, Roberti (2011) for ng-routes;
     Feillet, Dejax, Gendreau, Gueguen (2004) for customers out of reach; docs/proofs.md#routes.

@@ -42,10 +42,8 @@ def check_state_space(problem: RoutingProblem, data: Mapping[str, Any]) -> float
     """Bound on the first level of the objective that any prices of visits prove; maxima count by the farthest round trip.
 
     ``data``: ``prices``, one number a site (entries of depots are ignored); ``resource``, which is counted (also ``order``, the number of
-    moves);
-    ``step``, a positive number of its units; ``shares``, optional: non-negative prices by the name of another resource. Nothing is proved
-    where
-    there are too many steps, or no walk at all.
+    moves); ``step``, a positive number of its units; ``shares``, optional: non-negative prices by the name of another resource. Nothing
+    is proved where there are too many steps, or no walk at all.
 
     Source: Christofides, Mingozzi, Toth (1981), "State-space relaxation procedures"; Houck, Picard, Queyranne, Vemuganti (1980) for walks
     without i-j-i.

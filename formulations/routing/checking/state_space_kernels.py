@@ -19,8 +19,7 @@ def least_walk(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     ``best[j, b]`` is the least cost of arriving at ``j`` at a level of at most ``b``, over the predecessor ``before[j, b]``, and
     ``second[j, b]`` the least over any other predecessor. Moves between customers into node ``j`` are those from ``starts[j]`` up to
     ``starts[j + 1]``, with whole weights of at least 1; those out of the depot and into it have shape (nodes,), infinite where there is
-    none.
-    A level is raised to ``lower``, and is ``upper`` at most; entry 0 is for the return. ``flag`` is that of a ``Stop``.
+    none. A level is raised to ``lower``, and is ``upper`` at most; entry 0 is for the return. ``flag`` is that of a ``Stop``.
     """
     nodes, steps = len(lower), 1
     for j in range(1, nodes):

@@ -110,8 +110,7 @@ class VehicleMoves:
     """Moves of a type of vehicle over its depot (0: start and end) and the customers.
 
     ``cost`` of shape (nodes, nodes) is less the prices of the sites that moves enter, infinite where there is no move; ``size`` is the
-    sum of
-    the sizes of what costs were added up from.
+    sum of the sizes of what costs were added up from.
     """
 
     cost: Floats

@@ -21,15 +21,14 @@ def least_walk(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Least cost of all walks that keep their levels and do not come back to a customer whom they remember.
 
     Labels are extended stage by stage, a visit a stage, so that each walk of as many visits as there are customers is looked at. One
-    gives
-    way to another at its node that costs no more, has no higher level, and remembers nobody whom it does not remember, or can reach.
+    gives way to another at its node that costs no more, has no higher level, and remembers nobody whom it does not remember, or can
+    reach.
 
     ``cost`` has shape (nodes, nodes), node 0 being the depot, ``weight`` and ``way`` (the least that any moves add from node to node)
-    shape
-    (resources, nodes, nodes), all infinite where there is no move; ``lower``, ``upper`` and ``beyond`` (a customer is out of reach above
-    it)
-    shape (resources, nodes); ``memory`` of shape (nodes, words) has one bit a customer for those still remembered at a node; ``room`` and
-    ``work`` are the most labels and comparisons; ``flag`` is that of a ``Stop``. Returns whether it was done, stopped, or had no room.
+    shape (resources, nodes, nodes), all infinite where there is no move; ``lower``, ``upper`` and ``beyond`` (a customer is out of reach
+    above it) shape (resources, nodes); ``memory`` of shape (nodes, words) has one bit a customer for those still remembered at a node;
+    ``room`` and ``work`` are the most labels and comparisons; ``flag`` is that of a ``Stop``. Returns whether it was done, stopped, or
+    had no room.
     """
     nodes, words, resources = len(cost), memory.shape[1], len(start)
     # What is never written takes no memory.

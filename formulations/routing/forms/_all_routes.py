@@ -191,8 +191,7 @@ class Walk:
         for.
 
         It departs as early as it may, or such that it meets the end of a window or a closing move, or where stops have several windows
-        the begin of
-        one. Where no stop has, it delays nothing.
+        the begin of one. Where no stop has, it delays nothing.
         """
         busy = math.fsum(self.time[i][j] for i, j in pairwise(stops)) + math.fsum(self.service[k] for k in stops[1:-1])
         if finish - self.opens <= busy:

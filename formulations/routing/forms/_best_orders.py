@@ -1,8 +1,7 @@
 """The orders of stops that can be best, set of sites by set of sites, where all that counts of a route adds up along it.
 
 Of two orders of the same sites with the same last one, the one with less distance, less time and less variance is as good however the
-route
-goes on, since a risk of at most 1/2 rises with the mean and with the variance.
+route goes on, since a risk of at most 1/2 rises with the mean and with the variance.
 Source: Held and Karp (1962); with several sums the labels of Desrochers and Soumis (1988).
 """
 

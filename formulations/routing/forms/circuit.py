@@ -1,9 +1,8 @@
 """The circuit form, for solvers that know what a circuit is: routes are circuits through the depot, and no row has to join their arcs.
 
 Where all customers must be visited and the two-index forms can take the problem, one variable an arc says enough. Every other problem
-that
-the three-index form can take is written with its variables and rows, less ``depart``, ``flow`` and, without shipments, ``order``: the
-arcs with x_ijk = 1, the loops (i,i) with off_ik = 1, which leave a customer to the other vehicles, and (g,o), which is always used
+that the three-index form can take is written with its variables and rows, less ``depart``, ``flow`` and, without shipments, ``order``:
+the arcs with x_ijk = 1, the loops (i,i) with off_ik = 1, which leave a customer to the other vehicles, and (g,o), which is always used
 (back_k = 1), are one circuit. It has no linear relaxation. Rows: docs/formulations/routing.md#circuit-form.
 
 Source: Laurière (1978) for circuits as a constraint.

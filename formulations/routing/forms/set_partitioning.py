@@ -11,8 +11,7 @@ docs/formulations/routing.md#set-partitioning::
     home[t]       z_t <= K_t b_t,  b binary;   makespan >= d b_t           where a maximum counts a way straight home
 
 A route that is no better in anything that a level of the objective counts than another one of the same type and sites is left out. Rows
-of
-maxima by site are stronger than those by route, makespan >= d_p y_p.
+of maxima by site are stronger than those by route, makespan >= d_p y_p.
 
 Source: Balinski and Quandt (1964); Mitchell (2020), CMU-RI-TR-20-52, 3.2, prices its routes one by one; the bound of the relaxed form is
 that of the Lagrangian which dualises the visits (Dantzig and Wolfe 1960).

@@ -8,15 +8,12 @@ The rows of single vehicles are in docs/formulations/routing.md#three-index-form
 
 and the terms of ``_objective``, groups, shipments and several windows of ``_groups_and_windows``, loads that rise and fall and residual
 energy of ``_loads_and_energy``. Depots where vehicles reload or recharge are nodes like customers, as many copies of each as an answer
-may
-need (``copies``). A committed vehicle that serves nobody drives the idle arc (o,g), at its cost and within its limits.
+may need (``copies``). A committed vehicle that serves nobody drives the idle arc (o,g), at its cost and within its limits.
 
 Departure is free within the depot's window and the vehicle's shift, and [a_i, b_i] is the window tightened by ``prepare``. One t_i for
-all
-vehicles would do where no type has windows of its own; it has fewer rows, and HiGHS was no faster with it. The numbering of vehicles of
-one type made HiGHS 2 to 12 times faster on the first 15 or 25 customers of Solomon's C101, R101 and RC106, no clear difference on C103
-and
-RC104, and left a weaker bound on RC101. Rows that put idle vehicles last did not help.
+all vehicles would do where no type has windows of its own; it has fewer rows, and HiGHS was no faster with it. The numbering of vehicles
+of one type made HiGHS 2 to 12 times faster on the first 15 or 25 customers of Solomon's C101, R101 and RC106, no clear difference on C103
+and RC104, and left a weaker bound on RC101. Rows that put idle vehicles last did not help.
 
 Source: Mitchell (2020), CMU-RI-TR-20-52, (3.7)-(3.14), with demands and service times, (5.16) and (5.17)-(5.18); corrected as in
 docs/formulations/routing.md#errata.

@@ -158,8 +158,7 @@ class Pieces:
     """Pieces of a type of vehicle; arrays of shape (pieces,).
 
     ``constant``, ``slope`` and ``fall`` are p, q and f, ``least`` and ``most`` the variances at the ends, ``fewest`` and ``share`` the
-    least and
-    largest part of the team's risk.
+    least and largest part of the team's risk.
     """
 
     constant: Floats

@@ -8,12 +8,10 @@ every customer is connected to the depot whatever durations are. Durations and t
 wait.
 
 The duals of visit-out, visit-in, fleet and r-balance in the LP relaxation of ``two-index-time-flow`` (minimisation, all customers
-required)
-are evidence ``arc-multipliers``: the Lagrangian of these rows, which at the optimal duals is the LP's value.
+required) are evidence ``arc-multipliers``: the Lagrangian of these rows, which at the optimal duals is the LP's value.
 
 Source: Gavish and Graves (1978) for the flows, of units and of loads, with windows Bard, Kontoravdis and Yu (2002); Miller, Tucker,
-Zemlin
-(1960) for node levels, Desrochers and Laporte (1991) for the lifted rows.
+Zemlin (1960) for node levels, Desrochers and Laporte (1991) for the lifted rows.
 """
 
 from __future__ import annotations

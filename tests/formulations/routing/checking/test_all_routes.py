@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_routing import FEATURES as EVERY_FEATURE
-from small_routing import WHOLE_FAMILY, at_risk, excludes, few, small, varied
+from small_routing import FEATURES, WHOLE_FAMILY, at_risk, excludes, few, small, varied
 
 import waybound as wb
 from waybound.formulations.evidence import Evidence
@@ -21,12 +20,6 @@ from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.exact_routing import best_values
 
-FEATURES = (
-    "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "travel", "elapsed",
-    "elapsed-fixed-start", "windows", "limited-fleet", "heterogeneous-fleet", "fixed-cost", "multiple-depots", "open-routes",
-    "separate-durations", "vehicles", "prizes", "reward", "reward-then-cost",
-)  # fmt: skip
-
 
 @pytest.mark.share(3)
 @pytest.mark.parametrize("feature", FEATURES)
@@ -38,7 +31,7 @@ def test_the_optimum_of_the_first_level_is_proved(feature: str, convention: str)
         if best is None:
             assert bound == (math.inf if problem.sense == "min" else -math.inf)
         else:
-            assert bound == pytest.approx(float(best[0]), rel=1e-11) and not excludes(problem, bound, 1e-12)
+            assert bound == pytest.approx(float(best[0]), rel=1e-11) and not excludes(problem, bound, 1e-12, 0.0)
 
 
 @pytest.mark.share(4)
@@ -57,7 +50,7 @@ def test_the_largest_of_all_routes_is_proved(feature: str, term) -> None:
 def test_vehicles_of_their_own_kind_are_never_bounded_beyond_the_optimum(feature: str, term) -> None:
     for seed in range(8):
         problem = replace_objective(varied(feature, seed, few(feature)), term)
-        assert not excludes(problem, check_all_routes(problem, {}), 1e-12)
+        assert not excludes(problem, check_all_routes(problem, {}), 1e-12, 0.0)
 
 
 def replace_objective(problem: RoutingProblem, objective) -> RoutingProblem:
@@ -83,7 +76,7 @@ def test_risks_among_other_features_are_never_bounded_beyond_the_optimum() -> No
     for feature in ("route-risk", "team-risk"):
         for seed in range(12):
             problem = varied(feature, seed, few(feature))
-            assert not excludes(problem, check_all_routes(problem, {}), 1e-12)
+            assert not excludes(problem, check_all_routes(problem, {}), 1e-12, 0.0)
 
 
 def test_routes_asked_for_and_moves_forbidden_count() -> None:
@@ -120,10 +113,10 @@ def by_sets(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("by_sets")
 @pytest.mark.share(3)
-@pytest.mark.parametrize("feature", [*EVERY_FEATURE, *(name for name in WHOLE_FAMILY if name not in EVERY_FEATURE)])
+@pytest.mark.parametrize("feature", [*FEATURES, *(name for name in WHOLE_FAMILY if name not in FEATURES)])
 def test_no_more_is_proved_than_is_true(feature: str) -> None:
     for seed in range(5):
-        problem = small(feature, seed, "exact") if feature in EVERY_FEATURE else varied(feature, seed, few(feature, 4))
+        problem = small(feature, seed, "exact") if feature in FEATURES else varied(feature, seed, few(feature, 4))
         if seed % 2 and problem.sense == "min" and len(problem.senses) == 1:
             goal = (TotalDuration() + 3.0 * Vehicles(), TotalCost() + 0.5 * TotalDuration())[seed % 4 == 1]
             problem = replace(problem, objective=Objective.of(goal))

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from waybound.formulations.routing.checking.arc_multipliers import RESOURCES, check_arc_multipliers
+from waybound.formulations.routing.checking.arc_multipliers import PRICED, check_arc_multipliers
 from waybound.formulations.routing.objective import Makespan
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
@@ -23,8 +23,8 @@ SEEDS = st.integers(0, 10**6)
 
 def data_from(vector: np.ndarray, sites: int) -> dict:
     """Evidence from one vector: out, in, resources, fleet."""
-    parts = vector[:-1].reshape(2 + len(RESOURCES), sites)
-    resources = {name: (0.2 * row).tolist() for name, row in zip(RESOURCES, parts[2:], strict=True)}
+    parts = vector[:-1].reshape(2 + len(PRICED), sites)
+    resources = {name: (0.2 * row).tolist() for name, row in zip(PRICED, parts[2:], strict=True)}
     return {"out": parts[0].tolist(), "in": parts[1].tolist(), "fleet": float(vector[-1]), "resources": resources}
 
 
@@ -38,7 +38,7 @@ def test_no_multipliers_however_wrong_prove_more_than_the_optimum(random_problem
     problem = random_problem(seed, customers=seed % 4 + 1)
     best, rng, n = optimum(problem), np.random.default_rng(seed), len(problem.sites)
     for _ in range(8):
-        bound = check_arc_multipliers(problem, data_from(scale * rng.normal(size=(2 + len(RESOURCES)) * n + 1), n))
+        bound = check_arc_multipliers(problem, data_from(scale * rng.normal(size=(2 + len(PRICED)) * n + 1), n))
         assert bound <= best + 1e-9 * max(1.0, abs(best))
 
 
@@ -47,7 +47,7 @@ def test_no_multipliers_however_wrong_prove_more_than_the_optimum(random_problem
 def test_bounds_stay_below_the_optimum_on_the_way_to_the_best_multipliers(random_problem, optimum, ascent, seed):
     problem = random_problem(seed, customers=seed % 3 + 2)
     best, n = optimum(problem), len(problem.sites)
-    seen = ascent(lambda v: check_arc_multipliers(problem, data_from(v, n)), (2 + len(RESOURCES)) * n + 1, np.random.default_rng(seed), 120)
+    seen = ascent(lambda v: check_arc_multipliers(problem, data_from(v, n)), (2 + len(PRICED)) * n + 1, np.random.default_rng(seed), 120)
     assert max(seen) <= best + 1e-9 * max(1.0, abs(best))
 
 

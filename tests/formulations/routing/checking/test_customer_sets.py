@@ -51,7 +51,7 @@ def test_the_optimum_of_simple_problems_is_proved(feature: str) -> None:
 def test_no_feature_of_the_family_is_bounded_beyond_the_optimum(feature: str) -> None:
     for seed in range(8):
         problem = varied(feature, seed, few(feature))
-        assert not excludes(problem, check_customer_sets(problem, {}), 1e-12)
+        assert not excludes(problem, check_customer_sets(problem, {}), 1e-12, 1e-12)
 
 
 def weighed(problem: RoutingProblem, term, weight: float) -> RoutingProblem:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.exact_routing import RoutingTruth
 from waybound.reports.benchmarks.routing_variants import risky
 
+line = partial(at_risk, count=4)
 ALL_ROUTES = {"kind": "all-routes", "data": {}}
 
 
@@ -33,7 +35,7 @@ def test_the_example_by_hand() -> None:
     """No move has more than 1/4 of its duration of variance: 4 s^2 + z s = 18. A risk of the team is one of each route."""
     z = quantile(0.06)
     largest = (-z + math.sqrt(z * z + 16.0 * 18.0)) / 8.0
-    for problem in (at_risk(0.06), at_risk(None, 0.06), at_risk(0.3, 0.06)):
+    for problem in (line(0.06), line(None, 0.06), line(0.3, 0.06)):
         made = without_risks(problem)
         assert made is not None and not made.features() & RISKS
         (vehicle,) = made.fleet
@@ -41,9 +43,9 @@ def test_the_example_by_hand() -> None:
         assert vehicle.travel.durations[0, 1] == pytest.approx(4.0 + z / largest)
         assert vehicle.travel.durations[1, 3] == pytest.approx(1.0 + 2.0 + z / largest * 0.5)
         assert (vehicle.travel.distances == LINE).all()
-    assert check_deviation_chord(at_risk(0.06), ALL_ROUTES) == pytest.approx(36.0)  # the optimum, where means would allow 26
-    assert check_deviation_chord(at_risk(0.15), ALL_ROUTES) == pytest.approx(26.0)
-    assert check_deviation_chord(at_risk(1e-12), ALL_ROUTES) == math.inf  # nobody reaches e
+    assert check_deviation_chord(line(0.06), ALL_ROUTES) == pytest.approx(36.0)  # the optimum, where means would allow 26
+    assert check_deviation_chord(line(0.15), ALL_ROUTES) == pytest.approx(26.0)
+    assert check_deviation_chord(line(1e-12), ALL_ROUTES) == math.inf  # nobody reaches e
 
 
 @settings(max_examples=draws(60), deadline=None)
@@ -104,11 +106,11 @@ def test_it_is_never_beyond_the_optimum_on_hostile_numbers() -> None:
 @pytest.mark.parametrize("exponent", [-300, -40, 7, 60])
 def test_times_in_other_units_have_the_squares_for_variances_and_the_same_bound(exponent: int) -> None:
     scale = 2.0**exponent
-    assert check_deviation_chord(at_risk(0.06, scale=scale), ALL_ROUTES) == check_deviation_chord(at_risk(0.06), ALL_ROUTES)
+    assert check_deviation_chord(line(0.06, scale=scale), ALL_ROUTES) == check_deviation_chord(line(0.06), ALL_ROUTES)
 
 
 def test_a_move_that_takes_no_time_but_has_a_variance_leaves_the_chord_to_the_limit_alone() -> None:
-    problem = at_risk(0.06)
+    problem = line(0.06)
     means = LINE.copy()
     means[1, 3] = 0.0
     problem = replace(problem, sites=replace(problem.sites, service=np.zeros(5)), travel=replace(problem.travel, duration_matrix=means))
@@ -119,11 +121,11 @@ def test_a_move_that_takes_no_time_but_has_a_variance_leaves_the_chord_to_the_li
 
 
 def test_without_variances_or_where_durations_count_it_proves_nothing() -> None:
-    assert check_deviation_chord(replace(at_risk(0.06), travel=Travel(EXPLICIT, matrix=LINE)), ALL_ROUTES) == -math.inf
-    makespan = replace(at_risk(0.06), objective=Objective.of(TotalCost() + Makespan()))
+    assert check_deviation_chord(replace(line(0.06), travel=Travel(EXPLICIT, matrix=LINE)), ALL_ROUTES) == -math.inf
+    makespan = replace(line(0.06), objective=Objective.of(TotalCost() + Makespan()))
     assert lacks_chord(makespan) == {"objective:makespan"} and check_deviation_chord(makespan, ALL_ROUTES) == -math.inf
-    assert lacks_chord(at_risk(0.06, unit_duration_cost=1.0)) == {"duration-cost"}
-    assert lacks_chord(at_risk(0.06, committed=True)) == {"committed-vehicles"}
+    assert lacks_chord(line(0.06, unit_duration_cost=1.0)) == {"duration-cost"}
+    assert lacks_chord(line(0.06, committed=True)) == {"committed-vehicles"}
 
 
 @pytest.mark.parametrize(
@@ -135,7 +137,7 @@ def test_without_variances_or_where_durations_count_it_proves_nothing() -> None:
 )  # fmt: skip
 def test_malformed_evidence_is_refused_whatever_is_wrong_with_it(data) -> None:
     with pytest.raises((InputError, UsageError)):
-        verified_bound(at_risk(0.06), Evidence(KIND, "", 0.0, data))
+        verified_bound(line(0.06), Evidence(KIND, "", 0.0, data))
 
 
 def test_tampered_prices_prove_no_more_than_the_optimum() -> None:
@@ -143,4 +145,4 @@ def test_tampered_prices_prove_no_more_than_the_optimum() -> None:
     for _ in range(40):
         prices = rng.normal(0.0, 20.0, 5).tolist()
         data = {"kind": "state-space", "data": {"prices": prices, "resource": "duration", "step": float(rng.choice([0.25, 1.0, 3.0]))}}
-        assert check_deviation_chord(at_risk(0.06), data) <= 36.0
+        assert check_deviation_chord(line(0.06), data) <= 36.0

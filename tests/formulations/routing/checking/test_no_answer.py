@@ -282,7 +282,7 @@ def test_no_threshold_excludes_the_optimum(feature):
         goal = (Vehicles(), 5.0 * Vehicles() + TotalCost(), Vehicles() + Makespan())[seed % 3]
         problem = replace(varied(feature, seed, few(feature)), objective=Objective.of(goal))
         for threshold in (-1.0, 0.0, 1.0, 3.0, 5.5, 100.0):
-            assert not excludes(problem, check_vehicles_needed(problem, {"threshold": threshold}))
+            assert not excludes(problem, check_vehicles_needed(problem, {"threshold": threshold}), 0.0)
 
 
 def test_large_loads_share_no_vehicle():

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_routing import WHOLE_FAMILY, excludes, few, varied
+from small_routing import WHOLE_FAMILY, enumerated, excludes, few, varied
 
 from waybound.formulations.routing.checking.round_trips import check_averaged_tour, check_farthest_round_trip, totals
 from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, Objective, TotalCost
@@ -26,7 +26,7 @@ def test_no_bound_exceeds_the_optimum(feature):
         problem = varied(feature, seed, few(feature))
         for term in TERMS.values():
             asked = replace(problem, objective=Objective.of(term))
-            assert not excludes(asked, check_farthest_round_trip(asked, {}), 1e-12)
+            assert not excludes(asked, check_farthest_round_trip(asked, {}), 1e-12, 0.0)
 
 
 @pytest.mark.parametrize(("term", "least"), [("makespan", 11.0), ("longest-route", 8.0), ("latest-return", 27.0)])
@@ -55,12 +55,14 @@ def test_no_claim_excludes_the_optimum(feature):
         problem = varied(feature, seed, few(feature))
         for term in (Makespan(), LongestRoute(), 2.0 * LatestReturn()):
             asked = replace(problem, objective=Objective.of(term))
+            if enumerated(asked) is None:
+                continue
             for scale in (0.0, 5.0, 20.0):
                 prices = (scale * rng.normal(0.5, 1.0, len(asked.sites))).tolist()
                 for kind, data in (
                     ("spanning-tree", {"multipliers": prices}), ("state-space", {"prices": prices, "resource": "order", "step": 1.0}),
                 ):  # fmt: skip
-                    assert not excludes(asked, check_averaged_tour(asked, {"kind": kind, "data": data}))
+                    assert not excludes(asked, check_averaged_tour(asked, {"kind": kind, "data": data}), 0.0)
 
 
 def line(term, **vehicle):

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_routing import FEATURES, WHOLE_FAMILY, drawn, excludes, plane
+from small_routing import FEATURES, WHOLE_FAMILY, drawn, enumerated, excludes, plane
 
 from waybound.formulations.routing.checking import state_space
-from waybound.formulations.routing.checking.state_space import RESOURCES, check_state_space
+from waybound.formulations.routing.checking.state_space import COUNTED, check_state_space
 from waybound.formulations.routing.objective import Makespan, Objective, Reward, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
@@ -25,12 +25,12 @@ def test_no_prices_however_wrong_exclude_the_optimum(feature):
     for seed in range(3):
         problem, rng = drawn(feature, seed), np.random.default_rng(seed)
         for scale in (0.0, 2.0, 8.0, 30.0):
-            for resource in RESOURCES:
+            for resource in COUNTED:
                 step, shares = float(rng.choice([0.37, 1.0, 3.0])), {name: float(rng.uniform(-0.2, 0.5)) for name in ("load", "distance")}
                 prices = (scale * rng.normal(0.5, 1.0, len(problem.sites))).tolist()
                 bound = check_state_space(problem, {"prices": prices, "resource": resource, "step": step, "shares": shares})
                 assert not math.isnan(bound) and not excludes(problem, bound)
-                judged += math.isfinite(bound)
+                judged += math.isfinite(bound) and enumerated(problem) is not None
     assert judged
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from oracles import agrees, optimum, routing
-from program_text import program_text
+from program_text import lines_of
 
 from waybound.formulations.routing.objective import Makespan
 from waybound.instances.routing.instance import Energy, Shipment, VehicleType
@@ -13,14 +13,10 @@ from waybound.instances.routing.instance import Energy, Shipment, VehicleType
 LINE = np.array([(0, 0), (1, 0), (2, 0)], dtype=float)
 
 
-def lines(problem, *starts):
-    return [line for line in program_text(problem.compile("three-index").program).splitlines() if line.startswith(starts)]
-
-
 def test_what_is_delivered_makes_room_for_what_is_collected() -> None:
     """Site 1 takes 3 and gives 1, site 2 takes 1 and gives 3, capacity 4: 2 before 1 would have 3 + 3 on board."""
     problem = routing(xy=LINE, count=1, capacity=4.0, sites={"demand": [0, 3, 1], "pickup": [0, 1, 3]})
-    assert lines(problem, "load", "pickup", "undelivered", "collected", "room", "before") == [
+    assert lines_of(problem, "load", "pickup", "undelivered", "collected", "room", "before") == [
         "load[1]: 3 x[1,2,1] + 3 x[1,0,1] + x[2,1,1] + x[2,0,1] <= 4",
         "pickup[1]: x[1,2,1] + x[1,0,1] + 3 x[2,1,1] + 3 x[2,0,1] <= 4",
         "undelivered[1,2]: - 5 x[1,2,1] + undelivered[1] - undelivered[2] >= -4",
@@ -49,7 +45,7 @@ def test_a_vehicle_reloads_between_two_trips() -> None:
     agrees(routing(xy=LINE, count=1, capacity=5.0, reloads=(0,), sites=sites), "three-index", 6.0)
     agrees(routing(xy=LINE, count=1, capacity=5.0, reloads=(0,), max_reloads=0, sites=sites), "three-index", None)
     problem = routing(xy=LINE, count=1, capacity=5.0, reloads=(0,), max_reloads=1, sites=sites)
-    assert lines(problem, "reloads", "serves", "undelivered[0#1") == [
+    assert lines_of(problem, "reloads", "serves", "undelivered[0#1") == [
         "reloads[1]: x[0,0#1,1] + x[1,0#1,1] + x[2,0#1,1] <= 1",
         "serves[1]: x[0,0,1] + x[1,2,1] + x[1,0#1,1] + x[1,0,1] + x[2,1,1] + x[2,0#1,1] + x[2,0,1] >= 1",
         "undelivered[0#1,1]: - 10 x[0#1,1,1] - undelivered[1] + undelivered[0#1] >= -5",
@@ -62,7 +58,7 @@ def test_residual_energy_row_by_row() -> None:
     """The site is 2 away, the station 1 from it, the depot 2 from the station; the store holds 3, and 2.5 at departure."""
     matrix = np.array([[0, 2, 9], [9, 0, 1], [2, 1, 0]], dtype=float)
     problem = recharged(matrix, 2.5)
-    assert lines(problem, "residual", "home", "filled") == [
+    assert lines_of(problem, "residual", "home", "filled") == [
         "residual[1,2#1,r]: 4 x[1,2#1,1] - residual[1,r] + residual[2#1,r] <= 3",
         "residual[1,2#2,r]: 4 x[1,2#2,1] - residual[1,r] + residual[2#2,r] <= 3",
         "filled[1,r]: 2.5 x[0,1,1] + x[2#1,1,1] + x[2#2,1,1] + residual[1,r] <= 3",
@@ -70,7 +66,7 @@ def test_residual_energy_row_by_row() -> None:
         "filled[2#2,r]: residual[2#2,r] <= 3",
     ]
     near = np.array([[0, 2, 9], [1, 0, 1], [2, 1, 0]], dtype=float)
-    assert lines(recharged(near, 2.5), "home") == ["home[1,r]: - x[1,0,1] + residual[1,r] >= 0"]
+    assert lines_of(recharged(near, 2.5), "home") == ["home[1,r]: - x[1,0,1] + residual[1,r] >= 0"]
     for ways, initial, value in ((matrix, 2.5, None), (matrix, 3.0, 5.0), (near, 2.5, None), (near, 3.0, 3.0)):
         for form in ("three-index", "set-partitioning"):
             agrees(recharged(ways, initial), form, value)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from oracles import GAP_5, OCTO_8, SQUARE_4, TW_4, agrees, optimum, routing, solved
-from program_text import program_text
+from program_text import lines_of
 
 from waybound.formulations.forms import FORMS
 from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, Reward, TotalCost, TotalDuration
@@ -14,13 +14,9 @@ from waybound.instances.routing.instance import VehicleType
 LINE = np.array([(0, 0), (3, 0)], dtype=float)
 
 
-def lines(problem, *starts):
-    return [line for line in program_text(problem.compile("three-index").program).splitlines() if line.startswith(starts)]
-
-
 def test_a_makespan_is_at_least_the_work_of_every_vehicle() -> None:
     problem = routing(xy=LINE, count=2, sites={"service": [0, 1]}, objective=Makespan())
-    assert lines(problem, "min", "worked", "elapsed", "makespan") == [
+    assert lines_of(problem, "min", "worked", "elapsed", "makespan") == [
         "min makespan",
         "worked[1]: 3 x[0,1,1] + 4 x[1,0,1] - duration[1] <= 0",
         "makespan[1]: makespan - duration[1] >= 0",
@@ -32,7 +28,7 @@ def test_where_somebody_may_wait_the_departure_is_free() -> None:
     """The site opens at 10, 3 away, and takes 1: 7 from a departure at 7, paid 2 each; what is beyond 5 costs 3 more."""
     sites = {"service": [0, 1], "ready": [0, 10], "due": [50, 20]}
     problem = routing(xy=LINE, count=1, sites=sites, unit_cost=0.0, unit_duration_cost=2.0, regular_duration=5.0, unit_overtime_cost=3.0)
-    assert lines(problem, "min", "worked", "elapsed", "overtime") == [
+    assert lines_of(problem, "min", "worked", "elapsed", "overtime") == [
         "min 2 duration[1] + 3 overtime[1]",
         "elapsed[1]: departure[1] - return[1] + duration[1] >= 0",
         "worked[1]: 3 x[0,1,1] + 4 x[1,0,1] - duration[1] <= 0",
@@ -47,7 +43,7 @@ def test_nobody_has_to_return_who_has_not_left() -> None:
     """The second type is on duty from 50 on, and stays at home."""
     fleet = (VehicleType(1, name="day"), VehicleType(1, shift=(50.0, 90.0), name="night"))
     problem = routing(xy=LINE, fleet=fleet, objective=LatestReturn())
-    assert "latest[2]: 56 x[0,0,2] - return[2] + latest >= 0" in lines(problem, "latest")
+    assert "latest[2]: 56 x[0,0,2] - return[2] + latest >= 0" in lines_of(problem, "latest")
     agrees(problem, "three-index", 6.0)
     agrees(routing(xy=LINE, fleet=fleet[1:], objective=LatestReturn()), "three-index", 56.0)
 
