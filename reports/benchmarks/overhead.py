@@ -107,7 +107,7 @@ def integers(problem: RoutingProblem, engine: str = "pyvrp") -> dict[str, Any]:
     from waybound.solvers.engines.routing.pyvrp_model import load_factor
     from waybound.solvers.engines.routing.routing_integers import integer_routing
     from waybound.solvers.engines.routing.vroom import vroom_integers
-    from waybound.solvers.engines.routing.vroom_priorities import Priorities, priorities
+    from waybound.solvers.engines.routing.vroom_model import Priorities, priorities
 
     sites, fleet = problem.sites, problem.fleet
     timed = vroom_model.TIMED if engine == "vroom" else ortools_model.TIMED

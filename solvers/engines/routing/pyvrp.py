@@ -12,11 +12,10 @@ from ....formulations.routing.routes import Routes
 from ....instances.errors import UsageError
 from ...backend import BACKENDS, Control, Options, RawResult
 from ...own_options import own_options
-from .bisection import Bisecting
+from .bisection import USUAL_FEATURES, Bisecting
 from .pyvrp_model import Model
-from .routing_integers import IntegerRouting, integer_routing
+from .routing_integers import IntegerRouting, entangled, integer_routing
 from .routing_objective import claimed_objective, unscalable
-from .routing_shipments import entangled
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
@@ -50,17 +49,7 @@ class PyVRP(Bisecting):
     one_thread = True
     bytes_a_move, seconds_a_move = 35.0, 2.2e-7
     family = "routing"
-    features = frozenset(
-        {
-            "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites",
-            "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations",
-            "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "initial-energy", "shifts", "duration-cost", "overtime",
-            "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups", "several-windows", "skills",
-            "reloads", "forbidden-moves",
-            "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward", "objective:penalties",
-            "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights", "objective:priorities",
-        }
-    )  # fmt: skip
+    features = USUAL_FEATURES | {"overtime", "groups", "reloads", "forbidden-moves"}
 
     def apart(self, problem: Problem) -> bool:
         """See ``Engine.apart``: the library holds Python's global lock while it looks for neighbours."""
@@ -88,8 +77,8 @@ class PyVRP(Bisecting):
         control.begin_set_up()
         began = time.perf_counter()
         data = integer_routing(problem)
-        found = _Search(problem, data, options, control, began).run(params)
-        return replace(found, holds=data.holds, links=(data.link,))
+        result = _Search(problem, data, options, control, began).run(params)
+        return replace(result, holds=data.holds, links=(data.link,))
 
 
 class _Search:
@@ -162,7 +151,7 @@ class _Search:
     def _callbacks(self) -> Any:
         from pyvrp import IteratedLocalSearchCallbacks
 
-        class Hear(IteratedLocalSearchCallbacks):  # type: ignore[misc]
+        class Incumbents(IteratedLocalSearchCallbacks):  # type: ignore[misc]
             def on_start(this, ils: Any) -> None:
                 this.on_best(ils.initial_solution)
 
@@ -170,7 +159,7 @@ class _Search:
                 if best.is_feasible() and self.model.keeps_to_moves(best):
                     self.pending = best
 
-        return Hear()
+        return Incumbents()
 
     def _claim(self, solution: Any, answer: Routes) -> float | None:
         if self.timed and not self.data.scales["exact"]:  # durations are rounded up, move by move
@@ -189,17 +178,16 @@ def _parameters(extra: dict[str, Any]) -> Any:
     kinds = dict(zip(GROUPS, (IteratedLocalSearchParams, PenaltyParams, NeighbourhoodParams, PerturbationParams), strict=True))
     defaults = {group: kind() for group, kind in kinds.items()}
     known = {
-        f"{group}.{field}": getattr(made, field)
-        for group, made in defaults.items()
-        for field in dir(made)
-        if not field.startswith("_") and isinstance(getattr(made, field), bool | int | float)
+        f"{group}.{field}": getattr(default, field)
+        for group, default in defaults.items()
+        for field in dir(default)
+        if not field.startswith("_") and isinstance(getattr(default, field), bool | int | float)
     }
     chosen: dict[str, dict[str, Any]] = {group: {} for group in GROUPS}
     for name, value in own_options("pyvrp", extra, known).items():
         group, _, field = name.partition(".")
         chosen[group][field] = value
     try:
-        made = {group: kinds[group](**chosen[group]) for group in GROUPS}
+        return pyvrp.SolveParams(**{group: kinds[group](**chosen[group]) for group in GROUPS})
     except (TypeError, ValueError) as fault:
         raise UsageError(f"pyvrp: {fault}") from None
-    return pyvrp.SolveParams(**made)

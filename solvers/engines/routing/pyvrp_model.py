@@ -24,14 +24,8 @@ class Model:
     """A routing problem as PyVRP's ``ProblemData``.
 
     Each skill is a load dimension: a site that asks for it takes one unit, a vehicle that lacks it has no room for any. A site is a client
-    for each of its windows, of which one at most is visited.
-
-    Attributes
-    ----------
-    data : pyvrp.ProblemData
-        None if no vehicle can be used at all.
-    types : list of int
-        Fleet's type of each of its vehicle types; those that no route can use are left out.
+    for each of its windows, of which one at most is visited. ``data`` is None if no vehicle can be used at all; ``types`` is the fleet's
+    type of each of its vehicle types, without those that no route can use.
     """
 
     def __init__(self, problem: RoutingProblem, integers: IntegerRouting) -> None:
@@ -81,7 +75,7 @@ class Model:
         )
 
     def _dear(self, moves: Integers) -> Integers:
-        """Moves that are forbidden cost more than anything that they could save; PyVRP has no other way to say so."""
+        """Moves with a price for forbidden ones above anything that they could save; PyVRP has no other way to forbid them."""
         shut = self.problem.forbidden
         if shut is None:
             return moves

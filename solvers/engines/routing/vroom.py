@@ -12,12 +12,10 @@ from ....formulations.programs.exactness import Exactness
 from ....formulations.routing.routes import Routes
 from ....instances.errors import InputError, UsageError
 from ...backend import BACKENDS, Control, Options, RawResult
-from .bisection import Bisecting
-from .routing_integers import IntegerRouting, integer_routing
+from .bisection import USUAL_FEATURES, Bisecting
+from .routing_integers import IntegerRouting, entangled, integer_routing
 from .routing_objective import awaited, claimed_objective, unscalable
-from .routing_shipments import entangled
-from .vroom_model import LARGEST, PRICED, STAYS, Model
-from .vroom_priorities import Priorities, priorities
+from .vroom_model import LARGEST, PRICED, STAYS, Model, Priorities, priorities
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
@@ -50,16 +48,7 @@ class VROOM(Bisecting):
     honours = frozenset()
     bytes_a_move, seconds_a_move = 40.0, 7e-7
     family = "routing"
-    features = frozenset(
-        {
-            "capacity", "time-windows", "depot-windows", "service-times", "max-distance", "limited-fleet", "heterogeneous-fleet",
-            "multiple-depots", "open-routes", "fixed-cost", "separate-durations", "energy:travel", "energy:elapsed",
-            "energy:elapsed-fixed-start", "initial-energy", "max-duration", "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel",
-            "several-loads", "pickups", "shipments", "several-windows", "skills", "optional-sites", "objective:total-cost",
-            "objective:total-duration", "objective:vehicles", "objective:reward", "objective:penalties", "objective:makespan",
-            "objective:longest-route", "objective:latest-return", "objective:weights", "objective:priorities",
-        }
-    )  # fmt: skip
+    features = USUAL_FEATURES
 
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
         """See ``Bisecting.beyond``."""
@@ -104,18 +93,18 @@ def _search(
         statistics: dict[str, Any] = {"exploration_level": level, "vehicles": len(model.types), "scale": data.scales}
         holds = data.holds.then(Exactness.RESTRICTION if model.clipped else Exactness.EXACT)
         for explored in sorted({FIRST, level}):
-            left = ends - time.perf_counter()
-            if left <= 0 or control.stopped:
+            seconds = ends - time.perf_counter()
+            if seconds <= 0 or control.stopped:
                 return replace(last, limit="interrupt" if control.stopped else "time")
-            control.end_set_up(options.time_limit - left)
-            cost, answer = model.solved(explored, left)
+            control.end_set_up(options.time_limit - seconds)
+            cost, answer = model.solved(explored, seconds)
             if options.start is not None:
                 statistics["start"] = "used" if model.routes else "refused"
             if answer is None:
                 continue
             # Costs tell nothing of rewards, and what 32 bits make of fractions is too coarse a claim.
-            told = data.scales["exact"] and asked.problem is problem
-            claim = claimed_objective(problem, cost / data.cost_factor) if told else problem.evaluate(answer).values[0]
+            plain = data.scales["exact"] and asked.problem is problem
+            claim = claimed_objective(problem, cost / data.cost_factor) if plain else problem.evaluate(answer).values[0]
             control.publish(answer, claim)
             limit = "time" if time.perf_counter() >= ends else "none"
             last = RawResult("feasible", limit, answer, claim, statistics=statistics, holds=holds, links=(data.link,))
@@ -133,12 +122,12 @@ def vroom_integers(problem: Any) -> IntegerRouting:
 
 
 def _attempts(asked: Priorities, data: IntegerRouting) -> list[tuple[Priorities, int]]:
-    """What is asked, and vehicles of an unlimited type, in the order in which they are tried until no required site is left out.
+    """Priorities and vehicles of an unlimited type, in the order in which they are tried until no required site is left out.
 
     Each vehicle costs the library time, used or not. Priorities of many sites can outweigh that of a required one.
     """
     sites = len(asked.of)
     first = min(sites, max(25, 2 * data.fewest()))
     many = [first, sites] if first < sites and any(v.count is None for v in asked.problem.fleet) else [first]
-    made = [(asked, most) for most in many]
-    return [*made, (asked.without_choice(), many[-1])] if asked.required and asked.choosing else made
+    attempts = [(asked, most) for most in many]
+    return [*attempts, (asked.without_choice(), many[-1])] if asked.required and asked.choosing else attempts

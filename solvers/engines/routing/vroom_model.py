@@ -1,18 +1,23 @@
-"""Routing problems as VROOM's own input."""
+"""Routing problems as VROOM's own input, with rewards as its priorities: it assigns as much priority as it can, then as many sites, and
+then looks at costs."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from datetime import timedelta
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ....formulations.checking.granularity import grain
+from ....formulations.routing.objective import Objective, TotalCost
 from ....formulations.routing.routes import Route, Routes
-from .integer_scales import UNLIMITED, Integers
+from .integer_scales import UNLIMITED, Floats, Integers
 from .routing_integers import IntegerRouting
 
 if TYPE_CHECKING:
-    from .vroom_priorities import Priorities
+    from ....formulations.routing.problem import RoutingProblem
 
 LARGEST = 2**32 - 1
 """VROOM reads costs, distances and times as 32 bits without a sign, and refuses costs whose sum along an answer could be larger."""
@@ -30,24 +35,85 @@ TIMED = STAYS | {"time-windows", "several-windows", "depot-windows", "shifts", "
 PRICED = frozenset({"duration-cost", "objective:total-duration"})
 """Costs of a route's duration. VROOM knows costs of moves: where nobody waits, those of time and service can be added to them."""
 
+HIGHEST = 100
+"""The highest of VROOM's priorities, which are whole numbers from 0 on."""
+
+PRIZES = frozenset({"reward", "penalties"})
+"""Terms that count sites."""
+
+
+@dataclass(frozen=True)
+class Priorities:
+    """The sites to be visited, and what is minimised then.
+
+    The objective of ``problem`` is what comes after the rewards; ``of`` has the priority of each site that is worth a visit, the highest
+    for required ones where others are optional; without the ``required`` sites there is no answer.
+    """
+
+    problem: RoutingProblem
+    of: Mapping[int, int]
+    required: frozenset[int]
+
+    @property
+    def choosing(self) -> bool:
+        """Whether any site may be left out."""
+        return len(self.required) < len(self.of)
+
+    def without_choice(self) -> Priorities:
+        """The same for the required sites alone."""
+        return replace(self, of={site: self.of[site] for site in self.required})
+
+
+def priorities(problem: RoutingProblem) -> Priorities | frozenset[str]:
+    """The priorities for VROOM, or the features in their way.
+
+    Rewards, or penalties, have to be the first level of the objective, and become priorities where they are multiples, up to the 100th, of
+    one number, or of the form p b + 1 for priorities p and a b that is larger than the number of sites: which is what an instance in
+    VROOM's own JSON has. Sites that earn nothing are left out.
+    """
+    sites = problem.sites
+    first, *later = problem.objective.levels()
+    required = frozenset(site for site in problem.customers.tolist() if sites.required[site])
+    prized = {term.name for _, term in first.terms} & PRIZES
+    behind = {term.name for level in later for _, term in level.terms} & PRIZES
+    if behind or (prized and len(first.terms) > 1):
+        return frozenset(f"objective:{name} beside or after others" for name in behind | prized)
+    if not prized:
+        return Priorities(problem, dict.fromkeys(sorted(required), 0), required)
+    after = replace(problem, objective=Objective(tuple(later) or TotalCost().levels()))
+    earned = np.where(sites.depot, 0.0, sites.reward if prized == {"reward"} else sites.penalty)
+    for shipment in sites.shipments:  # VROOM counts both ends
+        earned[[shipment.pickup, shipment.delivery]] = (earned[shipment.pickup] + earned[shipment.delivery]) / 2.0
+    choices = [site for site in problem.customers.tolist() if site not in required and earned[site] > 0.0]
+    steps = _steps(earned[choices])
+    if steps is None:
+        return frozenset({f"objective:{next(iter(prized))} in more than {HIGHEST} steps"})
+    of = dict.fromkeys(required, HIGHEST if choices else 0) | dict(zip(choices, steps, strict=True))
+    return Priorities(after, dict(sorted(of.items())), required)
+
+
+def _steps(earned: Floats) -> list[int] | None:
+    """Priorities whose sums are in the same order as those of the rewards; None where there are none."""
+    unit = grain(earned)
+    if unit is None:
+        return None if len(earned) else []
+    counts = np.rint(earned / unit.size)
+    if counts.max() > HIGHEST:
+        whole = np.rint(earned)
+        if (whole != earned).any() or whole.max() >= 2.0**53:
+            return None
+        base = int(np.gcd.reduce((whole - 1.0).astype(np.int64)))
+        counts = (whole - 1.0) / max(base, 1)
+        if base <= len(earned) or counts.max() > HIGHEST:
+            return None
+    return [int(count) for count in counts]
+
 
 class Model:
     """A routing problem as VROOM's input.
 
-    Parameters
-    ----------
-    asked : Priorities
-    data : IntegerRouting
-        Of what is asked after the priorities.
-    most : int
-        Vehicles of each unlimited type.
-
-    Attributes
-    ----------
-    types : list of int
-        Fleet's type of each vehicle; those that no route can use are left out.
-    clipped : bool
-        Whether an answer of the problem may be too late for VROOM's clock.
+    ``data`` are the integers of what is asked after the priorities, ``most`` the vehicles of each unlimited type. ``types`` is the fleet's
+    type of each vehicle, without those that no route can use; ``clipped`` says whether an answer may be too late for VROOM's clock.
     """
 
     def __init__(self, asked: Priorities, data: IntegerRouting, most: int) -> None:
@@ -81,51 +147,51 @@ class Model:
             self.routes = {free[route.vehicle].pop(0): route.visits for route in answer}
 
     def solved(self, level: int, seconds: float) -> tuple[int, Routes | None]:
-        """Cost and routes, or None where a required site is left out."""
+        """Cost and routes; no routes where a required site is left out."""
         asked = {"exploration_level": level, "nb_threads": SEARCHES, "timeout": timedelta(seconds=seconds)}
         try:
-            found = self._input().solve(**asked)
+            solution = self._input().solve(**asked)
         except Exception as fault:
             if not self.routes or type(fault).__name__ != "VroomInputException":
                 raise
             # It holds a site that is too far for a round trip of its own out of reach, whatever ways there are through others.
             self.routes = {}
-            found = self._input().solve(**asked)
+            solution = self._input().solve(**asked)
         visits: dict[int, list[int]] = {}
-        frame = found.routes
+        frame = solution.routes
         for vehicle, kind, site in zip(frame["vehicle_id"], frame["type"], frame["location_index"], strict=True):
             if kind in ("job", "pickup", "delivery"):
                 visits.setdefault(int(vehicle), []).append(int(site))
         if not self.asked.required <= {site for sites in visits.values() for site in sites}:
             return 0, None
-        return int(found.summary.cost), Routes.of(Route(tuple(sites), self.types[v]) for v, sites in sorted(visits.items()))
+        return int(solution.summary.cost), Routes.of(Route(tuple(sites), self.types[v]) for v, sites in sorted(visits.items()))
 
     def _input(self) -> Any:
         import vroom
 
-        made, data = vroom.Input(), self.data
+        model, data = vroom.Input(), self.data
         measured = any(data.max_distance[k] != UNLIMITED for k in self.types)  # all profiles have distances, or none has
         for k in sorted(set(self.types)):
             moves = data.moves_of(k)
             taken = moves.duration + data.service[:, None]
             durations = taken if self.within else moves.duration
-            made.set_costs_matrix(str(k), _unsigned(moves.distance * data.unit[k] + taken * data.time[k]))
-            made.set_durations_matrix(str(k), _unsigned(durations if self.timed else np.zeros_like(durations)))
+            model.set_costs_matrix(str(k), _unsigned(moves.distance * data.unit[k] + taken * data.time[k]))
+            model.set_durations_matrix(str(k), _unsigned(durations if self.timed else np.zeros_like(durations)))
             if measured:
-                made.set_distances_matrix(str(k), _unsigned(moves.distance_up))
+                model.set_distances_matrix(str(k), _unsigned(moves.distance_up))
         shipments = self.problem.sites.shipments
         ends = {site for s in shipments for site in (s.pickup, s.delivery)}
-        made.add_job([self._job(vroom, site) for site in self.asked.of if site not in ends])
+        model.add_job([self._job(vroom, site) for site in self.asked.of if site not in ends])
         for k, shipment in enumerate(shipments):
             first, last = shipment.pickup, shipment.delivery
             if first not in self.asked.of:
                 continue
-            made.add_shipment(
+            model.add_shipment(
                 self._step(vroom, first), self._step(vroom, last), vroom.Amount(data.shipped[k, data.limited].tolist()),
                 self._skills(first) | self._skills(last), self.asked.of[first],
             )  # fmt: skip
-        made.add_vehicle([self._vehicle(vroom, number, k) for number, k in enumerate(self.types)])
-        return made
+        model.add_vehicle([self._vehicle(vroom, number, k) for number, k in enumerate(self.types)])
+        return model
 
     def _skills(self, site: int) -> set[int]:
         return {self.words[word] for word in self.problem.sites.skills[site]} if self.words else set()
@@ -161,10 +227,10 @@ class Model:
         )  # fmt: skip
 
     def _steps(self, vroom: Any, visits: tuple[int, ...]) -> list[Any]:
-        begun: dict[int, Any] = {}
+        kinds: dict[int, Any] = {}
         for shipment in self.problem.sites.shipments:
-            begun |= {shipment.pickup: vroom.VehicleStepPickup, shipment.delivery: vroom.VehicleStepDelivery}
-        return [begun.get(site, vroom.VehicleStepSingle)(site) for site in visits]
+            kinds |= {shipment.pickup: vroom.VehicleStepPickup, shipment.delivery: vroom.VehicleStepDelivery}
+        return [kinds.get(site, vroom.VehicleStepSingle)(site) for site in visits]
 
 
 def _unsigned(values: Integers) -> Any:
