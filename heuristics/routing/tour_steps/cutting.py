@@ -1,4 +1,4 @@
-"""From tours and places on routes to answers, and what to answer where there was no time for a tour."""
+"""Routes and outcomes from tours with cuts, or from places on routes, and outcomes where there was no time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which routing feature each form, engine and heuristic takes, from their declarations: the page docs/formulations/routing-features.md.
+"""Routing features that each form, engine and heuristic declares: the page docs/formulations/routing-features.md.
 
 ``python -m waybound.reports.tables.routing_features docs/formulations/routing-features.md`` writes it anew.
 """

@@ -262,7 +262,7 @@ class _Tree(ProofTree[_Node]):
         return _Part(cost, fewest, most)
 
     def _near(self, cost: Floats, memory: int) -> Flags:
-        """Whom each node remembers."""
+        """The customers that each node remembers."""
         usable = np.isfinite(cost[1:, 1:])
         far = np.where(usable | usable.T, self.far, math.inf)
         np.fill_diagonal(far, -math.inf)

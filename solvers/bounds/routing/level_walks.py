@@ -122,7 +122,7 @@ def at_level(values: Floats, grid: tuple[Longs, Longs, Longs], level: int) -> Fl
 
 
 def _grid(lower: Longs, upper: Longs) -> tuple[Longs, Longs, Longs]:
-    """Where the cells of each node begin, and their levels; the depot has none."""
+    """First cell of each node, and its levels; the depot has none."""
     count = np.maximum(0, upper - lower + 1)
     count[0] = 0
     return np.append(0, np.cumsum(count)), lower, np.where(count > 0, upper, lower - 1)

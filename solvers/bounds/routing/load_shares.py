@@ -33,7 +33,7 @@ def lacks_costs(problem: RoutingProblem) -> frozenset[str]:
 
 
 def lacks_loads(problem: RoutingProblem) -> frozenset[str]:
-    """What ``lacks_costs`` names, and problems without capacities."""
+    """The features of ``lacks_costs``, and problems without capacities."""
     missing = lacks_costs(problem)
     return missing if "capacity" in problem.features() else missing | {"problems without capacity"}
 

@@ -93,7 +93,7 @@ def shared_prices(
 
 @dataclass(frozen=True, eq=False)
 class _Ascent:
-    """Where an ascent ended: prices of shape (nodes,), their value, and how many ``routes`` share the visits.
+    """The end of an ascent: prices of shape (nodes,), their value, and how many ``routes`` share the visits.
 
     ``lacking``, shape (nodes, nodes), is how much less walks over moves that were not looked at may cost than their visits are worth.
     """

@@ -28,7 +28,7 @@ WORDS = {
     "too-few-vehicles": "loads", "bin-packing": "loads", "too-little-range": "range", "too-little-time": "time windows",
     "sites-apart": "sites of which no two share a route", "sites-beyond-fleet": "a few sites and all routes for them",
 }  # fmt: skip
-"""What rules out fewer vehicles, for people, by kind of evidence."""
+"""Reasons against fewer vehicles, for people, by kind of evidence."""
 
 
 def lacks(problem: RoutingProblem) -> frozenset[str]:

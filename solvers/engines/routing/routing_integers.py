@@ -377,7 +377,7 @@ def _check_headroom(integers: IntegerRouting, sites: int, largest: int, total: i
 
 
 def entangled(problem: RoutingProblem) -> frozenset[str]:
-    """What the ends of shipments have besides one shipment, for engines to which they are stops for it alone."""
+    """Further uses of the ends of shipments, for engines to which these are stops for one shipment alone; empty where there are none."""
     sites = problem.sites
     ends = [site for shipment in sites.shipments for site in (shipment.pickup, shipment.delivery)]
     grouped = {site for group in sites.groups for site in group.sites}
