@@ -20,8 +20,11 @@ from waybound.formulations.routing.objective import (
     Vehicles,
 )
 from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.stop import NEVER
+from waybound.heuristics.heuristic import Context
 from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Group, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.solvers.linear_programs import LinearPrograms
 
 CUSTOMERS = 5
 
@@ -264,3 +267,8 @@ def plane(seed: int, customers: int, capacity: float, count: int | None = None) 
     sites = Sites.of(range(customers + 1), demand=[0, *rng.integers(1, 10, customers)])
     travel = Travel("EUC_2D", rng.integers(0, 100, (customers + 1, 2)).astype(float))
     return RoutingProblem(sites, travel, (VehicleType(count, capacity),))
+
+
+def context(seconds: float = 10.0) -> Context:
+    """For a heuristic that runs by itself."""
+    return Context(np.random.default_rng(1), seconds, None, lambda answer: None, NEVER, LinearPrograms())

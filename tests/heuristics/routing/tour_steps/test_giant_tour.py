@@ -25,7 +25,6 @@ def of(travel: Travel, service: float = 0.0, **vehicle: float) -> RoutingProblem
 
 def costs_of(travel: Travel, **given: float) -> Costs:
     made = moving_costs(of(travel, **given), NEVER)
-    assert made is not None
     return made
 
 
@@ -36,7 +35,6 @@ def plane(seed: int, n: int, convention: str = "exact") -> Travel:
 def test_routes_cost_the_sum_of_their_moves() -> None:
     problem = of(plane(1, 4), fixed_cost=10.0, unit_cost=2.0)
     costs = moving_costs(problem, NEVER)
-    assert costs is not None
     from waybound.formulations.routing.routes import Routes
 
     value = problem.evaluate(Routes.of([[1, 3], [2]])).values[0]

@@ -22,7 +22,6 @@ from waybound.solvers.bounds.routing.arcs import Arcs, arc_costs, lacks_arc_cost
 
 def arcs_of(problem: RoutingProblem) -> Arcs:
     made = arc_costs(problem)
-    assert made is not None
     return made
 
 

@@ -27,7 +27,6 @@ def test_a_fleet_of_several_types_and_optional_sites_are_proved_optimal() -> Non
     for feature in ("heterogeneous-fleet", "prizes"):
         problem = next(p for p in (small(feature, seed, "exact") for seed in range(9)) if best_values(p) is not None)
         evidence, best = all_routes_bound(problem, Stop(10.0)), best_values(problem)
-        assert evidence is not None and best is not None
         assert verified_bound(problem, evidence) == pytest.approx(best[0])
         found = wb.solve(problem, "highs", bound_time=10.0)
         assert (found.status, found.bound_kind) == ("optimal", "verified")
@@ -60,7 +59,6 @@ def test_costs_and_the_largest_route_are_proved_together(term) -> None:
             problem = RoutingProblem(given.sites, given.travel, given.fleet, wb.TotalCost() + weight * term)
             best = best_values(problem)
             evidence = customer_sets_bound(problem, Stop(10.0))
-            assert best is not None and evidence is not None
             assert evidence.value == verified_bound(problem, evidence) == pytest.approx(float(best[0]), rel=1e-9)
 
 

@@ -25,7 +25,6 @@ def line(vehicle: VehicleType, **arrays) -> RoutingProblem:
 def test_the_unreachable_site_is_named():
     problem = line(VehicleType(max_distance=17.0))
     found = infeasible_site_evidence(problem, Stop(60.0))
-    assert found is not None
     assert found.data == {"site": "far"}
     assert "far" in found.source
     assert verified_bound(problem, found) == math.inf
@@ -53,7 +52,6 @@ def test_no_budget_means_no_search():
 def test_a_fleet_too_small_for_the_load_is_proved_so():
     problem = line(VehicleType(count=1, capacity=5), demand=[0, 3, 3])
     found = too_few_vehicles_evidence(problem, Stop(60.0))
-    assert found is not None
     assert verified_bound(problem, found) == math.inf
     assert too_few_vehicles_evidence(line(VehicleType(count=2, capacity=5), demand=[0, 3, 3]), Stop(60.0)) is None
     assert too_few_vehicles_evidence(line(VehicleType(capacity=1), demand=[0, 3, 3]), Stop(60.0)) is None
@@ -73,7 +71,6 @@ def apart(count: int) -> RoutingProblem:
 def test_sites_that_share_no_route_prove_a_fleet_too_small():
     problem = apart(3)
     found = fleet_need_evidence(problem, Stop(60.0))
-    assert found is not None
     assert (found.kind, verified_bound(problem, found)) == ("sites-apart", math.inf)
     assert fleet_need_evidence(apart(4), Stop(60.0)) is None
 

@@ -19,7 +19,6 @@ def test_large_loads_raise_the_number_beyond_the_sum():
     problem = replace(plane(1, 5, 10.0), objective=Objective.of(Vehicles().then(TotalCost())))
     problem = replace(problem, sites=replace(problem.sites, demand=np.array([0.0, 6, 6, 6, 5, 1])))
     evidence = vehicles_needed(problem)
-    assert evidence is not None
     assert verified_bound(problem, evidence) == evidence.value == 4.0
     assert BOUNDS["vehicles-needed"].missing(plane(1, 5, 10.0))
 
@@ -27,7 +26,6 @@ def test_large_loads_raise_the_number_beyond_the_sum():
 def test_a_fleet_without_limit_of_load_needs_one() -> None:
     problem = replace(plane(1, 5, np.inf), objective=Objective.of(Vehicles().then(TotalCost())))
     evidence = vehicles_needed(problem)
-    assert evidence is not None
     assert verified_bound(problem, evidence) == evidence.value == 1.0
 
 

@@ -46,7 +46,6 @@ def test_energy_for_travel_is_a_limit_on_distance_in_the_distances_scale() -> No
     assert (data.scales["time"], data.scales["distance"]) == (100, 10)
     model = Model(problem, data).data
     energy = problem.fleet[0].energy
-    assert energy is not None
     assert model.vehicle_type(0).max_distance == math.floor(energy.capacity / energy.rate * 10 + 1e-9)
 
 
