@@ -147,7 +147,7 @@ def _all_pairs(ends: Sites, both_ways: bool) -> tuple[Sites, Sites]:
 
 def _neighbours(travel: Travel, ends: Sites, both_ways: bool, stop: Stop) -> tuple[Sites, Sites]:
     """Pairs of each end with its nearest ones, in ascending order; as far as the time goes."""
-    found, n = [], len(ends)
+    parts, n = [np.zeros(0, np.int64)], len(ends)
     tree = None
     if travel.coordinates is not None and travel.matrix is None:
         from scipy.spatial import cKDTree
@@ -168,10 +168,10 @@ def _neighbours(travel: Travel, ends: Sites, both_ways: bool, stop: Stop) -> tup
         theirs = others.ravel()
         if both_ways:
             mine, theirs = np.minimum(mine, theirs), np.maximum(mine, theirs)
-        found.append((mine * n + theirs)[mine != theirs])
+        parts.append((mine * n + theirs)[mine != theirs])
         if not both_ways:
-            found.append((theirs * n + mine)[mine != theirs])
-    pairs = np.concatenate([np.zeros(0, np.int64), *found])
+            parts.append((theirs * n + mine)[mine != theirs])
+    pairs = np.concatenate(parts)
     pairs.sort()  # np.unique is twenty times slower
     a, b = np.divmod(pairs[np.diff(pairs, prepend=-1) > 0], n)
     return ends[a], ends[b]

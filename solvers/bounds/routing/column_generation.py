@@ -18,16 +18,15 @@ from numpy.typing import NDArray
 
 from ....formulations.checking.granularity import grain, lift
 from ....formulations.evidence import Evidence
-from ....formulations.programs.program import Program, Rows, Variables
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import NEVER, Stop
 from ....formulations.tolerance import same
 from ....instances.errors import InputError
 from ...linear_programs import LinearPrograms
-from ...linear_session import LinearSession
 from .. import BOUNDS, BoundMethod, of_family
 from ..proof_tree import Node, ProofTree
 from .arcs import Arcs, arc_costs, by_site, lacks_arc_costs
+from .restricted_master import Master, Pool
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
@@ -104,100 +103,6 @@ class _Solved:
     lacking: float = 0.0
 
 
-class _Pool:
-    """All routes so far, as walks over nodes."""
-
-    def __init__(self) -> None:
-        self.routes: list[Longs] = []
-        self.twice: list[bool] = []
-        self._known: set[bytes] = set()
-        self._tail, self._head, self._owner = (np.zeros(0, np.int64) for _ in range(3))
-
-    def new(self, routes: list[Longs]) -> list[Longs]:
-        """The routes that are not in the pool."""
-        return [route for route in routes if route.tobytes() not in self._known]
-
-    def add(self, routes: list[Longs]) -> None:
-        self._known.update(route.tobytes() for route in routes)
-        stops = [np.concatenate([[0], route, [0]]) for route in routes]
-        lengths = [len(s) - 1 for s in stops]
-        self._tail = np.concatenate([self._tail, *(s[:-1] for s in stops)])
-        self._head = np.concatenate([self._head, *(s[1:] for s in stops)])
-        self._owner = np.concatenate([self._owner, np.repeat(np.arange(len(self.routes), len(self.routes) + len(routes)), lengths)])
-        self.routes.extend(routes)
-        self.twice.extend(len(set(route.tolist())) < len(route) for route in routes)
-
-    def sums(self, matrix: Floats) -> Floats:
-        """Sum of a matrix over the moves of each route."""
-        sums: Floats = np.bincount(self._owner, matrix[self._tail, self._head], minlength=len(self.routes)).astype(np.float64)
-        return sums
-
-    def flow(self, values: Floats, nodes: int) -> Floats:
-        """How often each move is made where each route has a value; later routes have none."""
-        flow, values = np.zeros((nodes, nodes)), np.append(values, np.zeros(len(self.routes) - len(values)))
-        np.add.at(flow, (self._tail, self._head), values[self._owner])
-        return flow
-
-    def forgetful(self, near: Flags) -> Flags:
-        """Which routes come back to a customer who is still remembered."""
-        return np.array([twice and _comes_back(route, near) for route, twice in zip(self.routes, self.twice, strict=True)], dtype=bool)
-
-
-def _comes_back(route: Longs, near: Flags) -> bool:
-    kept: set[int] = set()
-    for node in route.tolist():
-        if node in kept:
-            return True
-        kept = {other for other in kept if near[node, other]} | {node}
-    return False
-
-
-class _Master:
-    """The linear program over the routes of a pool: visits, the number of routes, and columns for what no route makes up for.
-
-    ``cost``, shape (nodes, nodes), is that of moves, finite; ``lacking``, shape (nodes,), the price of a visit that no route makes, in
-    entry 0 that of a route too few or too many.
-    """
-
-    def __init__(self, pool: _Pool, cost: Floats, lacking: Floats, seed: int) -> None:
-        n = len(lacking)
-        self.pool, self.cost, self.known = pool, cost, 0
-        # Row 0 counts routes against the column before the last ones; columns: missing visits, routes too few, too many, their number.
-        columns = Variables(
-            "missing", lower=np.zeros(n + 2), upper=np.append(np.full(n + 1, math.inf), n), cost=np.append(lacking, [lacking[0], 0.0])
-        )
-        indptr = np.append([0, 3], np.arange(4, n + 3)).astype(np.int32)
-        indices = np.concatenate([[0, n, n + 1], np.arange(1, n)]).astype(np.int32)
-        right = np.append(0.0, np.ones(n - 1))
-        rows = Rows("visits", indptr=indptr, indices=indices, data=np.append([1.0, -1.0, -1.0], np.ones(n - 1)), lower=right, upper=right)
-        self.session = LinearSession(Program("routes", "min", (columns,), (rows,)), seed)
-        self.own = n + 2
-
-    def refresh(self) -> None:
-        """Add the routes that are new in the pool."""
-        fresh = self.pool.routes[self.known :]
-        if not fresh:
-            return
-        costs = self.pool.sums(self.cost)[self.known :]
-        starts, rows, values = [], [], []
-        size = 0
-        for route in fresh:
-            visits, times = np.unique(route, return_counts=True)
-            starts.append(size)
-            rows.append(np.append(0, visits))
-            values.append(np.append(1.0, times))
-            size += len(visits) + 1
-        self.session.add(costs, np.array(starts), np.concatenate(rows), np.concatenate(values).astype(np.float64))
-        self.known = len(self.pool.routes)
-
-    def restrict(self, shut: Flags, fewest: int, most: int) -> None:
-        """Shut some routes, and limit their number."""
-        lower, upper = self.session.lower.copy(), self.session.upper.copy()
-        lower[self.own - 1], upper[self.own - 1] = fewest, most
-        upper[self.own :] = np.where(shut, 0.0, math.inf)
-        self.session.bound(lower, upper)
-
-
 class _Tree(ProofTree[_Node]):
     """A tree over moves and numbers of routes."""
 
@@ -231,15 +136,15 @@ class _Tree(ProofTree[_Node]):
         self.start = np.array([r.lower[0] for r in kept])
         self.lower = np.array([r.lower[:-1] for r in kept])
         self.upper = np.array([np.append(r.upper[-1], r.upper[1:-1]) + r.tolerance for r in kept])
-        self.pool = _Pool()
+        self.pool = Pool()
         self.finite = np.where(self.usable, arcs.cost, self.dearest)
         self.dear = 1.0
         self.master = self._new_master()
-        self.phase_one: _Master | None = None
+        self.phase_one: Master | None = None
 
-    def _new_master(self) -> _Master:
+    def _new_master(self) -> Master:
         lacking = self.dear * np.append(self.dearest, self.finite[0, 1:] + self.finite[1:, 0])
-        return _Master(self.pool, self.finite, np.maximum(lacking, 1e-3 * self.dear * self.dearest), self.seed)
+        return Master(self.pool, self.finite, np.maximum(lacking, 1e-3 * self.dear * self.dearest), self.seed)
 
     # -- nodes -------------------------------------------------------------------------------------------------------
 
@@ -331,7 +236,7 @@ class _Tree(ProofTree[_Node]):
             if solved.lacking > WHOLE:
                 zero = np.where(np.isfinite(part.cost), 0.0, math.inf)
                 if self.phase_one is None:
-                    self.phase_one = _Master(self.pool, np.zeros(self.usable.shape), np.ones(len(self.usable)), self.seed)
+                    self.phase_one = Master(self.pool, np.zeros(self.usable.shape), np.ones(len(self.usable)), self.seed)
                 ray = self._generated(self.phase_one, node, _Part(zero, part.fewest, part.most))
                 if ray.status == "stopped" or ray.bound > WHOLE:
                     return _Solved(ray.status, math.inf, ray.prices)
@@ -353,19 +258,14 @@ class _Tree(ProofTree[_Node]):
             if more.status != "done" or more.lacking > WHOLE:
                 return more
 
-    def _generated(self, master: _Master, node: _Node, part: _Part) -> _Solved:
+    def _generated(self, master: Master, node: _Node, part: _Part) -> _Solved:
         """Add routes until there are none of negative reduced cost, or enough is proved."""
         from .route_label_kernels import STOPPED
 
-        near = self._near(part.cost, node.memory)
-        memory = _bits(near)
-        open_cost = np.isfinite(part.cost)
-        step = REDUCED * max(float(np.abs(part.cost[open_cost]).max(initial=0.0)), float(self.dearest if master is self.master else 1.0))
-        shut = self.pool.sums(np.where(open_cost, 0.0, 1.0)) > 0
-        shut |= self.pool.forgetful(near)
-        master.refresh()
-        master.restrict(shut, part.fewest, part.most)
-        weight = np.where(open_cost, self.weight, math.inf)
+        near, usable = self._near(part.cost, node.memory), np.isfinite(part.cost)
+        step = REDUCED * max(float(np.abs(part.cost[usable]).max(initial=0.0)), float(self.dearest if master is self.master else 1.0))
+        self._restrict(master, part, near)
+        memory, weight = _bits(near), np.where(usable, self.weight, math.inf)
         best = _Solved("stopped")
         centre: Floats | None = None if node.prices is None or master is not self.master else np.append(0.0, node.prices)
 
@@ -414,7 +314,13 @@ class _Tree(ProofTree[_Node]):
             self.pool.add(fresh)
             master.refresh()
 
-    def _enough(self, master: _Master, bound: float) -> bool:
+    def _restrict(self, master: Master, part: _Part, near: Flags) -> None:
+        """Have a master program choose among the routes that a node allows."""
+        shut = self.pool.sums(np.where(np.isfinite(part.cost), 0.0, 1.0)) > 0
+        master.refresh()
+        master.restrict(shut | self.pool.forgetful(near), part.fewest, part.most)
+
+    def _enough(self, master: Master, bound: float) -> bool:
         if master is not self.master:
             return bound > WHOLE
         return self.reached(lift(bound * self.unit, "min", self.grain))
@@ -471,10 +377,7 @@ class _Tree(ProofTree[_Node]):
             if self.stop.reached():
                 return 0.0
             part = self._part(_Node(node, (statement, holds)))
-            shut = self.pool.sums(np.where(np.isfinite(part.cost), 0.0, 1.0)) > 0
-            shut |= self.pool.forgetful(self._near(part.cost, node.memory))
-            self.master.refresh()
-            self.master.restrict(shut, part.fewest, part.most)
+            self._restrict(self.master, part, self._near(part.cost, node.memory))
             result = self.master.session.solve(self.stop)
             product *= max(least, result.value - node.bound / self.unit if result.status == "optimal" else 0.0)
         return product

@@ -245,15 +245,15 @@ def cutting_planes_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Li
     program = _Relaxation(problem, costs, (linear or LinearPrograms()).seed)
     best, proved = -math.inf, None
     while not stop.reached():
-        found = program.session.solve(stop)
-        if found.status != "optimal":
+        solved = program.session.solve(stop)
+        if solved.status != "optimal":
             break
-        reduced = program.reduced(found.duals)
+        reduced = program.reduced(solved.duals)
         missing = np.where(program.known, 0.0, np.minimum(reduced, 0.0))
-        value = found.value * program.unit + float(missing.sum())
+        value = solved.value * program.unit + float(missing.sum())
         if value > best:
-            best, proved = value, (found.duals, len(program.of))
-        inside, of = program.violated(found.x, stop)
+            best, proved = value, (solved.duals, len(program.of))
+        inside, of = program.violated(solved.x, stop)
         if len(of):
             program.cut(inside, of)
         joined = program.join(missing < -NEGATIVE * 100.0 * program.unit)

@@ -76,19 +76,8 @@ def test_a_best_split_costs_least_of_all_that_keep_the_limits(seed: int, n: int,
     sites, v, d, t = problem.sites, problem.fleet[0], problem.travel.distances, problem.travel.durations
     rows = lambda m: np.stack([m[0, 1:], np.r_[np.diag(m, 1)[1:], 0.0], m[1:, 0]])  # noqa: E731
     limits = (float(sites.ready[0]), float(sites.due[0]), v.max_duration, v.max_distance)
-    given = (
-        sites.demand[1:],
-        sites.service[1:],
-        sites.ready[1:],
-        sites.due[1:],
-        rows(d),
-        rows(t),
-        v.capacity,
-        limits,
-        v.unit_cost,
-        v.fixed_cost,
-    )
-    last, broken, total = best_split(GO, *given, most)
+    data = [values[1:] for values in (sites.demand, sites.service, sites.ready, sites.due)]
+    last, broken, total = best_split(GO, *data, rows(d), rows(t), v.capacity, limits, v.unit_cost, v.fixed_cost, most)
     judged = [problem.evaluate(Routes.of([[k + 1 for k in p] for p in parts(w)])) for w in ways(n) if w.sum() <= most]
     values = [j.values[0] for j in judged if j.feasible]
     if values:

@@ -54,8 +54,8 @@ def travel_of(rng: Rng, kind: str, n: int) -> Travel:
     return Travel("euclidean", rng.uniform(0, 100, (n, 2)))
 
 
-def _sites(n: int, **given: Any) -> Sites:
-    return Sites.of(range(n), **given)
+def _sites(n: int, **data: Any) -> Sites:
+    return Sites.of(range(n), **data)
 
 
 def salesman(k: int, rng: Rng, kind: str) -> Case:
