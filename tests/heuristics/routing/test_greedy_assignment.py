@@ -10,13 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_routing import context
 
-from waybound.formulations.routing.objective import Makespan, Reward
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
+from waybound import Makespan, Reward, Route, Routes, RoutingProblem, Sites, Travel, UsageError, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 from waybound.reports.ratios.judging import run_heuristic
 
 SQUARE = Travel("euclidean", np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float))

@@ -12,13 +12,8 @@ from hypothesis import strategies as st
 from small_routing import context
 
 import waybound as wb
-from waybound.formulations.routing.objective import TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
+from waybound import Routes, RoutingProblem, Sites, TotalCost, Travel, UsageError, Vehicles, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 from waybound.reports.ratios.judging import run_heuristic
 
 CONTEXT = context()

@@ -11,20 +11,15 @@ import numpy as np
 import pytest
 from small_routing import varied
 
-from waybound import generate
-from waybound.api import solve
+from waybound import Energy, InputError, Route, Routes, RoutingProblem, Sites, UnsupportedError, UsageError, VehicleType, generate, solve
 from waybound.formulations.routing.objective import Makespan, Objective, Reward, TotalCost
 from waybound.formulations.routing.overrun import joint_overrun, route_overrun
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.routing.schedule import schedule
 from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.heuristic import HEURISTICS, Context
 from waybound.heuristics.routing import safety_margins
 from waybound.heuristics.routing.safety_margins import Pool, certain, split
-from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.instances.routing.features import RISKS
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.exact_routing import RoutingTruth, routes
 from waybound.reports.ratios.judging import run_heuristic

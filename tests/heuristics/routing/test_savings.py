@@ -11,14 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_routing import context
 
-from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
+from waybound import Objective, Routes, RoutingProblem, Sites, TotalCost, Travel, UsageError, Vehicles, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.heuristics.routing.savings import SLOW_TO_BEGIN
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.instances.routing.travel import EXPLICIT
 
 CONTEXT = context()
 

@@ -3,12 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
+from waybound import Route, Routes, RoutingProblem, Sites, Travel, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.heuristics.routing.tour_steps.cutting import in_turn, routes_of, too_many, visits_by_route
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 
 LINE = Travel("euclidean", np.column_stack([np.arange(5.0), np.zeros(5)]))
 

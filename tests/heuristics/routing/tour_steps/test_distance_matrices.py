@@ -5,13 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from waybound.formulations.routing.problem import RoutingProblem
+from waybound import RoutingProblem, Sites, Travel, UsageError, VehicleType
 from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.routing.tour_steps import distance_matrices as module
 from waybound.heuristics.routing.tour_steps.distance_matrices import dense, site_data
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.instances.routing.travel import EXPLICIT
 
 TRAVEL = Travel("EUC_2D", np.random.default_rng(1).integers(0, 1000, (50, 2)))
 

@@ -9,13 +9,11 @@ from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from waybound.formulations.routing.problem import RoutingProblem
+from waybound import RoutingProblem, Sites, Travel, UsageError, VehicleType
 from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.routing.tour_steps import giant_tour as module
 from waybound.heuristics.routing.tour_steps.giant_tour import Costs, giant_tour, guaranteed, in_rows, moving_costs
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.instances.routing.travel import EXPLICIT
 
 
 def of(travel: Travel, service: float = 0.0, **vehicle: float) -> RoutingProblem:

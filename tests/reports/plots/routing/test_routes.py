@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import waybound as wb
-from waybound.instances.errors import UsageError
+from waybound import UsageError
 from waybound.reports.plots import positions, save_plot
 from waybound.reports.plots.drawing import axes_without_display
 from waybound.reports.plots.positions import scaled_positions

@@ -16,14 +16,11 @@ from oracles import set_partitioning_bound, small_problems
 from patience import HANG
 from small_routing import plane, small
 
+from waybound import Evidence, RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.certificate import certify, check_certificate, verified_bound
-from waybound.formulations.evidence import Evidence
 from waybound.formulations.kernels import kernels
 from waybound.formulations.routing.checking.relaxation import relax
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import best_values, routes
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.branching_tree import branching_tree_bound

@@ -11,12 +11,11 @@ from programs import program
 from small_routing import small
 
 import waybound as wb
+from waybound import RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.instances.routing.travel import EXPLICIT
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.few_customers import all_routes_bound, customer_sets_bound

@@ -7,11 +7,10 @@ import math
 import numpy as np
 import pytest
 
+from waybound import Energy, RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.instances.routing.travel import EXPLICIT
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing import infeasibility
 from waybound.solvers.bounds.routing.infeasibility import fleet_need_evidence, infeasible_site_evidence, too_few_vehicles_evidence

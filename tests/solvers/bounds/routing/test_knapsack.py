@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from small_routing import small
 
+from waybound import Evidence
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.evidence import Evidence
 from waybound.formulations.routing.checking.knapsack import check_knapsack
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.knapsack import knapsack_bound

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from small_routing import plane
 
+from waybound import LongestRoute, Makespan, Objective, TotalCost
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.routing.objective import LongestRoute, Makespan, Objective, TotalCost
 from waybound.formulations.stop import Stop
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds import BOUNDS

@@ -8,11 +8,9 @@ import scipy.sparse as sp
 from programs import AnsweredBy
 from scipy.optimize import linprog
 
+from waybound import RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing import sifted_relaxation
 from waybound.solvers.bounds.routing.sifted_relaxation import sifted_relaxation_bound

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, few, plane, varied
 
+from waybound import Objective, TotalCost, Vehicles
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.vehicles_needed import fewest_routes, vehicles_needed

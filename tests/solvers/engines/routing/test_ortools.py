@@ -8,12 +8,7 @@ import pytest
 from oracles import SQUARE_4, optimum, routing
 from small_routing import small
 
-from waybound.formulations.routing.objective import Reward, TotalCost
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Group, Sites, VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import Group, Reward, Route, Routes, RoutingProblem, Sites, TotalCost, Travel, UsageError, VehicleType
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.engines.routing.ortools import STATUS_MAP, ORTools, _Search, with_more_routes

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from small_routing import small
 
-from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
-from waybound.instances.errors import UsageError
+from waybound import Objective, TotalCost, UsageError, Vehicles
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.engines.routing.integer_scales import UNLIMITED
 from waybound.solvers.engines.routing.pyvrp import MAX_PENALTY, Model, PyVRP, load_factor

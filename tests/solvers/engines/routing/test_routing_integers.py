@@ -10,11 +10,9 @@ from draws import draws
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Group, Shipment, Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound import Energy, Group, InputError, Route, Routes, RoutingProblem, Shipment, Sites, Travel, VehicleType
+from waybound.instances.routing.instance import ENERGY_CHARGES
+from waybound.instances.routing.travel import EXPLICIT
 from waybound.solvers.engines.routing.integer_scales import FINE, UNLIMITED
 from waybound.solvers.engines.routing.routing_integers import entangled, integer_routing
 

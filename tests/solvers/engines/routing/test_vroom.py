@@ -7,12 +7,9 @@ import numpy as np
 import pytest
 from small_routing import small
 
+from waybound import Route, Routes, RoutingProblem, Shipment, Sites, Travel, UsageError, VehicleType
 from waybound.formulations.routing.objective import Objective, Penalties, Reward, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Shipment, Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.instances.routing.travel import EXPLICIT
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.engines.routing.routing_integers import integer_routing
 from waybound.solvers.engines.routing.vroom import HIGHEST, LARGEST, Model, Priorities, priorities
