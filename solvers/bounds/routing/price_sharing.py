@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.stop import Stop
-from .level_walks import Walks, at_level, step_size
+from .resource_walks import Walks, at_level, step_size
 
 if TYPE_CHECKING:
     from ....formulations.routing.checking.vehicle_moves import VehicleMoves

@@ -13,7 +13,7 @@ from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from .arcs import LIMITS, Arcs, arc_costs, by_site, lacks_arc_costs
-from .level_ascent import ascend
+from .subgradient_ascent import ascend
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem

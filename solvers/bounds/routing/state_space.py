@@ -23,9 +23,9 @@ from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from .arcs import LIMITS, by_site, lacks_arc_costs, too_many_arcs
-from .level_ascent import ascend
-from .level_walks import Walks, step_size
 from .price_sharing import NEIGHBOURS, ROUNDS, WORK_PER_SECOND, shared_prices
+from .resource_walks import Walks, step_size
+from .subgradient_ascent import ascend
 
 if TYPE_CHECKING:
     from ....formulations.routing.checking.relaxation import Resource

@@ -60,6 +60,7 @@ class Bisecting(Engine):
     and ``seconds_a_move`` are what the library's own model of all moves between sites takes, measured at 2,000 sites.
     """
 
+    family: ClassVar[str] = "routing"
     own_maxima: ClassVar[bool] = False
     iterations_end: ClassVar[bool] = True
     bytes_a_move: ClassVar[float] = 0.0
@@ -74,15 +75,12 @@ class Bisecting(Engine):
         """``Engine.run`` for a problem under which ``beyond`` names nothing."""
 
     def memory(self, problem: Problem) -> float:
-        """See ``Engine.memory``."""
         return self.bytes_a_move * float(problem.size) ** 2
 
     def set_up_seconds(self, problem: Problem) -> float:
-        """See ``Engine.set_up_seconds``."""
         return self.seconds_a_move * float(problem.size) ** 2
 
     def missing(self, problem: Problem) -> frozenset[str]:
-        """See ``Engine.missing``."""
         lacking = super().missing(problem)
         if lacking:
             return lacking
@@ -101,7 +99,6 @@ class Bisecting(Engine):
         return Bisection.of(self, problem)
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
         lacking = self.missing(problem)
         if lacking:
             raise UnsupportedError(self.name, lacking)

@@ -72,14 +72,12 @@ class ORTools(Bisecting):
     iterations_end = False
     one_thread = True
     bytes_a_move, seconds_a_move = 120.0, 4e-7
-    family = "routing"
     features = USUAL_FEATURES | {
         "energy:windows", "overtime", "groups", "reloads", "recharging", "closing-moves", "forbidden-moves", "committed-vehicles",
         "min-vehicles",
     }  # fmt: skip
 
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
-        """See ``Bisecting.beyond``."""
         held = problem.features()
         lacking = unscalable(problem) | (entangled(problem) - {"shipments of sites with demands or pickups"})
         if "objective:makespan" in held and awaited(problem):
@@ -99,7 +97,6 @@ class ORTools(Bisecting):
         return lacking
 
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
-        """See ``Bisecting.search``."""
         control.begin_set_up()
         began = time.perf_counter()
         data = integer_routing(problem)

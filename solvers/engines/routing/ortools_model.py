@@ -243,7 +243,7 @@ class Model:
         matrices = [m.duration for m in data.moves]
         idle = int(routing.RegisterUnaryTransitVector((-anew).tolist()))
         evaluators = [self._evaluator("store", matrices, k, anew) if fleet[k].stations else idle for k in self.types]
-        stores = [(int(data.store[k]), int(data.given[k])) if fleet[k].stations else (reach, 0) for k in self.types]
+        stores = [(int(data.store[k]), int(data.store_lacking[k])) if fleet[k].stations else (reach, 0) for k in self.types]
         add_stores(routing, evaluators, stores, [index for index, _, stop in self._numbered() if stop.recharges])
 
     def _moves(self) -> list[Integers]:

@@ -56,7 +56,6 @@ class PyVRP(Bisecting):
     honours = frozenset({"iterations", "no_improvement", "gap"})  # a gap by the bounds that ``solve`` verifies meanwhile
     one_thread = True
     bytes_a_move, seconds_a_move = 35.0, 2.2e-7
-    family = "routing"
     features = USUAL_FEATURES | {"overtime", "groups", "reloads", "forbidden-moves"}
 
     def apart(self, problem: Problem) -> bool:
@@ -64,7 +63,6 @@ class PyVRP(Bisecting):
         return problem.size > LARGEST_WITHIN
 
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
-        """See ``Bisecting.beyond``."""
         lacking = unscalable(problem) | entangled(problem)
         driven = [v.energy is not None and v.energy.charge == "travel" for v in problem.fleet]
         if any(d and problem.travel_of(k).own_durations for k, d in enumerate(driven)):
@@ -80,7 +78,6 @@ class PyVRP(Bisecting):
         return lacking
 
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
-        """See ``Bisecting.search``."""
         params = _parameters(options.extra)
         control.begin_set_up()
         began = time.perf_counter()

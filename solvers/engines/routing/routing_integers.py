@@ -90,7 +90,7 @@ class IntegerRouting:
     of a unit of duration and of one beyond the regular duration. No vehicle can be used where ``closes`` is before ``opens``; ``leaves`` is
     the latest departure. Energy becomes limits on time: ``travel_limit`` on the move (``travel_reach`` as a distance, where moves take as
     long as they are), ``charge_limit`` by windows, and ``latest_return`` of a route that starts when its depot opens; ``store`` is the time
-    on the move that a store lasts which is filled up on the way, ``given`` what it lacks of that at departure.
+    on the move that a store lasts which is filled up on the way, ``store_lacking`` what it lacks of that at departure.
 
     ``prize`` is the value of a visit in units of cost; ``maxima`` are costs of a unit of the largest duration, distance and return, in the
     order of ``routing_objective.MAXIMA``; ``cost_factor`` is the number of integers in one unit of the objective; ``scales`` are for the
@@ -123,7 +123,7 @@ class IntegerRouting:
     charge_limit: Integers
     latest_return: Integers
     store: Integers
-    given: Integers
+    store_lacking: Integers
     maxima: Integers
     cost_factor: float
     scales: dict[str, Any]
@@ -211,7 +211,7 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
         travel_reach=length.down(budgets["travel"]),
         charge_limit=clock.down(budgets["windows"]),
         latest_return=latest_return,
-        store=clock.down(store), given=clock.down(store) - clock.down(at_departure),
+        store=clock.down(store), store_lacking=clock.down(store) - clock.down(at_departure),
         maxima=np.concatenate([p.nearest([m]) for p, m in zip((per_time, per_unit, per_time), goal.maxima, strict=True)]),
         cost_factor=cost.factor,
         scales={

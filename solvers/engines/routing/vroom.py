@@ -78,11 +78,9 @@ class VROOM(Bisecting):
     needs_process = True
     honours = frozenset()
     bytes_a_move, seconds_a_move = 40.0, 7e-7
-    family = "routing"
     features = USUAL_FEATURES
 
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
-        """See ``Bisecting.beyond``."""
         lacking = unscalable(problem) | entangled(problem)
         asked = priorities(problem)
         if isinstance(asked, frozenset):
@@ -96,7 +94,6 @@ class VROOM(Bisecting):
         return lacking
 
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
-        """See ``Bisecting.search``."""
         level = self.converted(options).extra.get("exploration_level", DEEPEST)
         if not FIRST <= level <= DEEPEST:
             raise UsageError(f"vroom: exploration_level is a number from {FIRST} to {DEEPEST}, not {level}")
