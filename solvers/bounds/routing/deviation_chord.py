@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ....formulations.certificate import better_bound, verified_bound
 from ....formulations.evidence import Evidence
@@ -12,9 +12,9 @@ from ....formulations.routing.checking.route_limits import limits_of
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family, replaced
+from . import column_generation, spanning_tree, state_space
 
 if TYPE_CHECKING:
-    from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
 
 PART = 0.2
@@ -53,23 +53,16 @@ def deviation_chord_bound(
     return best
 
 
-def _replaces(problem: Problem) -> frozenset[str]:
+def _replaces(problem: Any) -> frozenset[str]:
     """The slow methods, where the chord leaves nothing of the means out: one uncertain limit a vehicle, and no windows."""
     if MISSING(problem):
         return frozenset()
-    asked: RoutingProblem = problem  # type: ignore[assignment]
     timed = problem.features() & {"time-windows", "depot-windows", "several-windows", "shifts", "closing-moves"}
-    one = all(len(limits_of(asked, v).chances) == 1 or (v.energy is None and math.isinf(v.max_duration)) for v in asked.fleet)
+    one = all(len(limits_of(problem, v).chances) == 1 or (v.energy is None and math.isinf(v.max_duration)) for v in problem.fleet)
     return SLOW if one and not timed else frozenset()
 
 
-KERNELS = (
-    "waybound.solvers.bounds.routing.prim_kernels",
-    "waybound.solvers.bounds.routing.state_space_kernels",
-    "waybound.formulations.routing.checking.state_space_kernels",
-    "waybound.solvers.bounds.routing.route_label_kernels",
-    "waybound.formulations.routing.checking.walk_kernels",
-)
+KERNELS = (*spanning_tree.KERNELS, *state_space.KERNELS, *column_generation.KERNELS)
 
 MISSING = of_family("routing", lacks_chord)
 
