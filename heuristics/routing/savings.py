@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Route, Routes
@@ -15,8 +14,7 @@ from ...instances.memory import fits, readable
 from ...instances.routing.travel import Travel
 from ..heuristic import CUT_SHORT, Context, Outcome
 from . import routing_heuristic
-
-Sites = NDArray[np.int64]
+from .tour_steps.distance_matrices import Floats, Sites
 
 FEATURES = frozenset(
     {
@@ -127,13 +125,13 @@ def savings(problem: RoutingProblem, context: Context, *, shape: float = 1.0) ->
     return Outcome(answer, statistics=statistics, message="; ".join(messages), limit=stop.reached() if cut else "none")
 
 
-def _visits(node: int, following: NDArray[np.int64]) -> Iterator[int]:
+def _visits(node: int, following: Sites) -> Iterator[int]:
     while node >= 0:
         yield node
         node = int(following[node])
 
 
-def _symmetric(matrix: NDArray[np.float64] | None) -> bool:
+def _symmetric(matrix: Floats | None) -> bool:
     """Whether a matrix is symmetric, as all distances of coordinates (None) are."""
     return matrix is None or bool((matrix == matrix.T).all())
 

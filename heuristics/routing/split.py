@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
@@ -18,6 +17,7 @@ from .insertion import insertion
 from .savings import FEATURES
 from .tour_partitioning import pieces_of, radial_guarantee
 from .tour_steps.cutting import ended, in_turn, no_time, routes_of, too_many
+from .tour_steps.distance_matrices import Flags, Sites
 from .tour_steps.giant_tour import Costs, giant_tour, moving_costs
 
 TIMED = frozenset({"time-windows", "depot-windows", "max-duration", "max-distance"})
@@ -99,14 +99,14 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
     return ended(best, cut, statistics, message, too_many(problem, best, "split"), guarantee=guarantee)
 
 
-def _in_a_row(start: Routes, node_of: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+def _in_a_row(start: Routes, node_of: Sites, n: int) -> Sites:
     """The visits of an answer one after the other, each once; customers that it leaves out come last."""
     visits = [int(node_of[site]) for route in start for site in route.visits]
     kept = [node for node in dict.fromkeys(visits) if node > 0]
     return np.array([*kept, *sorted(set(range(1, n)) - set(kept))], dtype=np.int64)
 
 
-def _cut(problem: RoutingProblem, costs: Costs, order: NDArray[np.int64], stop: Stop) -> tuple[NDArray[np.bool_], tuple[int, int, float]]:
+def _cut(problem: RoutingProblem, costs: Costs, order: Sites, stop: Stop) -> tuple[Flags, tuple[int, int, float]]:
     """The best cut of an order: whether each customer is the last of its route; routes that break limits, routes too many, and the cost."""
     from .tour_steps.splitting_kernels import best_split, linear_split
 
@@ -124,7 +124,7 @@ def _cut(problem: RoutingProblem, costs: Costs, order: NDArray[np.int64], stop: 
     whole = bool((data[0] == np.floor(data[0])).all()) and float(data[0].sum()) < 2.0**53
     loads_only = whole and not problem.features() & TIMED
 
-    def cut(most: int) -> tuple[NDArray[np.bool_], int, float]:
+    def cut(most: int) -> tuple[Flags, int, float]:
         if loads_only:
             return linear_split(stop.flag, data[0], distance, vehicle.capacity, vehicle.unit_cost, vehicle.fixed_cost, most)  # type: ignore[no-any-return]
         return best_split(stop.flag, *data, most)  # type: ignore[no-any-return]

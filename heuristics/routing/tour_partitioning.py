@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.evidence import Guarantee
 from ...formulations.routing.problem import RoutingProblem
@@ -15,6 +14,7 @@ from ...formulations.tolerance import widened
 from ..heuristic import Context, Outcome
 from . import routing_heuristic
 from .tour_steps.cutting import ended, in_turn, no_time, routes_of, too_many
+from .tour_steps.distance_matrices import Flags, Floats
 from .tour_steps.giant_tour import GiantTour, giant_tour, guaranteed, in_rows, moving_costs
 
 FEATURES = frozenset({"objective:total-cost", "capacity", "service-times", "limited-fleet", "fixed-cost", "separate-durations"})
@@ -35,10 +35,10 @@ class Pieces:
     are in the unit that all demands are multiples of.
     """
 
-    demand: NDArray[np.float64]
+    demand: Floats
     capacity: float
     segment: float
-    alone: NDArray[np.bool_]
+    alone: Flags
     times: float
     share: float
     statement: str

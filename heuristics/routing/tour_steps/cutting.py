@@ -5,18 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.evidence import Guarantee
 from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Route, Routes
 from ....formulations.stop import Stop
 from ...heuristic import CUT_SHORT, Outcome
+from .distance_matrices import Flags, Sites
 
-Sites = NDArray[np.int64]
 
-
-def routes_of(sites: Sites, last: NDArray[np.bool_]) -> list[Route]:
+def routes_of(sites: Sites, last: Flags) -> list[Route]:
     """The routes between cuts; ``last`` tells of each site whether a route ends there."""
     ends = np.nonzero(last)[0]
     return [Route(tuple(part.tolist())) for part in np.split(sites, ends + 1) if len(part)]

@@ -15,6 +15,7 @@ from ....instances.memory import fits, readable
 from ...heuristic import HEURISTICS
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 Sites = NDArray[np.int64]
 
 MOST_SITES = 10_000

@@ -6,17 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.evidence import Guarantee
 from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import Stop
 from ....formulations.tolerance import EQUAL
 from ....instances.errors import UsageError
-from .distance_matrices import STRIP, dense, takes_savings
-
-Floats = NDArray[np.float64]
-Sites = NDArray[np.int64]
+from .distance_matrices import STRIP, Floats, Sites, dense, takes_savings
 
 TOURS = ("christofides", "double-tree", "nearest-neighbour")
 MOST_MATCHED = 1_500

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.rendering import number
 from ....formulations.routing.problem import RoutingProblem
@@ -16,13 +15,11 @@ from ....instances.errors import UsageError
 from ....instances.routing.travel import EXPLICIT
 from ....instances.suggestions import did_you_mean
 from .. import PLOTS
-from ..drawing import COLOURS, bare, entitle, figures_of, literal, new_axes, roomy
+from ..drawing import COLOURS, Floats, bare, entitle, figures_of, literal, new_axes, roomy
 from ..positions import SCALED_SITES, scaled_positions
 
 if TYPE_CHECKING:
     from ....formulations.solution import Solution
-
-Floats = NDArray[np.float64]
 
 LINE_STYLES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
 

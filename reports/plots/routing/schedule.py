@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.routing.judge import Schedule, schedule
 from ....formulations.routing.problem import RoutingProblem
@@ -17,8 +16,6 @@ from .routes import heading, route_ranks
 
 if TYPE_CHECKING:
     from ....formulations.solution import Solution
-
-Floats = NDArray[np.float64]
 
 LABELLED_ROWS = 60
 """Number of routes above which the rows have no names."""

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Longs = NDArray[np.int64]
 
 MATRICES = 8
 """Matrices of one number an arc that stand in memory at once in the search for a bound, and again in its check."""
@@ -48,7 +50,7 @@ class Arcs:
     ``most`` limit the number of routes; ``resources`` say what a route may use, over nodes of which the last one is the end of routes.
     """
 
-    customers: NDArray[np.int64]
+    customers: Longs
     cost: Floats
     fewest: int
     most: int

@@ -14,12 +14,10 @@ from ....formulations.evidence import Evidence
 from ....formulations.stop import NEVER, Stop, Stopped
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
-from .arcs import Arcs, arc_costs, by_site, lacks_arc_costs
+from .arcs import Arcs, Floats, arc_costs, by_site, lacks_arc_costs
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
-
-Floats = NDArray[np.float64]
 
 STEPS_PER_SECOND = 4e9
 """Cubes of the number of nodes that fit in a second of the budget, with a wide margin: 1,000 nodes take 0.1 s, prices twice that."""

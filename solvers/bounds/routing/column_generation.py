@@ -25,15 +25,11 @@ from ....instances.errors import InputError
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from ..proof_tree import Node, ProofTree
-from .arcs import Arcs, arc_costs, by_site, lacks_arc_costs
+from .arcs import Arcs, Flags, Floats, Longs, arc_costs, by_site, lacks_arc_costs
 from .restricted_master import Master, Pool
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Longs = NDArray[np.int64]
 
 CUSTOMERS = 400
 """Most customers that the checker looks at."""

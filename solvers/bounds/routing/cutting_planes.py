@@ -11,7 +11,6 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
 from ....formulations.programs.program import Program, Rows, Variables
@@ -21,15 +20,11 @@ from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from ...linear_session import LinearSession
 from .. import BOUNDS, BoundMethod, of_family
-from .arcs import by_site, lacks_arc_costs, too_many_arcs
+from .arcs import Flags, Floats, Longs, by_site, lacks_arc_costs, too_many_arcs
 from .knapsack import lacks_rewards
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Longs = NDArray[np.int64]
 
 NEIGHBOURS = 8
 """Edges of each node that the first program has at least."""

@@ -11,15 +11,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.stop import Stop
+from .arcs import Flags, Floats
 from .resource_walks import Walks, at_level, step_size
 
 if TYPE_CHECKING:
     from ....formulations.routing.checking.vehicle_moves import VehicleMoves
-
-Floats = NDArray[np.float64]
 
 WORK_PER_SECOND = 1.5e8
 """Moves times steps that are looked at in a second."""
@@ -103,12 +101,12 @@ class _Ascent:
     lacking: Floats
     routes: float
 
-    def worst(self, count: int) -> NDArray[np.bool_]:
+    def worst(self, count: int) -> Flags:
         """The moves that lack most, ``count`` of them at most."""
         count = min(count, int((self.lacking < 0.0).sum()))
         if not count:
             return np.zeros(self.lacking.shape, dtype=bool)
-        worst: NDArray[np.bool_] = self.lacking <= min(0.0, float(np.partition(self.lacking.ravel(), count - 1)[count - 1]))
+        worst: Flags = self.lacking <= min(0.0, float(np.partition(self.lacking.ravel(), count - 1)[count - 1]))
         return worst
 
     def surely(self, most: int) -> tuple[Floats, float]:

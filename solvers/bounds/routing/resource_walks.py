@@ -11,14 +11,12 @@ from numpy.typing import NDArray
 
 from ....formulations.checking.granularity import grain
 from ....formulations.stop import Stop
+from .arcs import Flags, Floats, Longs
 
 if TYPE_CHECKING:
     from ....formulations.routing.checking.relaxation import Resource
     from ....formulations.routing.checking.vehicle_moves import VehicleMoves
 
-Floats = NDArray[np.float64]
-Longs = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 Cells = tuple[Floats, NDArray[np.int32], Floats]
 """Least costs, nodes before, and weights of walks, shape (cells, 2)."""
 

@@ -5,14 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.programs.program import Program, Rows, Variables
 from ...linear_session import LinearSession
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Longs = NDArray[np.int64]
+from .arcs import Flags, Floats, Longs
 
 
 class Pool:

@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
@@ -19,15 +18,12 @@ from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from ..linear_relaxation import ENTRIES_PER_SECOND
-from .arcs import lacks_arc_costs, too_many_arcs
+from .arcs import Flags, Floats, lacks_arc_costs, too_many_arcs
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
     from ....formulations.routing.preparation import Preparation, Resource
     from ....formulations.routing.problem import RoutingProblem
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 FORM = "two-index-time-flow"
 """The strongest of the two-index forms, and the one whose duals are evidence."""

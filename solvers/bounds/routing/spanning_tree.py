@@ -6,19 +6,16 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
-from .arcs import LIMITS, Arcs, arc_costs, by_site, lacks_arc_costs
+from .arcs import LIMITS, Arcs, Floats, arc_costs, by_site, lacks_arc_costs
 from .subgradient_ascent import ascend
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
-
-Floats = NDArray[np.float64]
 
 BUDGET = 0.1
 """Part of the time that it gets where routes are limited, of which trees see nothing."""

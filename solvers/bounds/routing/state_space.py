@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.customer_sets import CUSTOMERS
@@ -22,7 +21,7 @@ from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike,
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
-from .arcs import LIMITS, by_site, lacks_arc_costs, too_many_arcs
+from .arcs import LIMITS, Flags, Floats, Longs, by_site, lacks_arc_costs, too_many_arcs
 from .price_sharing import NEIGHBOURS, ROUNDS, WORK_PER_SECOND, shared_prices
 from .resource_walks import Walks, step_size
 from .subgradient_ascent import ascend
@@ -30,8 +29,6 @@ from .subgradient_ascent import ascend
 if TYPE_CHECKING:
     from ....formulations.routing.checking.relaxation import Resource
     from ....formulations.routing.problem import RoutingProblem
-
-Floats = NDArray[np.float64]
 
 CHECKED = 3e8
 """Moves times steps that the check may take."""
@@ -50,8 +47,8 @@ LEAST_STEPS = 400
 class _Rows:
     """The value of prices of visits, and how many routes there are."""
 
-    required: NDArray[np.bool_]
-    groups: list[tuple[NDArray[np.int64], bool]]
+    required: Flags
+    groups: list[tuple[Longs, bool]]
     counts: list[int]
     fewest: int
 
@@ -154,7 +151,7 @@ def _width(resource: Resource) -> float:
     return float(np.clip(span / room, 0.0, 1.0).mean()) if len(span) and room > 0 else 1.0
 
 
-def _kept(moves: VehicleMoves, name: str, work: float) -> NDArray[np.bool_]:
+def _kept(moves: VehicleMoves, name: str, work: float) -> Flags:
     """The cheapest and shortest moves into and out of each customer, as many as there is time for."""
     usable = np.isfinite(moves.cost)
     n = len(usable)

@@ -6,11 +6,9 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.stop import Stop
-
-Floats = NDArray[np.float64]
+from .arcs import Floats
 
 _MEMORY = 0.7
 """Share of the last direction in the next one (Volgenant and Jonker 1982 use 0.6 to 0.7 over two steps)."""

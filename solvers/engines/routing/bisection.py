@@ -38,7 +38,6 @@ NEAR = 1e-3
 LESS = 1e-6
 """Part of the best value by which another one has to be better."""
 
-
 USUAL_FEATURES = frozenset(
     {
         "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites", "limited-fleet",

@@ -37,7 +37,6 @@ STATUS_MAP = {
 }
 """The library's account of its search. It proves nothing about the problem: its fleet is cut to size, its data rounded."""
 
-
 MOST_TRIED = 50
 """Customers, and vehicle types for them, that are tried for one more route."""
 

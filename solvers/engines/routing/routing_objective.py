@@ -7,16 +7,14 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.checking.granularity import grain
 from ....instances.errors import UnsupportedError
+from .integer_scales import Floats
 
 if TYPE_CHECKING:
     from ....formulations.routing.objective import Weighted
     from ....formulations.routing.problem import RoutingProblem
-
-Floats = NDArray[np.float64]
 
 MAXIMA = ("makespan", "longest-route", "latest-return")
 """Terms that are the largest value of a route."""
