@@ -21,9 +21,12 @@ from waybound.formulations.routing.objective import (
     Vehicles,
 )
 from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.stop import NEVER
+from waybound.heuristics.heuristic import Context
 from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Group, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.exact_routing import best_values
+from waybound.solvers.linear_programs import LinearPrograms
 
 CUSTOMERS = 5
 
@@ -297,3 +300,8 @@ def at_risk(
     sites = Sites.of(range(5), service=scale * service * np.array([0.0, 1, 1, 1, 1]))
     fleet = (VehicleType(**{"count": 3, "risk": risk, "max_duration": 18.0 * scale, **limits}),)  # type: ignore[arg-type]
     return RoutingProblem(sites, travel, fleet, team_risk=team_risk)
+
+
+def context(seconds: float = 10.0) -> Context:
+    """For a heuristic that runs by itself."""
+    return Context(np.random.default_rng(1), seconds, None, lambda answer: None, NEVER, LinearPrograms())

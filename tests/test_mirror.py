@@ -56,7 +56,7 @@ COMMANDS = {
 ELSEWHERE = {
     "formulations/checking/row_duals": "formulations/arrays/checking/test_lp_dual.py",  # its arithmetic
     "reports/missions/_study_figures": "reports/missions/sata/test_tracking_study.py",
-    "reports/plots/positions": "reports/plots/routing/test_maps.py",
+    "reports/plots/positions": "reports/plots/routing/test_routes.py",
     "reports/benchmarks/_bare_highs": "reports/benchmarks/test_highs_versions.py",  # a script that knows nothing of waybound
     **{f"reports/benchmarks/_bare_{name}": "reports/benchmarks/test_overhead.py" for name in ("ortools", "pyvrp", "routing", "vroom")},
     "reports/benchmarks/exact_base": "formulations/routing/test_whole_family.py",

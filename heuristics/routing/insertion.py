@@ -6,32 +6,35 @@ import itertools
 import math
 from typing import Any
 
-import numpy as np
-
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
 from ...instances.errors import UsageError
-from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
-from .insertion_steps.site_data import site_data
+from ..heuristic import Context, Outcome
+from . import routing_heuristic
 from .savings import FEATURES
-from .tour_steps.cutting import in_turn, routes_of, too_many
+from .tour_steps.cutting import ended, in_turn, no_time, routes_of, too_many
+from .tour_steps.distance_matrices import site_data
 
 SEEDS = ("farthest", "earliest-due")
 TIMED = frozenset({"time-windows", "depot-windows"})
 
 
+@routing_heuristic(
+    "insertion", FEATURES | {"objective:vehicles", "objective:priorities", "objective:weights"},
+    "Solomon's sequential insertion I1, with windows and route limits",
+)  # fmt: skip
 def insertion(
     problem: RoutingProblem, context: Context, *, mu: float | None = None, lamda: float | None = None, alpha1: float | None = None,
     seeds: str | None = None,
 ) -> Outcome:  # fmt: skip
     """Fill one route after the other: a seed, then the customer again and again that is worth most at its best place.
 
+    Takes one depot and one vehicle type, every site required. Answers with the best one over Solomon's values of the parameters left out
+    (mu 1, lamda 1 and 2, and with windows alpha1 1 and 0, and both seeds); it may use more vehicles than the fleet has. Cut short,
+    customers that were not inserted have a route each.
+
     Parameters
     ----------
-    problem : RoutingProblem
-        One depot, one vehicle type, every site required.
-    context : Context
-        Cut short, customers that are left have a route each.
     mu : float, >= 0
         Weight of the move that an insertion takes away.
     lamda : float, >= 0
@@ -40,17 +43,6 @@ def insertion(
         Weight of the distance added, against the delay of the next stop, whose weight is ``1 - alpha1``.
     seeds : str
         ``farthest`` from the depot, or ``earliest-due``.
-
-    Returns
-    -------
-    Outcome
-        The best answer over Solomon's values of what is not given: mu 1, lamda 1 and 2, and with windows alpha1 1 and 0, and both seeds.
-        May use more vehicles than the fleet has.
-
-    Raises
-    ------
-    UsageError
-        For values out of range, or too many sites.
 
     Notes
     -----
@@ -65,10 +57,10 @@ def insertion(
     from .insertion_steps.insertion_kernels import sequential_insertion
 
     stop, features = context.begin(), problem.features()
-    given = site_data(problem, stop, "insertion")
-    if given is None:
-        return Outcome(in_turn(problem), message=f"customers in their order: {CUT_SHORT}", limit=stop.reached())
-    nodes, data, limits = given
+    node_data = site_data(problem, stop, "insertion")
+    if node_data is None:
+        return no_time(in_turn(problem), stop)
+    nodes, data, limits = node_data
     timed = bool(features & TIMED)
     choices: tuple[tuple[Any, ...], ...] = (
         (1.0,) if mu is None else (float(mu),),
@@ -92,28 +84,9 @@ def insertion(
             break
         judged = problem.evaluate(answer)
         signs = [1.0 if sense == "min" else -1.0 for sense in problem.senses]
-        found = (not judged.feasible, tuple(s * v for s, v in zip(signs, judged.values, strict=True)))
-        if best is None or found < rank:
-            best, rank, used = answer, found, drawn
+        reached = (not judged.feasible, tuple(s * v for s, v in zip(signs, judged.values, strict=True)))
+        if best is None or reached < rank:
+            best, rank, used = answer, reached, drawn
             context.publish(best)
     assert best is not None
-    cut = stop.reached()
-    message = "; ".join(w for w in (too_many(problem, best, "insertion"), CUT_SHORT if cut else "") if w)
-    return Outcome(best, statistics={"routes": len(best), **used}, message=message, limit=cut or "none")
-
-
-def _refuses(problem: Any) -> frozenset[str]:
-    return frozenset({"open-routes"}) if np.any([v.start != v.end for v in problem.fleet]) else frozenset()
-
-
-HEURISTICS.add(
-    "insertion",
-    Heuristic(
-        name="insertion",
-        families=("routing",),
-        features=FEATURES | {"objective:vehicles", "objective:priorities", "objective:weights"},
-        run=insertion,
-        summary="Solomon's sequential insertion I1, with windows and route limits",
-        refuses=_refuses,
-    ),
-)
+    return ended(best, stop.reached(), {"routes": len(best), **used}, too_many(problem, best, "insertion"))

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Route, Routes
@@ -14,9 +12,9 @@ from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...instances.memory import fits, readable
 from ...instances.routing.travel import Travel
-from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
-
-Sites = NDArray[np.int64]
+from ..heuristic import CUT_SHORT, Context, Outcome
+from . import routing_heuristic
+from .tour_steps.distance_matrices import Floats, Sites
 
 FEATURES = frozenset(
     {
@@ -25,9 +23,8 @@ FEATURES = frozenset(
     }
 )  # fmt: skip
 
-
 ALL_PAIRS = 2_000
-"""Sites up to which all joins are looked at: a second's work. With more, those between near sites."""
+"""Sites up to which all joins are looked at: a second's work. With more, joins between near sites are."""
 
 NEIGHBOURS = 100
 """Nearest sites that a join is tried with, as in Arnold, Gendreau and Sörensen (2019), Efficiently solving very large-scale routing
@@ -37,36 +34,30 @@ SLOW_TO_BEGIN = 1_500
 """Sites beyond which engines take seconds, and then minutes, to their first answer."""
 
 BYTES_A_JOIN = 60
-"""That a join takes while all of them are sorted."""
+"""Memory of a join while all of them are sorted."""
 
 STILL = 0.01
-"""Share of the routes that a further round must have joined for another one."""
+"""Share of the routes that a round must have joined for another one."""
 
 STRIP = 1 << 22
-"""Distances that are looked at before the time is."""
+"""Distances that are looked at between two looks at the time."""
 
 
+@routing_heuristic(
+    "savings", FEATURES | {"objective:vehicles", "objective:priorities", "objective:weights"},
+    "Clarke and Wright's parallel savings, with windows and route limits",
+    opens=lambda problem: problem.family == "routing" and problem.size > SLOW_TO_BEGIN,
+)  # fmt: skip
 def savings(problem: RoutingProblem, context: Context, *, shape: float = 1.0) -> Outcome:
     """Start with one route a customer, and join route ends in order of the cost they save.
 
+    Takes one depot and one vehicle type, every site required. May use more vehicles than the fleet has, since joins are never taken back.
+    Cut short, it has joined fewer routes.
+
     Parameters
     ----------
-    problem : RoutingProblem
-        One depot, one vehicle type, every site required.
-    context : Context
-        Cut short, it has joined fewer routes.
     shape : float, > 0
         Weight of the joining arc: savings are ``c_i0 + c_0j - shape * c_ij`` (Yellow 1970). 1 is the original.
-
-    Returns
-    -------
-    Outcome
-        May use more vehicles than the fleet has: joins are never taken back.
-
-    Raises
-    ------
-    UsageError
-        For a shape out of range, or more sites than there is memory for.
 
     Notes
     -----
@@ -134,26 +125,27 @@ def savings(problem: RoutingProblem, context: Context, *, shape: float = 1.0) ->
     return Outcome(answer, statistics=statistics, message="; ".join(messages), limit=stop.reached() if cut else "none")
 
 
-def _visits(node: int, following: NDArray[np.int64]) -> Iterator[int]:
+def _visits(node: int, following: Sites) -> Iterator[int]:
     while node >= 0:
         yield node
         node = int(following[node])
 
 
-def _symmetric(matrix: NDArray[np.float64] | None) -> bool:
-    """Of coordinates, all distances are."""
+def _symmetric(matrix: Floats | None) -> bool:
+    """Whether a matrix is symmetric, as all distances of coordinates (None) are."""
     return matrix is None or bool((matrix == matrix.T).all())
 
 
 def _all_pairs(ends: Sites, both_ways: bool) -> tuple[Sites, Sites]:
+    """All pairs of ends, in one or both directions."""
     ends = np.sort(ends)
     a, b = np.triu_indices(len(ends), 1) if both_ways else np.nonzero(~np.eye(len(ends), dtype=bool))
     return ends[a], ends[b]
 
 
 def _neighbours(travel: Travel, ends: Sites, both_ways: bool, stop: Stop) -> tuple[Sites, Sites]:
-    """Each of ``ends`` with its nearest ones, in ascending order; as far as the time goes."""
-    found, n = [], len(ends)
+    """Pairs of each end with its nearest ones, in ascending order; as far as the time goes."""
+    parts, n = [np.zeros(0, np.int64)], len(ends)
     tree = None
     if travel.coordinates is not None and travel.matrix is None:
         from scipy.spatial import cKDTree
@@ -174,28 +166,10 @@ def _neighbours(travel: Travel, ends: Sites, both_ways: bool, stop: Stop) -> tup
         theirs = others.ravel()
         if both_ways:
             mine, theirs = np.minimum(mine, theirs), np.maximum(mine, theirs)
-        found.append((mine * n + theirs)[mine != theirs])
+        parts.append((mine * n + theirs)[mine != theirs])
         if not both_ways:
-            found.append((theirs * n + mine)[mine != theirs])
-    pairs = np.concatenate([np.zeros(0, np.int64), *found])
+            parts.append((theirs * n + mine)[mine != theirs])
+    pairs = np.concatenate(parts)
     pairs.sort()  # np.unique is twenty times slower
     a, b = np.divmod(pairs[np.diff(pairs, prepend=-1) > 0], n)
     return ends[a], ends[b]
-
-
-def _refuses(problem: Any) -> frozenset[str]:
-    return frozenset({"open-routes"}) if problem.fleet[0].start != problem.fleet[0].end else frozenset()
-
-
-HEURISTICS.add(
-    "savings",
-    Heuristic(
-        name="savings",
-        families=("routing",),
-        features=FEATURES | {"objective:vehicles", "objective:priorities", "objective:weights"},
-        run=savings,
-        summary="Clarke and Wright's parallel savings, with windows and route limits",
-        refuses=_refuses,
-        opens=lambda problem: problem.family == "routing" and problem.size > SLOW_TO_BEGIN,
-    ),
-)

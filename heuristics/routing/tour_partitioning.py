@@ -6,14 +6,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.evidence import Guarantee
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Route, Routes
 from ...formulations.tolerance import widened
-from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
-from .tour_steps.cutting import closed_routes, in_turn, routes_of, too_many
+from ..heuristic import Context, Outcome
+from . import routing_heuristic
+from .tour_steps.cutting import ended, in_turn, no_time, routes_of, too_many
+from .tour_steps.distance_matrices import Flags, Floats
 from .tour_steps.giant_tour import GiantTour, giant_tour, guaranteed, in_rows, moving_costs
 
 FEATURES = frozenset({"objective:total-cost", "capacity", "service-times", "limited-fleet", "fixed-cost", "separate-durations"})
@@ -27,17 +28,17 @@ ANY_DEMANDS = "Altinkemer and Gavish (1987), Heuristics for unequal weight deliv
 
 @dataclass(frozen=True)
 class Pieces:
-    """How demands are cut, and what the theorem says of it.
+    """How a tour is cut by demands, and what the theorem says of it.
 
     ``segment`` is how much demand lies between cuts; ``alone`` are customers with more than that. The cost is at most ``times`` the
     averaged distances and ``share`` times the tour; ``statement`` has a place for the ratio ``a`` of that tour. ``demand`` and ``capacity``
     are in the unit that all demands are multiples of.
     """
 
-    demand: NDArray[np.float64]
+    demand: Floats
     capacity: float
     segment: float
-    alone: NDArray[np.bool_]
+    alone: Flags
     times: float
     share: float
     statement: str
@@ -46,7 +47,7 @@ class Pieces:
 
 
 def pieces_of(problem: RoutingProblem) -> Pieces:
-    """See ``Pieces``; any number of equal demands, whole multiples of a unit, or others."""
+    """The pieces of equal demands, of whole multiples of a unit, or of any others."""
     demand, capacity = problem.sites.demand[problem.customers], problem.fleet[0].capacity
     none, whole = np.zeros(len(demand), dtype=bool), bool((demand == np.floor(demand)).all()) and float(demand.max(initial=0.0)) < 2.0**53
     if demand.sum() <= capacity:
@@ -78,29 +79,22 @@ def radial_guarantee(problem: RoutingProblem, tour: GiantTour, value: float, *, 
     return guaranteed(tour, value, averaged, pieces.times, pieces.share, statement, pieces.assumptions, source, plain)
 
 
+@routing_heuristic(
+    "tour-partitioning", FEATURES, "a tour through all customers, cut wherever a vehicle is full",
+    stated="5/2 - 3/(2Q) for equal demands, 7/2 - 3/Q for others, with Christofides' tour, where distances are metric",
+)  # fmt: skip
 def tour_partitioning(problem: RoutingProblem, context: Context, *, tour: str = "christofides", improve: bool = True) -> Outcome:
     """Build one tour, cut it after every full vehicle from each customer on in turn, and keep the cheapest way.
 
+    Takes one depot and one vehicle type, every site required, no windows and no limits but capacity. The guarantee holds where distances
+    are symmetric and keep the triangle inequality, or miss it by little. May use more vehicles than the fleet has.
+
     Parameters
     ----------
-    problem : RoutingProblem
-        One depot, one vehicle type, every site required, no windows and no limits but capacity.
-    context : Context
     tour : str
         ``christofides``, ``double-tree`` (twice the shortest tour in place of one and a half times), or ``nearest-neighbour`` (no ratio).
     improve : bool
         Shorten the tour by 2-opt and Or-opt before it is cut.
-
-    Returns
-    -------
-    Outcome
-        With a guarantee where distances are symmetric and keep the triangle inequality, or miss it by little. May use more vehicles than
-        the fleet has.
-
-    Raises
-    ------
-    UsageError
-        For a tour that there is not, or too many sites.
 
     Notes
     -----
@@ -113,9 +107,9 @@ def tour_partitioning(problem: RoutingProblem, context: Context, *, tour: str = 
     stop = context.begin()
     costs = moving_costs(problem, stop)
     if costs is None:
-        return Outcome(in_turn(problem), message=f"customers in their order: {CUT_SHORT}", limit=stop.reached())
-    found = giant_tour(costs, tour, bool(improve), stop)
-    pieces, order = pieces_of(problem), found.order
+        return no_time(in_turn(problem), stop)
+    giant = giant_tour(costs, tour, bool(improve), stop)
+    pieces, order = pieces_of(problem), giant.order
     small = order[~pieces.alone[order - 1]]
     routes = [Route((site,)) for site in costs.nodes[1:][pieces.alone].tolist()]
     limit = problem.vehicle_limit
@@ -130,21 +124,6 @@ def tour_partitioning(problem: RoutingProblem, context: Context, *, tour: str = 
     answer = Routes(tuple(routes)).canonical()
     cut, guarantee = stop.reached(), None
     if not cut and (judged := problem.evaluate(answer)).feasible:
-        guarantee = radial_guarantee(problem, found, judged.values[0], plain=limit is None)
-    words = (found.message, too_many(problem, answer, "tour partitioning"), CUT_SHORT if cut else "")
-    statistics = {"tour": found.length, "routes": len(answer)}
-    return Outcome(answer, guarantee, (), statistics, "; ".join(w for w in words if w), cut or "none")
-
-
-HEURISTICS.add(
-    "tour-partitioning",
-    Heuristic(
-        name="tour-partitioning",
-        families=("routing",),
-        features=FEATURES,
-        run=tour_partitioning,
-        summary="a tour through all customers, cut wherever a vehicle is full",
-        stated="5/2 - 3/(2Q) for equal demands, 7/2 - 3/Q for others, with Christofides' tour, where distances are metric",
-        refuses=closed_routes,
-    ),
-)
+        guarantee = radial_guarantee(problem, giant, judged.values[0], plain=limit is None)
+    statistics = {"tour": giant.length, "routes": len(answer)}
+    return ended(answer, cut, statistics, giant.message, too_many(problem, answer, "tour partitioning"), guarantee=guarantee)

@@ -102,15 +102,14 @@ BISECTED = frozenset({"this objective by itself, and takes it by bisection over 
 
 def integers(problem: RoutingProblem, engine: str = "pyvrp") -> dict[str, Any]:
     """The arrays that ``_bare_routing`` describes: the data in the units in which waybound hands them to an engine."""
-    from waybound.solvers.engines.routing import ortools_model, vroom_model
+    from waybound.solvers.engines.routing import ortools_model, vroom
     from waybound.solvers.engines.routing.integer_scales import UNLIMITED
-    from waybound.solvers.engines.routing.pyvrp_model import load_factor
+    from waybound.solvers.engines.routing.pyvrp import load_factor
     from waybound.solvers.engines.routing.routing_integers import integer_routing
-    from waybound.solvers.engines.routing.vroom import vroom_integers
-    from waybound.solvers.engines.routing.vroom_priorities import Priorities, priorities
+    from waybound.solvers.engines.routing.vroom import Priorities, priorities, vroom_integers
 
     sites, fleet = problem.sites, problem.fleet
-    timed = vroom_model.TIMED if engine == "vroom" else ortools_model.TIMED
+    timed = vroom.TIMED if engine == "vroom" else ortools_model.TIMED
     asked = priorities(problem) if engine == "vroom" else None
     if isinstance(asked, Priorities):
         data = vroom_integers(asked.problem)

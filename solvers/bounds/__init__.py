@@ -65,6 +65,15 @@ class BoundMethod:
 BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.solvers.bounds", "waybound.solvers.bounds.*", group="waybound.bounds")
 
 
+def of_family(family: str, lacks: Callable[[Any], frozenset[str]] = lambda problem: frozenset()) -> Callable[[Any], frozenset[str]]:
+    """The ``missing`` of a method for one family: what ``lacks(problem)`` names there, and every other family as a whole."""
+
+    def missing(problem: Any) -> frozenset[str]:
+        return lacks(problem) if problem.family == family else frozenset({f"{problem.family} problems"})
+
+    return missing
+
+
 def replaced(problem: Any) -> frozenset[str]:
     """Names of the methods for which another one stands where ``problem`` is concerned."""
     return frozenset[str]().union(*(method.replaces(problem) for method in BOUNDS.values()))

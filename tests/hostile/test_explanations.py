@@ -23,8 +23,7 @@ from waybound.formulations.stop import Stop
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks import exact_routing
-from waybound.solvers.bounds.routing.fleet_need import fleet_need_evidence
-from waybound.solvers.bounds.routing.infeasible_site import infeasible_site_evidence, too_few_vehicles_evidence
+from waybound.solvers.bounds.routing.infeasibility import fleet_need_evidence, infeasible_site_evidence, too_few_vehicles_evidence
 from waybound.solving.explaining import explain, reasons_from_data
 
 CHARGES = ("travel", "elapsed", "elapsed-fixed-start", "windows")

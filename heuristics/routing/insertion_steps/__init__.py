@@ -1,3 +1,3 @@
-"""What heuristics that add one site after the other are made of."""
+"""Steps of heuristics that add one site after the other."""
 
 from .... import _guard as _guard

@@ -18,22 +18,11 @@ ROUNDING = 1e-14
     "Tuple((i8[::1], i8[::1], f8[::1], f8[::1], f8[::1])), f8[:, ::1], f8[:, ::1], f8)"
 )
 def earliest_finisher(flag, sites, vehicles, distance, time, weight):  # type: ignore[no-untyped-def]
-    """The vehicle that is free first takes the nearest customer it can still bring home, or that of the largest reward less ``weight``
-    times the distance, until no vehicle can take any.
+    """The vehicle that is free first takes the best customer that it can still bring home, until no vehicle can take any.
 
-    Parameters
-    ----------
-    sites : tuple of arrays
-        ``customer, demand, service, ready, due, reward``.
-    vehicles : tuple of arrays
-        ``start, end, capacity, max_duration, max_distance``; all leave when their depot opens.
-    weight : float
-        Not a number: the nearest.
-
-    Returns
-    -------
-    (array, array)
-        Vehicle of each site, -1 for none, and which of its visits it is.
+    The best is the nearest, or, where ``weight`` is a number, that of the largest reward less ``weight`` times the distance. ``sites`` are
+    ``customer, demand, service, ready, due, reward``, ``vehicles`` are ``start, end, capacity, max_duration, max_distance``; all leave when
+    their depot opens. Returns the vehicle of each site, -1 for none, and its place among the visits.
     """
     customer, demand, service, ready, due, reward = sites
     start, end, capacity, max_duration, max_distance = vehicles

@@ -84,18 +84,9 @@ def sequential_insertion(flag, data, capacity, limits, timed, mu, lamda, alpha1,
 def best_insertion(flag, data, inward, reward, fleet, capacity, limits, timed, kept, density):  # type: ignore[no-untyped-def]
     """Add the customer of the largest reward, or reward for the distance that it adds, where it adds least, while any fits.
 
-    Parameters
-    ----------
-    inward : array
-        Distances by where they lead, then by where they begin.
-    kept : bool
-        Whether limits ask for nothing but the distance that is added. Then a customer's best place on a route stays it until somebody is
-        put there, and is only compared with the two places beside the newcomer.
-
-    Returns
-    -------
-    (array, array)
-        The route of each customer, -1 for those left out, and its place on it.
+    ``inward`` are distances by where they lead, then by where they begin; ``kept`` says that limits ask for nothing but the distance that
+    is added: then a customer's best place on a route stays it until somebody is put there, and is only compared with the two places beside
+    the newcomer. Returns the route of each customer, -1 for those left out, and its place on it.
     """
     demand = data[0]
     n = len(demand) - 2
@@ -165,7 +156,7 @@ def best_insertion(flag, data, inward, reward, fleet, capacity, limits, timed, k
 
 @inner
 def _best_place(u, route, size, data, inward, limits, timed, kept, begin, latest, length, busy):  # type: ignore[no-untyped-def]
-    """Where on a route it adds the least distance to visit ``u``, the first of several places; whatever limits say, if ``kept``."""
+    """Place on a route at which visiting ``u`` adds the least distance, the first of several; whatever limits say, if ``kept``."""
     _, service, ready, due, distance, _ = data
     least, place = math.inf, 0
     end = len(service) - 1

@@ -1,3 +1,3 @@
-"""What the savings heuristic is made of."""
+"""Steps of the savings heuristic."""
 
 from .... import _guard as _guard

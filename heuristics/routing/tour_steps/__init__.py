@@ -1,3 +1,3 @@
-"""What heuristics that cut a tour into routes are made of."""
+"""Steps of heuristics that cut a tour into routes."""
 
 from .... import _guard as _guard

@@ -6,18 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.evidence import Guarantee
 from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import Stop
 from ....formulations.tolerance import EQUAL
 from ....instances.errors import UsageError
-from ...heuristic import HEURISTICS
-from .dense import STRIP, dense
-
-Floats = NDArray[np.float64]
-Sites = NDArray[np.int64]
+from .distance_matrices import STRIP, Floats, Sites, dense, takes_savings
 
 TOURS = ("christofides", "double-tree", "nearest-neighbour")
 MOST_MATCHED = 1_500
@@ -36,18 +31,10 @@ SYMMETRIC, METRIC = "distances are symmetric", "the triangle inequality holds"
 
 @dataclass(frozen=True)
 class Costs:
-    """What moves between the depot, node 0, and the customers cost.
+    """Costs of the moves between the depot, node 0, and the customers; ``nodes`` are the sites of all nodes.
 
-    Parameters
-    ----------
-    nodes : array of int
-        Site of each node.
-    moves : array of shape (nodes, nodes)
-        As they are driven.
-    both_ways : array of shape (nodes, nodes)
-        The mean of both directions: that of moves, where they are symmetric.
-    known : bool
-        Symmetric by themselves, with the triangle inequality but for the rounding of doubles.
+    ``moves`` are as they are driven, ``both_ways`` the mean of both directions (``moves`` where they are symmetric), each of shape (nodes,
+    nodes). ``known``: symmetric by themselves, with the triangle inequality but for the rounding of doubles.
     """
 
     nodes: Sites
@@ -64,23 +51,10 @@ class Costs:
 class GiantTour:
     """A tour from the depot through all customers.
 
-    Parameters
-    ----------
-    order : array of int
-        Nodes of the customers, from 1 on.
-    length : float
-        Of the tour as it is driven.
-    ratio : float or None
-        ``proved`` is at most so many times the shortest tour along shortest paths; None where nothing is proved.
-    proved : float
-        Length of the tour along shortest paths before it was improved.
-    paths : array of shape (nodes, nodes)
-        Lengths of shortest paths; those of the moves where nothing is proved.
-    metric : bool
-        Whether moves are shortest paths.
-    source : str
-    message : str
-        Why nothing is proved, or what was done instead of what was asked for.
+    ``order`` are the nodes of the customers, from 1 on; ``length`` is that of the tour as it is driven, ``proved`` that along shortest
+    paths before it was improved, at most ``ratio`` times the shortest tour along shortest paths (None where nothing is proved). ``paths``,
+    shape (nodes, nodes), are lengths of shortest paths, or of moves where nothing is proved; ``metric`` says whether moves are such.
+    ``message`` tells why nothing is proved, or what was done instead of what was asked for.
     """
 
     order: Sites
@@ -94,28 +68,15 @@ class GiantTour:
 
 
 def moving_costs(problem: RoutingProblem, stop: Stop, *, busy: bool = False, distance: bool = False) -> Costs | None:
-    """What moves cost: unit cost times distance, and half of a vehicle's fixed cost at the depot, so that routes cost what their moves do.
+    """Unit cost times distance, and half of a vehicle's fixed cost at the depot, so that routes cost what their moves do; None without
+    time.
 
-    Parameters
-    ----------
-    busy : bool
-        Durations in place of costs, with half of the service at either end.
-    distance : bool
-        Distances in place of costs.
-
-    Returns
-    -------
-    Costs or None
-        None where it was asked to stop.
-
-    Raises
-    ------
-    UsageError
-        If there are too many sites, or no memory for them.
+    ``busy``: durations in place of costs, with half of the service at either end; ``distance``: distances in place of costs. Raises
+    UsageError where there are too many sites, or no memory for them.
     """
     vehicle, travel = problem.fleet[0], problem.travel
     nodes = np.concatenate([[vehicle.start], problem.customers])
-    moves = dense(travel.duration if busy else travel.distance, nodes, stop, "a tour", savings=not HEURISTICS["savings"].missing(problem))
+    moves = dense(travel.duration if busy else travel.distance, nodes, stop, "a tour", savings=takes_savings(problem))
     if moves is None:
         return None
     half = np.zeros(len(nodes))
@@ -141,59 +102,65 @@ def _by_nature(travel: Any) -> bool:
 
 
 def giant_tour(costs: Costs, method: str, improved: bool, stop: Stop) -> GiantTour:
-    """A tour by ``method``, improved by 2-opt and Or-opt where it is wanted; cut short, it is no more than the nodes in some order.
-
-    Raises
-    ------
-    UsageError
-        For a method that there is not.
-    """
+    """A tour by one of ``TOURS``, improved by 2-opt and Or-opt where wanted; cut short, it is no more than the nodes in some order."""
     if method not in TOURS:
         raise UsageError(f"tour must be one of {', '.join(TOURS)}, not {method!r}")
-    from .tour_kernels import close, improve, nearest_neighbour, shortcut, spanning_tree
+    from .tour_kernels import improve, nearest_neighbour
 
-    n, messages, ratio = len(costs.nodes), [], None
-    paths, metric = costs.both_ways, costs.known
-    if method != "nearest-neighbour" and costs.symmetric and not costs.known and n <= MOST_CLOSED:
-        paths = costs.moves.copy()
-        if close(stop.flag, paths):
-            metric = bool((costs.moves - paths <= EQUAL * paths).all())
-            ratio = 2.0
-        else:
-            paths = costs.both_ways
-    elif method != "nearest-neighbour" and costs.known:
-        ratio = 2.0
-    elif method != "nearest-neighbour":
-        why = "distances are not symmetric" if not costs.symmetric else f"{n:,} sites are too many to look at the triangle inequality"
-        messages.append(f"no guarantee: {why}")
-    source = DOUBLE_TREE
+    paths, metric, ratio, source = costs.both_ways, costs.known, None, ""
+    messages: list[str] = []
     if method == "nearest-neighbour":
-        tour, source = nearest_neighbour(stop.flag, paths), ""
+        tour = nearest_neighbour(stop.flag, paths)
     else:
-        parent = spanning_tree(stop.flag, paths)
-        child = np.arange(1, n)
-        if len(parent) < n:  # it was asked to stop
-            tour, ratio = np.arange(n), None
-        else:
-            tails, heads = np.concatenate([child, child]), np.concatenate([parent[1:], parent[1:]])
-            if method == "christofides":
-                odd = np.nonzero(np.bincount(heads[: n - 1], minlength=n) % 2 == (np.arange(n) == 0))[0] if n > 1 else child
-                matched = _matching(paths, odd, stop) if len(odd) <= MOST_MATCHED else None
-                if matched is not None:
-                    tails, heads = np.concatenate([child, matched[0]]), np.concatenate([parent[1:], matched[1]])
-                    source, ratio = CHRISTOFIDES, None if ratio is None else 1.5
-                elif not stop.reached():
-                    messages.append(f"{len(odd):,} nodes of odd degree are too many to match: double tree in place of christofides")
-            tour = shortcut(tails, heads, n)
+        paths, metric, proven, unproven = _shortest_paths(costs, stop)
+        tour, times, source, doubled = _tree_tour(paths, method == "christofides", stop)
+        ratio, messages = times if proven else None, [unproven, doubled]
     proved = _length(paths, tour)
-    if improved and n > 4 and not stop.reached():
+    if improved and len(tour) > 4 and not stop.reached():
         near = _nearest(costs.both_ways, stop)
         if near is not None:
             improve(stop.flag, tour, costs.both_ways, near)
     tour = np.roll(tour, -int(np.argmin(tour)))
     length, other = _length(costs.moves, tour), _length(costs.moves, tour[::-1])
     order = tour[1:] if length <= other else tour[:0:-1].copy()
-    return GiantTour(order, min(length, other), ratio, proved, paths, metric, source, "; ".join(messages))
+    message = "; ".join(words for words in messages if words)
+    return GiantTour(order, min(length, other), ratio, proved, paths, metric, source, message)
+
+
+def _shortest_paths(costs: Costs, stop: Stop) -> tuple[Floats, bool, bool, str]:
+    """Lengths of shortest paths, whether moves are such, whether tours along them have a ratio, and why not."""
+    from .tour_kernels import close
+
+    n = len(costs.nodes)
+    if costs.known:
+        return costs.both_ways, True, True, ""
+    if not costs.symmetric or n > MOST_CLOSED:
+        why = "distances are not symmetric" if not costs.symmetric else f"{n:,} sites are too many to look at the triangle inequality"
+        return costs.both_ways, False, False, f"no guarantee: {why}"
+    paths = costs.moves.copy()
+    if not close(stop.flag, paths):
+        return costs.both_ways, False, False, ""
+    return paths, bool((costs.moves - paths <= EQUAL * paths).all()), True, ""
+
+
+def _tree_tour(paths: Floats, christofides: bool, stop: Stop) -> tuple[Sites, float | None, str, str]:
+    """A tour around a minimum spanning tree and a matching, or around the tree twice; its ratio, source, and why nothing was matched."""
+    from .tour_kernels import shortcut, spanning_tree
+
+    n, parent = len(paths), spanning_tree(stop.flag, paths)
+    if len(parent) < n:  # it was asked to stop
+        return np.arange(n), None, DOUBLE_TREE, ""
+    child, parent, message = np.arange(1, n), parent[1:], ""
+    if christofides:
+        degrees = np.bincount(np.concatenate([child, parent]), minlength=n)
+        odd = np.nonzero(degrees % 2)[0]
+        matched = _matching(paths, odd, stop) if len(odd) <= MOST_MATCHED else None
+        if matched is not None:
+            tour = shortcut(np.concatenate([child, matched[0]]), np.concatenate([parent, matched[1]]), n)
+            return tour, 1.5, CHRISTOFIDES, ""
+        if not stop.reached():
+            message = f"{len(odd):,} nodes of odd degree are too many to match: double tree in place of christofides"
+    return shortcut(np.concatenate([child, child]), np.concatenate([parent, parent]), n), 2.0, DOUBLE_TREE, message
 
 
 def _length(matrix: Floats, tour: Sites) -> float:
@@ -214,7 +181,7 @@ def _matching(paths: Floats, odd: Sites, stop: Stop) -> tuple[Sites, Sites] | No
 
 
 def _nearest(costs: Floats, stop: Stop) -> Sites | None:
-    """The nearest nodes of each, in order."""
+    """The nearest nodes of each, in order; None where it was asked to stop."""
     n = len(costs)
     count = min(NEIGHBOURS, n - 1)
     near = np.empty((n, count), dtype=np.int64)
@@ -224,18 +191,18 @@ def _nearest(costs: Floats, stop: Stop) -> Sites | None:
             return None
         rows = costs[first : first + step].copy()
         rows[np.arange(len(rows)), np.arange(first, first + len(rows))] = np.inf
-        found = np.argpartition(rows, count - 1, axis=1)[:, :count]
-        order = np.argsort(np.take_along_axis(rows, found, axis=1), axis=1, kind="stable")
-        near[first : first + step] = np.take_along_axis(found, order, axis=1)
+        nearest = np.argpartition(rows, count - 1, axis=1)[:, :count]
+        order = np.argsort(np.take_along_axis(rows, nearest, axis=1), axis=1, kind="stable")
+        near[first : first + step] = np.take_along_axis(nearest, order, axis=1)
     return near
 
 
 def in_rows(costs: Floats, order: Sites) -> Floats:
-    """The moves from the depot, on to the next customer and back, of each customer in the order of the tour."""
-    made = np.zeros((3, len(order)))
-    made[0], made[2] = costs[0, order], costs[order, 0]
-    made[1, :-1] = costs[order[:-1], order[1:]]
-    return made
+    """Moves from the depot, on to the next customer and back, of each customer in the order of the tour; shape (3, customers)."""
+    rows = np.zeros((3, len(order)))
+    rows[0], rows[2] = costs[0, order], costs[order, 0]
+    rows[1, :-1] = costs[order[:-1], order[1:]]
+    return rows
 
 
 def guaranteed(

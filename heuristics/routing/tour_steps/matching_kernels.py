@@ -22,15 +22,7 @@ PRICE, MATE, TOP, LABEL, NEAR, PARENT, MEMBER, SEEN, LENGTH, QUEUE, SPAN, SURFAC
 
 
 def minimum_weight_perfect_matching(flag: NDArray[np.int64], weights: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Partner of each vertex; -1 for some where it was asked to stop.
-
-    Parameters
-    ----------
-    flag : array
-        Of a ``Stop``.
-    weights : int array of shape (n, n), n even
-        Symmetric, at most 2^57 in size.
-    """
+    """Partner of each vertex (-1 for some where ``flag`` asked to stop) for symmetric weights of an even number of vertices, up to 2^57."""
     n = len(weights)
     size = n + n // 2 + 2
     doubled = 2 * weights  # then all prices of outer vertices stay of one parity
@@ -130,7 +122,7 @@ def augmented(flag, state):  # type: ignore[no-untyped-def]
 
 @inner
 def _slack(state, x, y):  # type: ignore[no-untyped-def]
-    """Of the edge of least slack between ``x`` and ``y``."""
+    """Slack of the edge of least slack between ``x`` and ``y``."""
     doubled, table, end, _, _ = state
     price, u, v = table[PRICE], end[x, y], end[y, x]
     return 2 * doubled[u, v] - price[u] - price[v]
@@ -215,7 +207,7 @@ def _reverse(row, first, last):  # type: ignore[no-untyped-def]
 
 @inner
 def _turn(state, n, b, child):  # type: ignore[no-untyped-def]
-    """Where ``child`` stands in the cycle of ``b``, whose direction is such that this is an even number."""
+    """Place of ``child`` in the cycle of ``b``, in the direction that makes it an even number."""
     _, table, _, _, cycle = state
     k, at = table[LENGTH, b], 0
     while cycle[b - n, at] != child:

@@ -1,4 +1,4 @@
-"""What each vehicle carries along its route, beside what it can carry."""
+"""Loads of vehicles along their routes, beside their capacities."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Routes
 from ....instances.errors import UsageError
 from .. import PLOTS
-from ..drawing import ALARM, COLOURS, chart_axes, entitle, figures_of, legend_below, literal, new_axes, roomy
-from .maps import route_ranks
+from ..drawing import ALARM, COLOURS, chart_axes, legend_below, new_axes, roomy
+from .routes import heading, route_ranks
 
 if TYPE_CHECKING:
     from ....formulations.solution import Solution
 
 LABELLED_ROUTES = 60
-"""Of more routes the bars have no names."""
+"""Number of routes above which the bars have no names."""
 
 
 def plot_loads(
@@ -28,23 +28,7 @@ def plot_loads(
 ) -> Any:  # fmt: skip
     """The load on board of each route, leg by leg: a bar a route, from its start on the left to its end, as high as what it carries.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    answer : Routes
-    ax, solution, title
-        As for maps of routes.
-    dimension : int
-        Of load, from 1, where there are several.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-
-    Raises
-    ------
-    UsageError
-        If there is no such dimension.
+    ``dimension`` is that of the load, from 1, where there are several.
     """
     boards = [schedule(problem, route).on_board for route in answer]
     dimensions = 1 + problem.sites.further_demand.shape[1]
@@ -83,17 +67,13 @@ def plot_loads(
         handles, labels = ax.get_legend_handles_labels()
         legend_below(ax, handles, labels, 1, 3.0 if len(names) <= 10 else 7.5 if len(names) <= LABELLED_ROUTES else 3.6)
     chart_axes(ax)
-    head = f"{problem.name}: loads" + ("" if solution is None else f" by {solution.solver}") if title is None else title
-    entitle(
-        ax, head, f"{problem.objective} {figures_of(problem, answer, solution)}; each bar from departure to return" if title is None else ""
-    )
-    literal(ax)
+    heading(ax, problem, answer, solution, title, "loads", "; each bar from departure to return")
     return ax
 
 
 def _capacity(problem: RoutingProblem, kind: int, dimension: int) -> float:
-    given = (problem.fleet[kind].capacity, *problem.fleet[kind].further_capacity)
-    return float(given[dimension - 1]) if dimension <= len(given) else math.inf
+    capacities = problem.fleet[kind].capacities
+    return float(capacities[dimension - 1]) if dimension <= len(capacities) else math.inf
 
 
 PLOTS.add("routing:loads", plot_loads)

@@ -1,4 +1,4 @@
-"""When each vehicle is where: driving, waiting and service along the hours, with the windows that bind."""
+"""Schedules of routes: driving, waiting and service along the hours, with the windows that bind."""
 
 from __future__ import annotations
 
@@ -6,25 +6,22 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.routing.judge import Schedule, schedule
 from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Route, Routes
 from .. import PLOTS
-from ..drawing import ALARM, COLOURS, INK, entitle, figures_of, legend_below, literal, new_axes, roomy
-from .maps import route_ranks
+from ..drawing import ALARM, COLOURS, INK, legend_below, new_axes, roomy
+from .routes import heading, route_ranks
 
 if TYPE_CHECKING:
     from ....formulations.solution import Solution
 
-Floats = NDArray[np.float64]
-
 LABELLED_ROWS = 60
-"""Of more routes the rows have no names."""
+"""Number of routes above which the rows have no names."""
 
 LABELLED_VISITS = 220
-"""Of more visits in all, none has its id beside it."""
+"""Number of visits above which none has its id beside it."""
 
 
 def plot_schedule(
@@ -32,26 +29,9 @@ def plot_schedule(
 ) -> Any:
     """Gantt chart of an answer: a row a route, on the schedule that it is judged by.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    answer : Routes
-    ax : matplotlib axes, optional
-        New ones by default.
-    solution : Solution, optional
-        For objective, bound and gap in the title.
-    title : str, optional
-        Instead of the one made.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-        Time runs to the right, as moments where times were given so, else in the units of the data.
-
-    Notes
-    -----
     Driving is a thin line, service a bar in the colour of the route, waiting hatched; below, a line goes from each begin of service to the
-    end of the site's window: the shorter, the less may be late. A visit that begins after its window is red.
+    end of the site's window: the shorter, the less may be late. A visit that begins after its window is red. Time runs to the right, as
+    moments where times are moments in the data, else in the units of the data.
     """
     ax = new_axes() if ax is None else ax
     roomy(ax, height=1.6 + 0.17 * len(answer))
@@ -79,9 +59,7 @@ def plot_schedule(
     ax.set_xlim(begins - 0.02 * span, ends + 0.02 * span)
     _finish(ax)
     _time_axis(ax, problem, span)
-    head = f"{problem.name}: schedule" + ("" if solution is None else f" by {solution.solver}") if title is None else title
-    entitle(ax, head, f"{problem.objective} {figures_of(problem, answer, solution)}" if title is None else "")
-    literal(ax)
+    heading(ax, problem, answer, solution, title, "schedule")
     return ax
 
 
@@ -133,7 +111,7 @@ STEPS = (1, 5, 15, 60, 300, 900, 1800, 3600, 7200, 14400, 28800, 86400, 604800)
 
 
 def _time_axis(ax: Any, problem: RoutingProblem, span: float) -> None:
-    """Marks at full hours and the like, told as moments where the problem knows from when its times count."""
+    """Marks at full hours and the like, as moments where the problem knows from when its times count."""
     from matplotlib.ticker import MultipleLocator
 
     clock, label = problem.clock, "time"

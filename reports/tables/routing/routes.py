@@ -22,7 +22,7 @@ from ..facts import plain_text
 from ..table import Column, Row, Table, short
 
 SHOWN_UNSERVED = 10
-"""Sites that stay unserved which are shown unless all are asked for."""
+"""Unserved sites that are shown unless all are asked for."""
 
 SHOWN_ID = 60
 """Characters of a site's id that are shown among others."""
@@ -30,13 +30,15 @@ SHOWN_ID = 60
 
 def answer_tables(problem: RoutingProblem, answer: Routes | None) -> list[Table]:
     """The routes, their visits where more is known of the sites than is computed with, and the sites that they leave out, if any."""
-    left = unserved_sites(problem, answer)
-    told = [] if answer is None else [routes_table(problem, answer), *([visits_table(problem, answer)] if problem.sites.attributes else [])]
-    return [*told, *([unserved_table(left)] if left else [])]
+    tables = [] if answer is None else [routes_table(problem, answer)]
+    if answer is not None and problem.sites.attributes:
+        tables.append(visits_table(problem, answer))
+    reasons = unserved_sites(problem, answer)
+    return [*tables, *([unserved_table(reasons)] if reasons else [])]
 
 
 def routes_table(problem: RoutingProblem, answer: Routes) -> Table:
-    """One row a route: vehicle, number of visits, load, distance, duration, how likely it overruns where that is limited, and the sites in
+    """One row a route: vehicle, visits, load, distance, duration, the probability of an overrun where that is limited, and the sites in
     order."""
     ids, risky = problem.sites.ids, bool(problem.features() & RISKS)
     overruns: list[float] = []
@@ -46,23 +48,13 @@ def routes_table(problem: RoutingProblem, answer: Routes) -> Table:
         vehicle = problem.fleet[route.vehicle]
         limited = vehicle.risk is not None or problem.team_risk is not None
         overruns.append(route_overrun(vehicle, plan) if risky and limited else 0.0)
-        rows.append(
-            (
-                name,
-                str(len(route)),
-                short(plan.total_load),
-                short(plan.total_distance),
-                short(plan.duration),
-                *([f"{overruns[-1]:.3g}"] if risky else []),
-                " ".join(printable(ids[i], SHOWN_ID) for i in route.visits),
-            )
-        )
+        figures = [short(value) for value in (plan.total_load, plan.total_distance, plan.duration)]
+        figures += [f"{overruns[-1]:.3g}"] if risky else []
+        rows.append((name, str(len(route)), *figures, " ".join(printable(ids[i], SHOWN_ID) for i in route.visits)))
         visits, load, distance = visits + len(route), load + plan.total_load, distance + plan.total_distance
         duration = max(duration, plan.duration)
-    columns = (
-        Column("vehicle"), Column("visits", right=True), Column("load", right=True), Column("distance", right=True),
-        Column("duration", right=True), *([Column("overrun", right=True)] if risky else []), Column("sites in order", wide=True),
-    )  # fmt: skip
+    numbers = ("visits", "load", "distance", "duration", *(["overrun"] if risky else []))
+    columns = (Column("vehicle"), *(Column(number, right=True) for number in numbers), Column("sites in order", wide=True))
     joint = [f"{joint_overrun(overruns):.3g}"] if risky else []
     total = ("all", str(visits), short(load), short(distance), f"max {short(duration)}", *joint, "")
     return Table("Routes", columns, tuple(rows), total)
@@ -76,7 +68,7 @@ def visits_table(problem: RoutingProblem, answer: Routes) -> Table:
 
 
 def unserved_sites(problem: RoutingProblem, answer: Routes | None) -> dict[str, str]:
-    """Sites that the answer does not visit (all that are unreachable without one), each with the reason."""
+    """Sites that the answer does not visit (without an answer, all that are unreachable), each with the reason."""
     if answer is None:
         return {problem.sites.ids[i]: why for i, why in unreachable(problem).items()}
     return {one.where: one.reason for one in problem.left_out(answer)}
@@ -108,9 +100,9 @@ def _around(place: dict[str, float]) -> list[Row]:
 
 
 def _windows(windows: dict[str, Any]) -> list[Row]:
-    told = partial(moment_told, Clock(**windows["clock"]) if "clock" in windows else None)
-    latest = "" if windows["latest"] is None else f", the last closes at {told(windows['latest'])}"
-    opening = [f"{told(a)} to {told(b)}" for a, b in windows["depot"] if a != 0 or math.isfinite(b)]
+    moment = partial(moment_told, Clock(**windows["clock"]) if "clock" in windows else None)
+    latest = "" if windows["latest"] is None else f", the last closes at {moment(windows['latest'])}"
+    opening = [f"{moment(a)} to {moment(b)}" for a, b in windows["depot"] if a != 0 or math.isfinite(b)]
     rows = [("windows", f"{windows['sites']} customers{latest}")] if windows["sites"] else []
     return [*rows, *([("depot open", ", ".join(opening))] if opening else [])]
 
@@ -142,7 +134,7 @@ def _fleet(fleet: list[dict[str, Any]]) -> list[Row]:
 
 
 USUAL = ("name", "count", "capacity", "start", "end", "max_duration", "max_distance", "energy", "fixed_cost", "unit_cost")
-"""Of a vehicle type, told in words of its own or not at all; all else is told by its name where it is not what is usual."""
+"""Fields of a vehicle type told in words of their own or not at all; all others are told by name where they are not the usual ones."""
 
 
 def _least(routes: int) -> list[Row]:

@@ -1,4 +1,4 @@
-"""Which routing feature each form, engine and heuristic takes, from their declarations: the page docs/formulations/routing-features.md.
+"""Routing features that each form, engine and heuristic declares: the page docs/formulations/routing-features.md.
 
 ``python -m waybound.reports.tables.routing_features docs/formulations/routing-features.md`` writes it anew.
 """
@@ -26,12 +26,10 @@ from ....solvers.program_backend import ProgramBackend
 PAGE = "docs/formulations/routing-features.md"
 
 ROWS = (
-    *(name for name in FEATURES if name not in UNASKED),
-    *(f"objective:{name}" for name in TERMS),
-    "objective:weights",
+    *(name for name in FEATURES if name not in UNASKED), *(f"objective:{name}" for name in TERMS), "objective:weights",
     "objective:priorities",
-)
-"""All that a routing problem may ask of a solver, as ``RoutingProblem.features`` names it."""
+)  # fmt: skip
+"""All features that a routing problem may ask of a solver, as ``RoutingProblem.features`` names them."""
 
 PAGE_TEXT = """# Routing: who takes what
 
@@ -85,13 +83,13 @@ def solvers_of_forms() -> dict[tuple[str, ...], list[str]]:
     """Solvers of programs, those that take programs of the same forms together."""
     here = np.zeros((2, 2))
     plain = RoutingProblem(Sites.of(range(2)), Travel("euclidean", here), (VehicleType(),))
-    found: dict[tuple[str, ...], list[str]] = {}
+    solvers: dict[tuple[str, ...], list[str]] = {}
     for name in BACKENDS:
         backend = BACKENDS[name]
         if issubclass(backend, ProgramBackend):
             forms = tuple(form for form in declared_by_forms() if backend.takers(FORMS[form].makes(plain)))
-            found.setdefault(forms, []).append(name)
-    return {forms: names for forms, names in found.items() if forms}
+            solvers.setdefault(forms, []).append(name)
+    return {forms: names for forms, names in solvers.items() if forms}
 
 
 def _table(declared: Mapping[str, frozenset[str]]) -> list[str]:

@@ -21,13 +21,14 @@ from ....instances.routing.instance import VehicleType
 from ....instances.routing.vehicle_type import ENERGY_CHARGES
 
 if TYPE_CHECKING:
-    from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Longs = NDArray[np.int64]
 
 MATRICES = 8
-"""Of one number an arc, that stand in memory at once in the search for a bound, and again in its check."""
+"""Matrices of one number an arc that stand in memory at once in the search for a bound, and again in its check."""
 
 ARCS_PER_SECOND = 2e6
 """Arcs that are looked at in a second of the budget; the check takes about as long again."""
@@ -43,37 +44,33 @@ ARC_TERMS = ("total-cost", "vehicles")
 
 @dataclass(frozen=True, eq=False)
 class Arcs:
-    """Node 0 is the depot, the others are ``customers`` in this order.
+    """Arcs between node 0, the depot, and ``customers``, site indices of the other nodes in their order.
 
-    Parameters
-    ----------
-    customers : array of int
-        Site indices.
-    cost : array of shape (nodes, nodes)
-        Cost in the first level of the objective; infinite for arcs that no route can use.
-    fewest, most : int
-        Limits on the number of routes.
-    resources : dict of Resource
-        What a route may use, over nodes of which the last one is the end of routes.
+    ``cost``, shape (nodes, nodes), is the cost in the first level of the objective, infinite for arcs that no route can use; ``fewest`` and
+    ``most`` limit the number of routes; ``resources`` say what a route may use, over nodes of which the last one is the end of routes.
     """
 
-    customers: NDArray[np.int64]
+    customers: Longs
     cost: Floats
     fewest: int
     most: int
     resources: dict[str, Resource]
 
 
-def lacks_arc_costs(problem: Problem) -> frozenset[str]:
-    """Features for which the arc bounds prove nothing: other families, optional sites, objectives that are no sum over arcs, and what
-    their checkers do not know."""
-    if problem.family != "routing":
-        return frozenset({f"{problem.family} problems"})
-    missing = ({"optional-sites"} & problem.features()) | unknown_features(problem)  # type: ignore[arg-type]
-    for weight, term in problem.objective.levels()[0].terms:  # type: ignore[attr-defined]
+def lacks_arc_costs(problem: RoutingProblem) -> frozenset[str]:
+    """Optional sites, objectives that are not sums over arcs, and features that the checkers of arc bounds do not know."""
+    missing = (problem.features() & {"optional-sites"}) | unknown_features(problem)
+    for weight, term in problem.objective.levels()[0].terms:
         if term.name not in ARC_TERMS or weight < 0:
             missing = missing | {f"objective:{term.name}"}
-    return frozenset(missing)
+    return missing
+
+
+def by_site(problem: RoutingProblem, values: Floats) -> list[float]:
+    """Values of the customers as the values of all sites, for evidence; those of depots are 0."""
+    listed = np.zeros(len(problem.sites))
+    listed[problem.customers] = values
+    return [float(value) for value in listed]
 
 
 def too_many_arcs(problem: RoutingProblem, seconds: float) -> bool:
@@ -83,7 +80,7 @@ def too_many_arcs(problem: RoutingProblem, seconds: float) -> bool:
 
 
 def arc_costs(problem: RoutingProblem, stop: Stop = NEVER) -> Arcs | None:
-    """Arcs, costs and limits on the number of routes of a problem that ``lacks_arc_costs`` finds nothing against; None if too many."""
+    """Arcs, costs and limits on the number of routes of a problem for which ``lacks_arc_costs`` is empty; None where they are too many."""
     if too_many_arcs(problem, stop.seconds_left):
         return None
     sites, fleet = problem.sites, problem.fleet
@@ -96,12 +93,12 @@ def arc_costs(problem: RoutingProblem, stop: Stop = NEVER) -> Arcs | None:
     starts, ends, n = np.array([v.start for v in fleet]), np.array([v.end for v in fleet]), len(at)
 
     def between(matrix: Floats) -> Floats:
-        """From the depots (0), between customers, and to the depots (n + 1)."""
-        made = np.zeros((n + 2, n + 2))
-        made[1:-1, 1:-1] = matrix[np.ix_(at, at)]
-        made[0, 1:-1] = matrix[np.ix_(starts, at)].min(axis=0)
-        made[1:-1, -1] = matrix[np.ix_(at, ends)].min(axis=1)
-        return made
+        """Moves from the depots (0), between customers, and to the depots (n + 1)."""
+        moves = np.zeros((n + 2, n + 2))
+        moves[1:-1, 1:-1] = matrix[np.ix_(at, at)]
+        moves[0, 1:-1] = matrix[np.ix_(starts, at)].min(axis=0)
+        moves[1:-1, -1] = matrix[np.ix_(at, ends)].min(axis=1)
+        return moves
 
     def at_nodes(values: Floats, start: float = 0.0, end: float = 0.0) -> Floats:
         return np.concatenate([[start], values[at], [end]])

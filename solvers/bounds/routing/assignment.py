@@ -1,4 +1,4 @@
-"""Bound ``assignment``: each customer one predecessor and one successor at least cost; its prices are evidence ``arc-multipliers``."""
+"""Bound ``assignment``: the cheapest assignment of one predecessor and one successor to each customer, as evidence ``arc-multipliers``."""
 
 from __future__ import annotations
 
@@ -13,13 +13,11 @@ from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.stop import NEVER, Stop, Stopped
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
-from .arcs import Arcs, arc_costs, lacks_arc_costs
+from .. import BOUNDS, BoundMethod, of_family
+from .arcs import Arcs, Floats, arc_costs, by_site, lacks_arc_costs
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
-
-Floats = NDArray[np.float64]
 
 STEPS_PER_SECOND = 4e9
 """Cubes of the number of nodes that fit in a second of the budget, with a wide margin: 1,000 nodes take 0.1 s, prices twice that."""
@@ -29,30 +27,17 @@ STALLED = 1e-13
 
 
 def assignment_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
-    """Evidence from the prices of a cheapest assignment of successors.
+    """Evidence from the prices of a cheapest assignment of successors; None where the time does not suffice or there is no assignment.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    stop : Stop
-    linear : unused
-        No program is solved.
-
-    Returns
-    -------
-    Evidence of kind ``arc-multipliers``, or None where the budget does not suffice or there is no assignment
-
-    Notes
-    -----
-    The depot is as many nodes as there may be routes; those beyond the least number may succeed each other at no cost. It is strong where
-    costs are far from symmetric; else two sites near each other succeed each other both ways, and trees say more.
+    The depot is as many nodes as there may be routes; those beyond the least number may succeed each other at no cost. The bound is strong
+    where costs are far from symmetric; elsewhere near sites succeed each other both ways, and trees prove more.
     """
     arcs = arc_costs(problem, stop)
     if arcs is None or arcs.fewest > arcs.most or (len(arcs.customers) + arcs.most) ** 3 > STEPS_PER_SECOND * stop.seconds_left:
         return None
     best: Evidence | None = None
     try:
-        for data in _multipliers(arcs, len(problem.sites), stop):
+        for data in _multipliers(problem, arcs, stop):
             value = verified_bound(problem, Evidence("arc-multipliers", "assignment", -math.inf, data))
             if best is None or value > best.value:
                 best = Evidence("arc-multipliers", "assignment", value, data)
@@ -62,8 +47,8 @@ def assignment_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linear
     return best
 
 
-def _multipliers(arcs: Arcs, sites: int, stop: Stop) -> Iterator[dict[str, object]]:
-    """Those of the assignment, with the price of a route that its depots have, or those of them that may stay idle."""
+def _multipliers(problem: RoutingProblem, arcs: Arcs, stop: Stop) -> Iterator[dict[str, object]]:
+    """Multipliers of the assignment, with the price of a route that its depots have, or those of the depots that may stay idle."""
     from scipy.optimize import linear_sum_assignment
 
     depots, least, n = arcs.most, arcs.fewest, len(arcs.customers)
@@ -77,20 +62,15 @@ def _multipliers(arcs: Arcs, sites: int, stop: Stop) -> Iterator[dict[str, objec
         return
     rows, columns = _prices(cost, successor, stop)
 
-    def listed(values: Floats) -> list[float]:
-        spread = np.zeros(sites)
-        spread[arcs.customers] = values
-        return [float(v) for v in spread]
-
     for part in (slice(0, least), slice(least, depots)):
         if part.start < part.stop:
             leaving, entering = float(rows[part].mean()), float(columns[part].mean())
-            out, into = listed(rows[depots:] + entering), listed(columns[depots:] - entering)
+            out, into = by_site(problem, rows[depots:] + entering), by_site(problem, columns[depots:] - entering)
             yield {"out": out, "in": into, "fleet": leaving + entering}
 
 
 def _prices(cost: Floats, successor: NDArray[np.integer], stop: Stop = NEVER) -> tuple[Floats, Floats]:
-    """Prices of rows and columns that no cost is below, and that chosen costs equal: shortest ways between columns (Bellman-Ford)."""
+    """Prices of rows and columns that no cost is below and that chosen costs equal: shortest paths between columns (Bellman-Ford)."""
     chosen = np.take_along_axis(cost, successor[:, None], axis=1)
     dearer = np.empty_like(cost)
     dearer[successor] = cost - chosen
@@ -104,4 +84,4 @@ def _prices(cost: Floats, successor: NDArray[np.integer], stop: Stop = NEVER) ->
     return chosen[:, 0] - columns[successor], columns
 
 
-BOUNDS.add("assignment", BoundMethod("assignment", lacks_arc_costs, assignment_bound, order=1))
+BOUNDS.add("assignment", BoundMethod("assignment", of_family("routing", lacks_arc_costs), assignment_bound, order=1))

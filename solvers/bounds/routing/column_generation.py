@@ -1,4 +1,4 @@
-"""Bound ``column-generation``: branch and price that is there to prove, whoever found the answer.
+"""Bound ``column-generation``: branch and price, to prove a bound rather than to find answers.
 
 Each node's linear program chooses routes so that each customer is visited once; routes of negative reduced cost are found by labels, and
 added until there are none (Desrochers, Desrosiers, Solomon 1992). Prices of visits are smoothed towards the best ones so far (Wentges
@@ -18,35 +18,30 @@ from numpy.typing import NDArray
 
 from ....formulations.checking.granularity import grain, lift
 from ....formulations.evidence import Evidence
-from ....formulations.programs.program import Program, Rows, Variables
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import NEVER, Stop
 from ....formulations.tolerance import same
 from ....instances.errors import InputError
 from ...linear_programs import LinearPrograms
-from ...linear_session import LinearSession
-from .. import BOUNDS, BoundMethod
+from .. import BOUNDS, BoundMethod, of_family
 from ..proof_tree import Node, ProofTree
-from .arcs import Arcs, arc_costs, lacks_arc_costs
+from .arcs import Arcs, Flags, Floats, Longs, arc_costs, by_site, lacks_arc_costs
+from .restricted_master import Master, Pool
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Longs = NDArray[np.int64]
-
 CUSTOMERS = 400
-"""As many as the checker looks at."""
+"""Most customers that the checker looks at."""
 
 LABELS = 500_000
-"""In one search for routes, some 60 bytes each; a node that needs more is left open."""
+"""Most labels in one search for routes, some 60 bytes each; a node that needs more is left open."""
 
 COLUMNS = 200
-"""Routes that are added at once at most."""
+"""Most routes that are added at once."""
 
 MOST_COLUMNS = 100_000
-"""Routes in all; then the tree is handed over as it is."""
+"""Most routes in all; then the tree is handed over as it is."""
 
 MEMORY = 8
 """Neighbours that are remembered at a customer to begin with."""
@@ -58,10 +53,10 @@ CANDIDATES = 8
 """Moves that are tried before one is branched on."""
 
 LEAST_GAIN = 1e-6
-"""Of the largest cost of a move: what a branching gains at least in a product of two gains."""
+"""Least gain of a branching in a product of two gains, as a part of the largest cost of a move."""
 
 REDUCED = 1e-7
-"""Of the largest cost of a move: a reduced cost that is less below 0 counts as none."""
+"""Part of the largest cost of a move by which a reduced cost must be below 0 to count."""
 
 WHOLE = 1e-6
 """Distance to a whole number up to which a value counts as one."""
@@ -71,14 +66,8 @@ WHOLE = 1e-6
 class _Node(Node):
     """A node and its linear relaxation.
 
-    Attributes
-    ----------
-    memory : int
-        Neighbours that are remembered.
-    prices : array of shape (customers,) or None
-        Those of its best bound, where its children begin.
-    flow : array of shape (nodes, nodes) or None
-        How often each move is made in its linear program.
+    ``memory`` is the number of neighbours that are remembered; ``prices``, shape (customers,), are those of its best bound, where its
+    children begin; ``flow``, shape (nodes, nodes), is how often its linear program makes each move.
     """
 
     memory: int = MEMORY
@@ -88,7 +77,7 @@ class _Node(Node):
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """What is left of the moves at a node, and of the numbers of routes."""
+    """Costs of the moves that a node allows, and its limits on the number of routes."""
 
     cost: Floats
     fewest: int
@@ -97,18 +86,10 @@ class _Part:
 
 @dataclass(eq=False)
 class _Solved:
-    """Where column generation ended: at its end, or early as ``prices`` prove enough or nothing more could be done.
+    """The end of column generation, its ``status``: ``done``, ``enough`` (the prices prove enough), ``stopped`` or ``full``.
 
-    Attributes
-    ----------
-    status : str
-        ``done``, ``enough``, ``stopped`` or ``full``.
-    bound, prices : float, array of shape (customers,) or None
-        The best Lagrangian bound, as the labels here have it.
-    values : array of shape (routes,)
-        Of the linear program.
-    lacking : float
-        What no route makes up for.
+    ``bound`` and ``prices`` are the best Lagrangian bound by our own labels; ``values`` those of the routes in the linear program;
+    ``lacking`` is how much of it no route makes up for.
     """
 
     status: str
@@ -116,105 +97,6 @@ class _Solved:
     prices: Floats | None = None
     values: Floats = field(default_factory=lambda: np.zeros(0))
     lacking: float = 0.0
-
-
-class _Pool:
-    """All routes found so far, as walks over nodes."""
-
-    def __init__(self) -> None:
-        self.routes: list[Longs] = []
-        self.twice: list[bool] = []
-        self._known: set[bytes] = set()
-        self._tail, self._head, self._owner = (np.zeros(0, np.int64) for _ in range(3))
-
-    def new(self, routes: list[Longs]) -> list[Longs]:
-        """Those that are not there yet."""
-        return [route for route in routes if route.tobytes() not in self._known]
-
-    def add(self, routes: list[Longs]) -> None:
-        self._known.update(route.tobytes() for route in routes)
-        stops = [np.concatenate([[0], route, [0]]) for route in routes]
-        lengths = [len(s) - 1 for s in stops]
-        self._tail = np.concatenate([self._tail, *(s[:-1] for s in stops)])
-        self._head = np.concatenate([self._head, *(s[1:] for s in stops)])
-        self._owner = np.concatenate([self._owner, np.repeat(np.arange(len(self.routes), len(self.routes) + len(routes)), lengths)])
-        self.routes.extend(routes)
-        self.twice.extend(len(set(route.tolist())) < len(route) for route in routes)
-
-    def sums(self, matrix: Floats) -> Floats:
-        """What the moves of each route add up to."""
-        made: Floats = np.bincount(self._owner, matrix[self._tail, self._head], minlength=len(self.routes)).astype(np.float64)
-        return made
-
-    def flow(self, values: Floats, nodes: int) -> Floats:
-        """How often each move is made where each route has a value; later ones have none."""
-        made, values = np.zeros((nodes, nodes)), np.append(values, np.zeros(len(self.routes) - len(values)))
-        np.add.at(made, (self._tail, self._head), values[self._owner])
-        return made
-
-    def forgetful(self, near: Flags) -> Flags:
-        """Routes that come back to a customer who is still remembered."""
-        return np.array([twice and _comes_back(route, near) for route, twice in zip(self.routes, self.twice, strict=True)], dtype=bool)
-
-
-def _comes_back(route: Longs, near: Flags) -> bool:
-    kept: set[int] = set()
-    for node in route.tolist():
-        if node in kept:
-            return True
-        kept = {other for other in kept if near[node, other]} | {node}
-    return False
-
-
-class _Master:
-    """The linear program over the routes of a pool: visits, the number of routes, and what makes up for routes that are missing.
-
-    Parameters
-    ----------
-    pool : _Pool
-    cost : array of shape (nodes, nodes)
-        Of moves, finite.
-    lacking : array of shape (nodes,)
-        Price of a visit that no route makes; entry 0 that of a route too few or too many.
-    """
-
-    def __init__(self, pool: _Pool, cost: Floats, lacking: Floats, seed: int) -> None:
-        n = len(lacking)
-        self.pool, self.cost, self.known = pool, cost, 0
-        # Row 0 counts routes against the column before the last ones; columns: missing visits, routes too few, too many, their number.
-        columns = Variables(
-            "missing", lower=np.zeros(n + 2), upper=np.append(np.full(n + 1, math.inf), n), cost=np.append(lacking, [lacking[0], 0.0])
-        )
-        indptr = np.append([0, 3], np.arange(4, n + 3)).astype(np.int32)
-        indices = np.concatenate([[0, n, n + 1], np.arange(1, n)]).astype(np.int32)
-        right = np.append(0.0, np.ones(n - 1))
-        rows = Rows("visits", indptr=indptr, indices=indices, data=np.append([1.0, -1.0, -1.0], np.ones(n - 1)), lower=right, upper=right)
-        self.session = LinearSession(Program("routes", "min", (columns,), (rows,)), seed)
-        self.own = n + 2
-
-    def refresh(self) -> None:
-        """Take in what is new in the pool."""
-        fresh = self.pool.routes[self.known :]
-        if not fresh:
-            return
-        costs = self.pool.sums(self.cost)[self.known :]
-        starts, rows, values = [], [], []
-        size = 0
-        for route in fresh:
-            visits, times = np.unique(route, return_counts=True)
-            starts.append(size)
-            rows.append(np.append(0, visits))
-            values.append(np.append(1.0, times))
-            size += len(visits) + 1
-        self.session.add(costs, np.array(starts), np.concatenate(rows), np.concatenate(values).astype(np.float64))
-        self.known = len(self.pool.routes)
-
-    def restrict(self, shut: Flags, fewest: int, most: int) -> None:
-        """Shut some routes, and limit their number."""
-        lower, upper = self.session.lower.copy(), self.session.upper.copy()
-        lower[self.own - 1], upper[self.own - 1] = fewest, most
-        upper[self.own :] = np.where(shut, 0.0, math.inf)
-        self.session.bound(lower, upper)
 
 
 class _Tree(ProofTree[_Node]):
@@ -239,9 +121,9 @@ class _Tree(ProofTree[_Node]):
         kept = [r for name, r in arcs.resources.items() if name != "time" or timed] or [arcs.resources["time"]]
 
         def grid(weight: Floats) -> Floats:
-            made = weight[:-1, :-1].copy()
-            made[:, 0] = weight[:-1, -1]
-            return np.where(self.usable, made, math.inf)
+            square = weight[:-1, :-1].copy()
+            square[:, 0] = weight[:-1, -1]
+            return np.where(self.usable, square, math.inf)
 
         self.weight = np.array([grid(r.weight) for r in kept])
         self.way = self.weight.copy()
@@ -250,15 +132,15 @@ class _Tree(ProofTree[_Node]):
         self.start = np.array([r.lower[0] for r in kept])
         self.lower = np.array([r.lower[:-1] for r in kept])
         self.upper = np.array([np.append(r.upper[-1], r.upper[1:-1]) + r.tolerance for r in kept])
-        self.pool = _Pool()
+        self.pool = Pool()
         self.finite = np.where(self.usable, arcs.cost, self.dearest)
         self.dear = 1.0
         self.master = self._new_master()
-        self.phase_one: _Master | None = None
+        self.phase_one: Master | None = None
 
-    def _new_master(self) -> _Master:
+    def _new_master(self) -> Master:
         lacking = self.dear * np.append(self.dearest, self.finite[0, 1:] + self.finite[1:, 0])
-        return _Master(self.pool, self.finite, np.maximum(lacking, 1e-3 * self.dear * self.dearest), self.seed)
+        return Master(self.pool, self.finite, np.maximum(lacking, 1e-3 * self.dear * self.dearest), self.seed)
 
     # -- nodes -------------------------------------------------------------------------------------------------------
 
@@ -281,13 +163,13 @@ class _Tree(ProofTree[_Node]):
         return _Part(cost, fewest, most)
 
     def _near(self, cost: Floats, memory: int) -> Flags:
-        """Whom each node remembers."""
+        """The customers that each node remembers."""
         usable = np.isfinite(cost[1:, 1:])
         far = np.where(usable | usable.T, self.far, math.inf)
         np.fill_diagonal(far, -math.inf)
-        made = np.zeros(cost.shape, dtype=bool)
-        np.put_along_axis(made[1:, 1:], np.argsort(far, axis=1, kind="stable")[:, : memory + 1], True, axis=1)
-        return made
+        near = np.zeros(cost.shape, dtype=bool)
+        np.put_along_axis(near[1:, 1:], np.argsort(far, axis=1, kind="stable")[:, : memory + 1], True, axis=1)
+        return near
 
     def look(self, node: _Node) -> bool:
         part, parent = self._part(node), node.parent
@@ -310,7 +192,7 @@ class _Tree(ProofTree[_Node]):
         return True
 
     def _keep(self, node: _Node, part: _Part, solved: _Solved) -> None:
-        """Let a node wait for its branching, unless it is proved by an answer, or has nothing left to branch on."""
+        """Let a node wait for its branching, unless an answer proves it or nothing is left to branch on."""
         node.flow = self.pool.flow(solved.values, len(self.usable))
         whole = np.abs(solved.values - np.round(solved.values)) <= WHOLE
         if (whole.all() and self._is_best(node, solved.values)) or self._statement(node, part) is None:
@@ -319,7 +201,7 @@ class _Tree(ProofTree[_Node]):
             self.wait(node)
 
     def _is_best(self, node: _Node, values: Floats) -> bool:
-        """Whether whole routes are an answer whose value the node's bound meets; a better answer than known moves the target."""
+        """Whether whole routes are an answer that meets the node's bound; an answer better than known moves the target."""
         chosen = [self.arcs.customers[self.pool.routes[k] - 1].tolist() for k in np.nonzero(values > 0.5)[0]]
         if len(self.problem.fleet) > 1:  # type: ignore[attr-defined]
             return False
@@ -333,9 +215,7 @@ class _Tree(ProofTree[_Node]):
         return same(node.bound, judged.values[0], judged.size, judged.precision)
 
     def _evidence(self, prices: Floats, memory: int, *, ray: bool = False) -> Evidence:
-        listed = np.zeros(len(self.problem.sites))  # type: ignore[attr-defined]
-        listed[self.arcs.customers] = prices * self.unit
-        data: dict[str, Any] = {"visits": listed.tolist(), "memory": memory}
+        data: dict[str, Any] = {"visits": by_site(self.problem, prices * self.unit), "memory": memory}  # type: ignore[arg-type]
         source = f"column generation, {memory} neighbours remembered"
         return Evidence("set-partitioning-duals", source, math.inf if ray else 0.0, {**data, "ray": True} if ray else data)
 
@@ -352,7 +232,7 @@ class _Tree(ProofTree[_Node]):
             if solved.lacking > WHOLE:
                 zero = np.where(np.isfinite(part.cost), 0.0, math.inf)
                 if self.phase_one is None:
-                    self.phase_one = _Master(self.pool, np.zeros(self.usable.shape), np.ones(len(self.usable)), self.seed)
+                    self.phase_one = Master(self.pool, np.zeros(self.usable.shape), np.ones(len(self.usable)), self.seed)
                 ray = self._generated(self.phase_one, node, _Part(zero, part.fewest, part.most))
                 if ray.status == "stopped" or ray.bound > WHOLE:
                     return _Solved(ray.status, math.inf, ray.prices)
@@ -374,19 +254,14 @@ class _Tree(ProofTree[_Node]):
             if more.status != "done" or more.lacking > WHOLE:
                 return more
 
-    def _generated(self, master: _Master, node: _Node, part: _Part) -> _Solved:
-        """Routes added until there are none of negative reduced cost, or enough is proved."""
+    def _generated(self, master: Master, node: _Node, part: _Part) -> _Solved:
+        """Add routes until there are none of negative reduced cost, or enough is proved."""
         from .route_label_kernels import STOPPED
 
-        near = self._near(part.cost, node.memory)
-        memory = _bits(near)
-        open_cost = np.isfinite(part.cost)
-        step = REDUCED * max(float(np.abs(part.cost[open_cost]).max(initial=0.0)), float(self.dearest if master is self.master else 1.0))
-        shut = self.pool.sums(np.where(open_cost, 0.0, 1.0)) > 0
-        shut |= self.pool.forgetful(near)
-        master.refresh()
-        master.restrict(shut, part.fewest, part.most)
-        weight = np.where(open_cost, self.weight, math.inf)
+        near, usable = self._near(part.cost, node.memory), np.isfinite(part.cost)
+        step = REDUCED * max(float(np.abs(part.cost[usable]).max(initial=0.0)), float(self.dearest if master is self.master else 1.0))
+        self._restrict(master, part, near)
+        memory, weight = _bits(near), np.where(usable, self.weight, math.inf)
         best = _Solved("stopped")
         centre: Floats | None = None if node.prices is None or master is not self.master else np.append(0.0, node.prices)
 
@@ -435,7 +310,13 @@ class _Tree(ProofTree[_Node]):
             self.pool.add(fresh)
             master.refresh()
 
-    def _enough(self, master: _Master, bound: float) -> bool:
+    def _restrict(self, master: Master, part: _Part, near: Flags) -> None:
+        """Have a master program choose among the routes that a node allows."""
+        shut = self.pool.sums(np.where(np.isfinite(part.cost), 0.0, 1.0)) > 0
+        master.refresh()
+        master.restrict(shut | self.pool.forgetful(near), part.fewest, part.most)
+
+    def _enough(self, master: Master, bound: float) -> bool:
         if master is not self.master:
             return bound > WHOLE
         return self.reached(lift(bound * self.unit, "min", self.grain))
@@ -460,7 +341,7 @@ class _Tree(ProofTree[_Node]):
         node.flow = node.prices = None
 
     def _statement(self, node: _Node, part: _Part, *, try_them: bool = False) -> dict[str, Any] | None:
-        """What to branch on; None if nothing is left."""
+        """The statement to branch on; None if nothing is left."""
         assert node.flow is not None
         number = float(node.flow[0].sum())
         if part.fewest < part.most and number > 1.0 and abs(number - round(number)) > WHOLE:
@@ -485,20 +366,17 @@ class _Tree(ProofTree[_Node]):
         return self._move(*fractional[int(np.argmax(gains))])
 
     def _gain(self, node: _Node, pair: tuple[int, int]) -> float:
-        """What the linear program over the routes at hand gains on both sides of a move, multiplied."""
+        """Product of what the linear program over the routes at hand gains on both sides of a move."""
         statement, least = self._move(*pair), LEAST_GAIN * self.dearest
-        made = 1.0
+        product = 1.0
         for holds in (True, False):
             if self.stop.reached():
                 return 0.0
             part = self._part(_Node(node, (statement, holds)))
-            shut = self.pool.sums(np.where(np.isfinite(part.cost), 0.0, 1.0)) > 0
-            shut |= self.pool.forgetful(self._near(part.cost, node.memory))
-            self.master.refresh()
-            self.master.restrict(shut, part.fewest, part.most)
+            self._restrict(self.master, part, self._near(part.cost, node.memory))
             result = self.master.session.solve(self.stop)
-            made *= max(least, result.value - node.bound / self.unit if result.status == "optimal" else 0.0)
-        return made
+            product *= max(least, result.value - node.bound / self.unit if result.status == "optimal" else 0.0)
+        return product
 
     def _move(self, i: int, j: int) -> dict[str, Any]:
         ids, customers = self.problem.sites.ids, self.arcs.customers  # type: ignore[attr-defined]
@@ -508,34 +386,21 @@ class _Tree(ProofTree[_Node]):
 
 def _bits(near: Flags) -> NDArray[np.uint64]:
     """Rows of flags over nodes 1, 2, ... as bits."""
-    made = np.zeros((len(near), (len(near) + 62) // 64), np.uint64)
+    bits = np.zeros((len(near), (len(near) + 62) // 64), np.uint64)
     for i, j in np.argwhere(near).tolist():
-        made[i, (j - 1) // 64] |= np.uint64(1 << ((j - 1) % 64))
-    return made
+        bits[i, (j - 1) // 64] |= np.uint64(1 << ((j - 1) % 64))
+    return bits
 
 
 def column_generation_bound(
     problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None, target: float | None = None
 ) -> Evidence | None:
-    """Evidence from branch and price.
+    """Evidence from branch and price: a branching tree, or ``set-partitioning-duals`` where no branching was needed.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    stop : Stop
-    linear : LinearPrograms, optional
-        Its seed counts; the programs are solved by HiGHS, which goes on from where the last one ended, whoever solves others.
-    target : float, optional
-        Value of an answer: the tree ends where its bound reaches it. Better answers that it meets on the way take its place.
+    The tree ends where its bound reaches ``target``, the value of an answer; better answers that it meets on the way take its place. The
+    linear programs are solved by HiGHS, whoever solves others, and go on from where the last one ended. None where the routes at the root
+    were too many for the memory or the time.
 
-    Returns
-    -------
-    Evidence or None
-        Of kind ``branching-tree``, or ``set-partitioning-duals`` where no branching was needed; None where the routes at the root were too
-        many for the memory or the time.
-
-    Notes
-    -----
     Source: Desrochers, Desrosiers, Solomon (1992); Barnhart, Johnson, Nemhauser, Savelsbergh, Vance (1998), "Branch-and-price".
     """
     if stop.reached() or not 0 < len(problem.customers) <= CUSTOMERS:
@@ -551,12 +416,12 @@ def column_generation_bound(
 def least_routes(
     stop: Stop, arrays: tuple[NDArray[Any], ...], *, careful: bool, most: int, below: float
 ) -> tuple[int, float, Floats, list[Longs]]:
-    """What ``cheapest_routes`` says of ``arrays``, with the customers of the cheapest routes, ``most`` of them, cheapest first."""
+    """Result of ``cheapest_routes`` for ``arrays``, with the customers of the ``most`` cheapest routes, cheapest first."""
     from .route_label_kernels import cheapest_routes
 
-    status, least, totals, found, at, parent = cheapest_routes(stop.flag, *arrays, careful, LABELS, below)
+    status, least, totals, ends, at, parent = cheapest_routes(stop.flag, *arrays, careful, LABELS, below)
     order = np.argsort(totals, kind="stable")[:most]
-    here, steps = found[order], []
+    here, steps = ends[order], []
     while (here >= 0).any():  # from the ends of all routes towards the depot
         steps.append(np.where(here >= 0, at[here], 0))
         here = np.where(here >= 0, parent[here], -1)
@@ -568,5 +433,5 @@ KERNELS = ("waybound.solvers.bounds.routing.route_label_kernels", "waybound.form
 
 BOUNDS.add(
     "column-generation",
-    BoundMethod("column-generation", lacks_arc_costs, column_generation_bound, order=8, aims=True, kernels=KERNELS),
+    BoundMethod("column-generation", of_family("routing", lacks_arc_costs), column_generation_bound, order=8, aims=True, kernels=KERNELS),
 )

@@ -1,4 +1,4 @@
-"""Cuts that a point breaks, compiled: least ones between the depot and each customer, and those around sets with too much load."""
+"""Violated cuts of a point, compiled: least ones between the depot and each customer, and those around sets with too much load."""
 
 from __future__ import annotations
 
@@ -14,29 +14,11 @@ from ....formulations.stop_kernel import asked
 def cuts_below(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     flag, starts, heads, twins, capacity, need, order, least, inside
 ):
-    """Sets of customers whose cuts from the depot, node 0, have less capacity than one of them needs; no customer is asked about twice.
+    """Sets of customers whose cuts from the depot, node 0, have less capacity than one of them needs, by ``least``; returns their number.
 
-    Parameters
-    ----------
-    flag : array
-        Of a ``Stop``.
-    starts, heads, twins, capacity : arrays
-        Edges of node ``i`` are those from ``starts[i]`` up to ``starts[i + 1]``; each stands there at both of its ends, which are twins.
-    need : array of shape (nodes,)
-    order : array of int
-        Nodes to be asked about.
-    least : float
-        By how much a cut must lack.
-    inside : bool array of shape (cuts, nodes)
-        Receives the sets.
+    Edges of node ``i`` are those from ``starts[i]`` up to ``starts[i + 1]``; each stands there at both of its ends, which are twins.
+    ``order`` lists the nodes to be asked about, each of which is in one set at most. ``inside``, shape (cuts, nodes), receives the sets.
 
-    Returns
-    -------
-    int
-        How many were found.
-
-    Notes
-    -----
     Source: Edmonds and Karp (1972) for shortest augmenting paths.
     """
     nodes = len(starts) - 1
@@ -105,32 +87,11 @@ def cuts_below(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
 def overloaded_sets(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     flag, starts, heads, capacity, demand, keys, largest, least, size, inside
 ):
-    """Sets of customers whose edges to others are too few for the vehicles that their loads take, grown from each customer by whoever is
-    joined to the set most.
+    """Sets of customers with fewer edges to others, by ``least``, than the vehicles for their loads need; returns their number.
 
-    Parameters
-    ----------
-    flag, starts, heads, capacity : arrays
-        As for ``cuts_below``.
-    demand : array of shape (nodes,)
-    keys : array of shape (nodes,)
-        Numbers whose sums tell sets apart.
-    largest : float
-        Load of a vehicle.
-    least : float
-        By how much a cut must lack.
-    size : int
-        Of a set, at most.
-    inside : bool array of shape (cuts, nodes)
-        Receives the sets.
+    They are grown from each customer, up to ``size``, by whoever is joined to the set most. Edges and ``inside`` are as for ``cuts_below``;
+    sums of ``keys``, shape (nodes,), tell sets apart; ``largest`` is the load of a vehicle.
 
-    Returns
-    -------
-    int
-        How many were found.
-
-    Notes
-    -----
     Source: Augerat, Belenguer, Benavent, Corberán, Naddef, Rinaldi (1995), "Computational results with a branch and cut code for the
     capacitated vehicle routing problem": greedy shrinking.
     """

@@ -1,8 +1,8 @@
-"""Bound ``cutting-planes``: edges, visits and shared limits as a linear program, cut until every visit is joined to the depot, and every
-set by as many routes as its loads take.
+"""Bound ``cutting-planes``: a linear program over edges, visits and shared limits, with cuts.
 
-The edges of each customer that the program begins with are the nearest ones; others come in where their reduced cost is negative. Duals
-prove a bound at any time, once all moves are priced with them, which the checker does.
+Cuts ask that every visit is joined to the depot, and every set by as many routes as its loads take. The program begins with the nearest
+edges of each customer; others come in where their reduced cost is negative. Duals prove a bound at any time, once all moves are priced
+with them, which the checker does.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
 from ....formulations.programs.program import Program, Rows, Variables
@@ -20,50 +19,38 @@ from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike,
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from ...linear_session import LinearSession
-from .. import BOUNDS, BoundMethod
-from .arcs import lacks_arc_costs, too_many_arcs
+from .. import BOUNDS, BoundMethod, of_family
+from .arcs import Flags, Floats, Longs, by_site, lacks_arc_costs, too_many_arcs
 from .knapsack import lacks_rewards
 
 if TYPE_CHECKING:
-    from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Longs = NDArray[np.int64]
 
 NEIGHBOURS = 8
 """Edges of each node that the first program has at least."""
 
 CUTS = 100
-"""That are added at once at most."""
+"""Cuts that are added at once at most."""
 
 LARGEST_SET = 100
-"""Customers of a set with too much load, at most."""
+"""Most customers of a set with too much load."""
 
 VIOLATED = 0.02
-"""By how much of a visit a cut must be violated."""
+"""Part of a visit by which a cut must be violated."""
 
 NEGATIVE = 1e-6
-"""Of the dearest edge or visit: a reduced cost that is less below 0 counts as none."""
+"""Part of the dearest edge or visit by which a reduced cost must be below 0 to count."""
 
 BUDGET = 0.2
 """Part of the time for problems with several vehicles: it is enough where the program is small, and others do better where it is large."""
 
 
 class _Costs:
-    """What edges and visits cost and take, symmetric, with what that leaves over.
+    """Symmetric costs and weights of edges and visits, and what makes them so.
 
-    Attributes
-    ----------
-    visit : array of shape (nodes,)
-    edge : array of shape (nodes, nodes)
-        Row 0 holds first moves, column 0 last ones; infinite where there is none.
-    weight : array of shape (resources, nodes, nodes)
-    room : array of shape (resources,)
-        What all vehicles have.
-    skew, weight_skew : arrays of shape (nodes,) and (resources, nodes)
-        Moves i-j cost, and take, that of i more and that of j less than the edge.
+    ``visit`` has shape (nodes,), ``edge`` (nodes, nodes), with first moves in row 0, last ones in column 0, and infinity where there is no
+    move; ``weight`` (resources, nodes, nodes); ``room`` (resources,) is what all vehicles have. Moves i-j cost ``skew`` of i more and of j
+    less than the edge, and take as much more and less of each resource as ``weight_skew``, shape (resources, nodes), says.
     """
 
     def __init__(self, problem: RoutingProblem) -> None:
@@ -89,20 +76,23 @@ class _Costs:
 
 
 def _symmetric(matrix: Floats) -> tuple[Floats, Floats]:
-    """``matrix`` with a number of each tail taken off and that of each head added, so that it is symmetric where it can be made so; the
-    less of both ways elsewhere."""
+    """The matrix with a number of each tail taken off and that of each head added, and these numbers; symmetric where it can be
+    made so, else with the smaller of both directions."""
     inner = matrix[1:, 1:]
     both = np.isfinite(inner) & np.isfinite(inner.T)
     lean = np.where(both, np.where(both, inner, 0.0) - np.where(both, inner, 0.0).T, 0.0)
     skew = np.append(0.0, lean.sum(axis=1) / (2.0 * np.maximum(1, both.sum(axis=1))))
-    made = matrix - skew[:, None] + skew
-    made[1:, 1:] = np.minimum(made[1:, 1:], made[1:, 1:].T)
-    return made, skew
+    symmetric = matrix - skew[:, None] + skew
+    symmetric[1:, 1:] = np.minimum(symmetric[1:, 1:], symmetric[1:, 1:].T)
+    return symmetric, skew
 
 
 class _Relaxation:
-    """The linear program: columns are visits, the number of routes, then edges (``tail < head``, and the depot's twice: out and back);
-    rows are degrees, first and last moves, resources, then cuts."""
+    """The linear program of edges, visits and cuts.
+
+    Columns are visits, the number of routes, then edges (``tail < head``, and the depot's twice: out and back); rows are degrees, first and
+    last moves, resources, then cuts.
+    """
 
     def __init__(self, problem: RoutingProblem, costs: _Costs, seed: int) -> None:
         n = len(costs.visit) - 1
@@ -141,7 +131,7 @@ class _Relaxation:
         self.join(near)
 
     def join(self, wanted: Flags) -> int:
-        """Take in edges; returns how many."""
+        """Add edges; returns how many."""
         wanted = wanted.copy()
         wanted[1:, 1:] |= wanted[1:, 1:].T
         tail, head = np.nonzero(wanted & ~self.known)
@@ -163,7 +153,7 @@ class _Relaxation:
         return size
 
     def cut(self, inside: Flags, of: Longs) -> None:
-        """Add the cuts around some sets, as ``violated`` names them."""
+        """Add the cuts around sets, as ``violated`` names them."""
         starts, columns, values = [], [], []
         size = 0
         for members, visit in zip(inside, of.tolist(), strict=True):
@@ -178,7 +168,7 @@ class _Relaxation:
         self.inside, self.of = np.concatenate([self.inside, inside]), np.append(self.of, of)
 
     def violated(self, x: Floats, stop: Stop) -> tuple[Flags, Longs]:
-        """Sets whose cuts a point breaks, and the customers whose visits they serve; 0 where there are required ones among them."""
+        """Sets whose cuts a point breaks, and for each the customer whose visit it serves; 0 for sets with required customers."""
         from .cut_kernels import cuts_below, overloaded_sets
 
         flow = x[self.n + 1 :]
@@ -193,18 +183,18 @@ class _Relaxation:
         visit = np.append(0.0, x[: self.n])
         ask = np.argsort(-visit, kind="stable")[: int((visit > VIOLATED).sum())]
         inside = np.zeros((2 * CUTS, self.n + 1), dtype=bool)
-        found = cuts_below(stop.flag, starts, heads, twins, capacity, 2.0 * visit, ask, 2.0 * VIOLATED, inside[:CUTS])
+        count = cuts_below(stop.flag, starts, heads, twins, capacity, 2.0 * visit, ask, 2.0 * VIOLATED, inside[:CUTS])
         if 0.0 < self.largest < math.inf:
-            found += overloaded_sets(
+            count += overloaded_sets(
                 stop.flag, starts, heads, capacity, self.demand, self.keys, self.largest, 2.0 * VIOLATED, LARGEST_SET,
-                inside[found : found + CUTS],
+                inside[count : count + CUTS],
             )  # fmt: skip
-        inside = inside[:found]
-        of = np.argmax(np.where(inside, visit, -1.0), axis=1) if found else np.zeros(0, np.int64)
+        inside = inside[:count]
+        of = np.argmax(np.where(inside, visit, -1.0), axis=1) if count else np.zeros(0, np.int64)
         return inside, np.where((inside & self.required).any(axis=1), 0, of)
 
     def priced(self, duals: Floats) -> tuple[Floats, Floats, Floats]:
-        """Node prices, rates and cut prices of duals, in units of the problem."""
+        """Node prices, rates and cut prices of duals, in the problem's units."""
         price = np.append(0.0, duals[: self.n]) * self.unit
         rates = np.maximum(0.0, -duals[self.n + 2 : self.rows]) * self.unit / self.units
         return price, rates, np.maximum(0.0, duals[self.rows :]) * self.unit
@@ -215,11 +205,11 @@ class _Relaxation:
         on = cuts > 0.0
         member = self.inside[on].astype(np.float64)
         share = cuts[on] @ member
-        made = self.costs.edge + np.tensordot(rates, self.costs.weight, 1) - (price + share)[:, None] - (price + share)
-        made += 2.0 * (member.T * cuts[on]) @ member
-        made[0] -= duals[self.n] * self.unit
-        made[:, 0] -= duals[self.n + 1] * self.unit
-        return made
+        reduced = self.costs.edge + np.tensordot(rates, self.costs.weight, 1) - (price + share)[:, None] - (price + share)
+        reduced += 2.0 * (member.T * cuts[on]) @ member
+        reduced[0] -= duals[self.n] * self.unit
+        reduced[:, 0] -= duals[self.n + 1] * self.unit
+        return reduced
 
 
 def _nearest(costs: _Costs) -> Flags:
@@ -240,16 +230,6 @@ def _nearest(costs: _Costs) -> Flags:
 def cutting_planes_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence ``cut-multipliers`` from the duals of the program that proves most.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    stop : Stop
-        A part of the time is used where there are several vehicles, and less where neither cuts nor edges are missing any more.
-    linear : LinearPrograms, optional
-        Its seed; programs that grow are for HiGHS.
-
-    Notes
-    -----
     Source: Fischetti, Salazar González, Toth (1998) for the cuts; Padberg and Rinaldi (1991) for edges that are priced in.
     """
     if stop.reached() or too_many_arcs(problem, stop.seconds_left):
@@ -260,15 +240,15 @@ def cutting_planes_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Li
     program = _Relaxation(problem, costs, (linear or LinearPrograms()).seed)
     best, proved = -math.inf, None
     while not stop.reached():
-        found = program.session.solve(stop)
-        if found.status != "optimal":
+        solved = program.session.solve(stop)
+        if solved.status != "optimal":
             break
-        reduced = program.reduced(found.duals)
+        reduced = program.reduced(solved.duals)
         missing = np.where(program.known, 0.0, np.minimum(reduced, 0.0))
-        value = found.value * program.unit + float(missing.sum())
+        value = solved.value * program.unit + float(missing.sum())
         if value > best:
-            best, proved = value, (found.duals, len(program.of))
-        inside, of = program.violated(found.x, stop)
+            best, proved = value, (solved.duals, len(program.of))
+        inside, of = program.violated(solved.x, stop)
         if len(of):
             program.cut(inside, of)
         joined = program.join(missing < -NEGATIVE * 100.0 * program.unit)
@@ -281,20 +261,21 @@ def _evidence(problem: RoutingProblem, costs: _Costs, program: _Relaxation, valu
     price, rates, prices = program.priced(duals)
     skew = costs.skew + rates @ costs.weight_skew
     customers = problem.customers
-    out, into = np.zeros(len(problem.sites)), np.zeros(len(problem.sites))
-    out[customers], into[customers] = (price + skew)[1:], (costs.visit + price - skew)[1:]
     listed = [
         {"sites": customers[np.nonzero(program.inside[k, 1:])[0]].tolist(), "price": float(prices[k]),
          "of": int(customers[program.of[k] - 1]) if program.of[k] else None}
         for k in np.nonzero(prices[:cuts] > 0.0)[0].tolist()
     ]  # fmt: skip
-    data = {"out": out.tolist(), "in": into.tolist(), "rates": dict(zip(costs.names, rates.tolist(), strict=True)), "cuts": listed}
+    data = {
+        "out": by_site(problem, (price + skew)[1:]), "in": by_site(problem, (costs.visit + price - skew)[1:]),
+        "rates": dict(zip(costs.names, rates.tolist(), strict=True)), "cuts": listed,
+    }  # fmt: skip
     value = (1.0 if problem.sense == "min" else -1.0) * (value + costs.constant)
     return Evidence("cut-multipliers", "linear relaxation with cuts", value, data)
 
 
-def _lacks(problem: Problem) -> frozenset[str]:
-    """What lacks rewards, unless it is costs of routes with loads and without windows."""
+def _lacks(problem: RoutingProblem) -> frozenset[str]:
+    """Features and objectives that ``lacks_rewards`` names, unless all that counts is costs of routes with loads and without windows."""
     lacking = lacks_rewards(problem)
     if not lacking or lacks_arc_costs(problem):
         return lacking
@@ -303,4 +284,4 @@ def _lacks(problem: Problem) -> frozenset[str]:
 
 KERNELS = ("waybound.solvers.bounds.routing.cut_kernels",)
 
-BOUNDS.add("cutting-planes", BoundMethod("cutting-planes", _lacks, cutting_planes_bound, order=1, kernels=KERNELS))
+BOUNDS.add("cutting-planes", BoundMethod("cutting-planes", of_family("routing", _lacks), cutting_planes_bound, order=1, kernels=KERNELS))

@@ -1,9 +1,9 @@
-"""Bound ``deviation-chord``: a problem with risks as one of certain durations, and the best evidence that others find for that."""
+"""Bound ``deviation-chord``: the best evidence that other methods find for the same problem with certain durations in place of risks."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ....formulations.certificate import better_bound, verified_bound
 from ....formulations.evidence import Evidence
@@ -11,81 +11,59 @@ from ....formulations.routing.checking.deviation_chord import KIND, lacks_chord,
 from ....formulations.routing.checking.route_limits import limits_of
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, replaced
+from .. import BOUNDS, BoundMethod, of_family, replaced
+from . import column_generation, spanning_tree, state_space
 
 if TYPE_CHECKING:
-    from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
 
 PART = 0.2
-"""Of the time that is left for each method but the last ones, column generation where it applies."""
+"""Part of the time left that each method gets, but the last ones (column generation, where it applies)."""
 
 LAST = 8
 """Order of the last methods that are asked."""
 
 SLOW = frozenset({"state-space", "column-generation"})
-"""Methods that take all the time they get, and prove less of the means alone."""
+"""Methods that take all the time they get, and prove less from the mean durations alone."""
 
 
 def deviation_chord_bound(
     problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None, target: float | None = None
 ) -> Evidence | None:
-    """The best evidence that other methods find on the problem without risks.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-    stop : Stop
-    linear : LinearPrograms, optional
-    target : float, optional
-        Value of a known answer.
-    """
-    made = without_risks(problem)
-    if made is None:
+    """The best evidence of other methods on the problem without risks."""
+    certain = without_risks(problem)
+    if certain is None:
         return None
-    others = replaced(made)
+    others = replaced(certain)
     bound = nothing = -math.inf if problem.sense == "min" else math.inf
     best: Evidence | None = None
-    methods = [m for m in BOUNDS.values() if m.order <= LAST and m.name not in others and not m.missing(made)]
+    methods = [m for m in BOUNDS.values() if m.order <= LAST and m.name not in others and not m.missing(certain)]
     for method in sorted(methods, key=lambda m: m.order):
         if stop.reached():
             break
         within = stop if method.order == LAST else stop.within(PART * stop.seconds_left)
-        found = method.evidence(made, within, linear or LinearPrograms(), target)
-        proved = nothing if found is None else verified_bound(made, found)
-        if found is None or proved == nothing or math.isnan(proved) or not better_bound(problem.sense, proved, bound):
+        inner = method.evidence(certain, within, linear or LinearPrograms(), target)
+        proved = nothing if inner is None else verified_bound(certain, inner)
+        if inner is None or proved == nothing or math.isnan(proved) or not better_bound(problem.sense, proved, bound):
             continue
         bound = proved
-        best = Evidence(KIND, f"{found.source}, with the chord of the deviation", proved, {"kind": found.kind, "data": found.data})
+        best = Evidence(KIND, f"{inner.source}, with the chord of the deviation", proved, {"kind": inner.kind, "data": inner.data})
         if math.isinf(proved):  # there is no answer
             break
     return best
 
 
-def _missing(problem: Problem) -> frozenset[str]:
-    if problem.family != "routing":
-        return frozenset({f"{problem.family} problems"})
-    return lacks_chord(problem)  # type: ignore[arg-type]
-
-
-def _replaces(problem: Problem) -> frozenset[str]:
-    """Where the chord leaves nothing of the means out: one uncertain limit a vehicle, and no windows."""
-    if _missing(problem):
+def _replaces(problem: Any) -> frozenset[str]:
+    """The slow methods, where the chord leaves nothing of the means out: one uncertain limit a vehicle, and no windows."""
+    if MISSING(problem):
         return frozenset()
-    asked: RoutingProblem = problem  # type: ignore[assignment]
     timed = problem.features() & {"time-windows", "depot-windows", "several-windows", "shifts", "closing-moves"}
-    one = all(len(limits_of(asked, v).chances) == 1 or (v.energy is None and math.isinf(v.max_duration)) for v in asked.fleet)
+    one = all(len(limits_of(problem, v).chances) == 1 or (v.energy is None and math.isinf(v.max_duration)) for v in problem.fleet)
     return SLOW if one and not timed else frozenset()
 
 
-KERNELS = (
-    "waybound.solvers.bounds.routing.prim_kernels",
-    "waybound.solvers.bounds.routing.state_space_kernels",
-    "waybound.formulations.routing.checking.state_space_kernels",
-    "waybound.solvers.bounds.routing.route_label_kernels",
-    "waybound.formulations.routing.checking.walk_kernels",
-)
+KERNELS = (*spanning_tree.KERNELS, *state_space.KERNELS, *column_generation.KERNELS)
 
-BOUNDS.add(
-    KIND, BoundMethod(KIND, _missing, deviation_chord_bound, order=LAST, aims=True, kernels=KERNELS, replaces=_replaces)
-)  # fmt: skip
+MISSING = of_family("routing", lacks_chord)
+
+BOUNDS.add(KIND, BoundMethod(KIND, MISSING, deviation_chord_bound, order=LAST, aims=True, kernels=KERNELS, replaces=_replaces))

@@ -1,6 +1,6 @@
 """Bounds ``load-shares`` and ``nearest-moves``: what loads, and the least moves at each site, prove at once and at any size.
 
-There is nothing to search for: the checkers look at all sites, and read nothing of the evidence.
+The checkers look at all sites, and read nothing of the evidence.
 """
 
 from __future__ import annotations
@@ -14,34 +14,31 @@ from ....formulations.routing.checking.load_shares import by_coordinates
 from ....formulations.routing.checking.vehicle_moves import terms_of
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
+from .. import BOUNDS, BoundMethod, of_family
 from .arcs import too_many_arcs
 
 if TYPE_CHECKING:
-    from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
 
 SOURCES = {"load-shares": "round trips shared by loads", "nearest-moves": "least moves at each site"}
 
 
-def lacks_costs(problem: Problem) -> frozenset[str]:
-    """Other families, objectives to which moves and vehicles add nothing, and what is unknown or of which more is better."""
-    if problem.family != "routing":
-        return frozenset({f"{problem.family} problems"})
-    missing, terms = unknown_features(without_stops(problem)), terms_of(problem)  # type: ignore[arg-type]
+def lacks_costs(problem: RoutingProblem) -> frozenset[str]:
+    """Features that the checkers do not know, and objectives to which moves and vehicles add nothing, or add a gain."""
+    missing, terms = unknown_features(without_stops(problem)), terms_of(problem)
     if terms is None or terms.vehicles < 0:
         return missing | {"objective:weights"}
     return missing if terms.cost or terms.duration or terms.vehicles else missing | {"objectives without costs"}
 
 
-def lacks_loads(problem: Problem) -> frozenset[str]:
-    """The same, and loads that no vehicle is too small for."""
+def lacks_loads(problem: RoutingProblem) -> frozenset[str]:
+    """The features of ``lacks_costs``, and problems without capacities."""
     missing = lacks_costs(problem)
     return missing if "capacity" in problem.features() else missing | {"problems without capacity"}
 
 
 def evidence_of(kind: str, problem: RoutingProblem, stop: Stop = NEVER) -> Evidence | None:
-    """What the checker ``kind`` proves; None where that is nothing, or takes all moves and they are too many."""
+    """The bound that the checker ``kind`` derives; None where that is nothing, or takes all moves and they are too many."""
     if not by_coordinates(without_stops(problem)) and too_many_arcs(problem, stop.seconds_left):
         return None
     value = CHECKERS[kind](problem, {})
@@ -49,14 +46,14 @@ def evidence_of(kind: str, problem: RoutingProblem, stop: Stop = NEVER) -> Evide
 
 
 def load_shares(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
-    """Each customer pays the part of a round trip that its load takes of a vehicle; see ``evidence_of``."""
+    """Each customer pays the part of a round trip that its load takes of a vehicle."""
     return evidence_of("load-shares", problem, stop)
 
 
 def nearest_moves(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
-    """Each customer pays half of its two least moves; see ``evidence_of``."""
+    """Each customer pays half of its two least moves."""
     return evidence_of("nearest-moves", problem, stop)
 
 
-BOUNDS.add("load-shares", BoundMethod("load-shares", lacks_loads, load_shares, order=0))
-BOUNDS.add("nearest-moves", BoundMethod("nearest-moves", lacks_costs, nearest_moves, order=0))
+BOUNDS.add("load-shares", BoundMethod("load-shares", of_family("routing", lacks_loads), load_shares))
+BOUNDS.add("nearest-moves", BoundMethod("nearest-moves", of_family("routing", lacks_costs), nearest_moves))

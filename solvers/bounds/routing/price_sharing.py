@@ -11,27 +11,25 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.stop import Stop
-from .level_walks import Walks, at_level, step_size
+from .arcs import Flags, Floats
+from .resource_walks import Walks, at_level, step_size
 
 if TYPE_CHECKING:
     from ....formulations.routing.checking.vehicle_moves import VehicleMoves
-
-Floats = NDArray[np.float64]
 
 WORK_PER_SECOND = 1.5e8
 """Moves times steps that are looked at in a second."""
 
 ROUNDS = 200
-"""For which there should be time at first; steps are coarser, and moves fewer, where there is not."""
+"""Rounds for which there should be time at first; steps are coarser, and moves fewer, where there is not."""
 
 NEIGHBOURS = 12
 """Moves into a customer, the cheapest ones, that are always looked at."""
 
 SHARE = 0.05
-"""Of the bound: the length of the first steps."""
+"""Length of the first steps, as a part of the bound."""
 
 TOPS = 8
 """Limits of the resource at which the best walks through a customer are looked for."""
@@ -40,16 +38,16 @@ FIRST = 0.6
 """Part of the time for the moves that are looked at first, and coarse steps."""
 
 FINER = 8.0
-"""How many times fewer rounds finer steps leave time for."""
+"""Factor by which finer steps leave time for fewer rounds."""
 
 LEAST_ROUNDS = 6.0
-"""For which there should be time where all moves are looked at."""
+"""Rounds for which there should be time where all moves are looked at."""
 
 DECAY = 0.3
 """Part of their length that steps have when the time ends."""
 
 FALL = 0.03
-"""Part of the value that is lost with further moves from which on prices follow the visits once more."""
+"""Part of the value lost with further moves from which on prices follow the visits once more."""
 
 RECOVERIES = 3
 """How often they do so at most."""
@@ -61,41 +59,23 @@ PATIENCE = 4
 def shared_prices(
     moves: VehicleMoves, name: str, walks: Walks, routes: tuple[int, int], heavy: Floats, most: float, stop: Stop, fine: float
 ) -> tuple[Floats, float]:
-    """Prices on the moves that are looked at, then with those besides by which a walk may cost less than its visits are worth.
+    """Prices of customers, and their value on the moves and steps looked at last.
 
-    Parameters
-    ----------
-    moves : VehicleMoves
-    name : str
-        Of the resource.
-    walks : Walks
-        On the moves that are looked at first.
-    routes : tuple of int
-        Least and greatest number of routes.
-    heavy : array of shape (nodes,)
-        By which customers share a walk.
-    most : float
-        What rises beyond it rises for ever.
-    stop : Stop
-    fine : float
-        The step that the checker will take; none is smaller.
-
-    Returns
-    -------
-    array of shape (customers,), float
-        Prices, and their value on the moves and steps looked at last.
+    The ascent begins with the moves of ``walks`` and goes on with those by which a walk may cost less than its visits are worth. ``name``
+    is the resource, ``routes`` the least and the greatest number of routes, ``heavy``, shape (nodes,), the weights by which customers share
+    a walk; a value that rises beyond ``most`` rises for ever; no step is smaller than ``fine``, that of the checker.
     """
     price = _begun(walks, heavy, stop)
     share, part, rounds, before, recoveries = SHARE, FIRST, float(ROUNDS), -math.inf, RECOVERIES
     best: _Ascent | None = None
     while True:
         inner = stop.within(part * stop.seconds_left)
-        found = _shared(walks, routes, heavy, most, inner, price, share)
-        best = found or best
+        latest = _shared(walks, routes, heavy, most, inner, price, share)
+        best = latest or best
         if best is None:
             return price[1:], -math.inf
         price = best.price
-        if stop.reached() or found is None or best.value > most:
+        if stop.reached() or latest is None or best.value > most:
             return best.surely(routes[1])
         rounds = max(LEAST_ROUNDS, rounds / FINER)
         work = WORK_PER_SECOND * min(stop.seconds_left, 10.0)
@@ -111,16 +91,9 @@ def shared_prices(
 
 @dataclass(frozen=True, eq=False)
 class _Ascent:
-    """Where an ascent ended.
+    """The end of an ascent: prices of shape (nodes,), their value, and how many ``routes`` share the visits.
 
-    Attributes
-    ----------
-    price : array of shape (nodes,)
-    value : float
-    lacking : array of shape (nodes, nodes)
-        What walks over moves that were not looked at may cost less than their visits are worth; 0 for the others.
-    routes : float
-        How many walks share the visits.
+    ``lacking``, shape (nodes, nodes), is how much less walks over moves that were not looked at may cost than their visits are worth.
     """
 
     price: Floats
@@ -128,16 +101,17 @@ class _Ascent:
     lacking: Floats
     routes: float
 
-    def worst(self, count: int) -> NDArray[np.bool_]:
-        """The moves that lack most, so many at most."""
+    def worst(self, count: int) -> Flags:
+        """The moves that lack most, ``count`` of them at most."""
         count = min(count, int((self.lacking < 0.0).sum()))
         if not count:
             return np.zeros(self.lacking.shape, dtype=bool)
-        made: NDArray[np.bool_] = self.lacking <= min(0.0, float(np.partition(self.lacking.ravel(), count - 1)[count - 1]))
-        return made
+        worst: Flags = self.lacking <= min(0.0, float(np.partition(self.lacking.ravel(), count - 1)[count - 1]))
+        return worst
 
     def surely(self, most: int) -> tuple[Floats, float]:
-        """Prices of customers, lowered for moves that were not looked at where that costs less than as many routes as there may be."""
+        """Prices of customers and their value, lowered for moves that were not looked at where that costs less than ``most`` routes
+        at what these lack."""
         least = float(self.lacking.min())
         lower = _lowered(self.price, self.routes, least)
         if float(lower.sum()) > self.value + most * least:
@@ -146,8 +120,8 @@ class _Ascent:
 
 
 def _shared(walks: Walks, limits: tuple[int, int], heavy: Floats, most: float, stop: Stop, price: Floats, share: float) -> _Ascent | None:
-    """Prices that follow the best walks through all customers, from ``price`` on, by steps of a ``share`` of the bound to begin with; None
-    where there is no time for any."""
+    """Prices that follow the best walks through all customers, by steps that are a ``share`` of the bound to begin with; None where there
+    is no time for any."""
     from .state_space_kernels import best_through, share_out
 
     n = len(heavy) - 1
@@ -200,13 +174,13 @@ def _shared(walks: Walks, limits: tuple[int, int], heavy: Floats, most: float, s
 
 
 def _lowered(price: Floats, routes: float, least: float) -> Floats:
-    """Prices in parts of which no walk is worth more than it costs, if some cost ``least`` less now, and are worth as much as all."""
+    """Prices scaled down as far as walks that cost ``least`` less than they are worth ask for, where ``routes`` of them share visits."""
     worth = float(price.sum())
     return price * max(0.0, 1.0 + min(0.0, least) * routes / worth) if worth > 0 else price
 
 
 def _begun(walks: Walks, heavy: Floats, stop: Stop) -> Floats:
-    """To each customer his share of a walk through him that is as full as can be: prices that no walk beats."""
+    """First prices that no walk beats: to each customer his share of a walk through him that is as full as can be."""
     free = np.zeros(len(heavy))
     ahead, back = walks.ahead(stop, free, heavy)[0], walks.back(stop, free, heavy)[0]
     least = at_level(ahead, walks.grid, walks.top) + at_level(back, walks.back_grid, walks.top)

@@ -14,18 +14,8 @@ from ....formulations.stop_kernel import asked
 def spanning_tree_degrees(flag, edges, price):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Weight and node degrees of the minimum spanning tree for ``edges[i, j] + price[i] + price[j]``.
 
-    Parameters
-    ----------
-    flag : array
-        Of a ``Stop``.
-    edges : array of shape (nodes, nodes)
-        Symmetric; infinite where there is no edge.
-    price : array of shape (nodes,)
-
-    Returns
-    -------
-    (float, array of int)
-        The weight is infinite if the edges do not join all nodes, NaN where it was asked to stop.
+    ``edges``, shape (nodes, nodes), is symmetric, infinite where there is no edge. The weight is infinite if the edges do not join all
+    nodes, NaN where ``flag`` asked to stop.
     """
     n = len(price)
     degree = np.zeros(n, np.int64)

@@ -1,4 +1,4 @@
-"""Routes of the least reduced cost by labels, compiled: what column generation adds to its linear program."""
+"""Routes of the least reduced cost by labels, compiled, for the linear program of column generation."""
 
 from __future__ import annotations
 
@@ -21,35 +21,15 @@ def cheapest_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compil
 ):
     """Routes of the least reduced cost over all that keep their levels and come back to a customer only where he was forgotten.
 
-    Labels are extended in the order of their first level, and kept at each node in the order of their costs.
+    Labels, ``room`` of them at most, are extended in the order of their first level, and kept at each node in the order of their costs.
+    ``cost`` is reduced, infinite where there is no move; node 0 is the depot. ``weight`` and ``way``, shape (resources, nodes, nodes), are
+    what a move and the shortest way add to each level; ``lower`` and ``upper`` have shape (resources, nodes). ``memory``, shape (nodes,
+    words), holds the customers that are remembered at each node, one bit each. Unless ``careful``, a label gives way to one that remembers
+    more: only some routes are found, and sooner.
 
-    Parameters
-    ----------
-    flag : array
-        Of a ``Stop``.
-    cost : array of shape (nodes, nodes)
-        Reduced; node 0 is the depot. Infinite where there is no move.
-    weight, way : arrays of shape (resources, nodes, nodes)
-        What a move adds to each level, and what the shortest way adds; infinite where there is none.
-    start : array of shape (resources,)
-    lower, upper : arrays of shape (resources, nodes)
-    memory : uint64 array of shape (nodes, words)
-        The customers that are remembered at each node, one bit each.
-    careful : bool
-        Whether a label must also remember no more than one that gives way to it. Without it only some routes are found, and sooner.
-    room : int
-        Labels at most.
-    below : float
-        Only routes of a smaller reduced cost are returned.
+    Returns whether it was done, stopped or full; the least reduced cost; reduced costs and last labels of the routes ``below`` a reduced
+    cost; of all labels their customers, and the labels before them, -1 for none.
 
-    Returns
-    -------
-    (int, float, array, int32 array, int32 array, int32 array)
-        Whether it was done, stopped or full; the least reduced cost; of the routes below their reduced costs and their last labels; of all
-        labels their customers, and the labels before them, -1 for none.
-
-    Notes
-    -----
     Source: Feillet, Dejax, Gendreau, Gueguen (2004), with customers out of reach; Baldacci, Mingozzi, Roberti (2011) for memories.
     """
     n, words, kinds = len(cost), memory.shape[1], len(start)

@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
@@ -17,17 +16,14 @@ from ....formulations.forms import FORMS
 from ....formulations.programs.size import ProgramSize
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
+from .. import BOUNDS, BoundMethod, of_family
 from ..linear_relaxation import ENTRIES_PER_SECOND
-from .arcs import lacks_arc_costs, too_many_arcs
+from .arcs import Flags, Floats, lacks_arc_costs, too_many_arcs
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
     from ....formulations.routing.preparation import Preparation, Resource
     from ....formulations.routing.problem import RoutingProblem
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 FORM = "two-index-time-flow"
 """The strongest of the two-index forms, and the one whose duals are evidence."""
@@ -40,25 +36,11 @@ NEIGHBOURS = (3, 10)
 
 
 def sifted_relaxation_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
-    """Evidence from the duals of the linear relaxation of ``two-index-time-flow``.
+    """Evidence from the duals of the linear relaxation of ``two-index-time-flow``; None where even a small LP exceeds the budget.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    stop : Stop
-        Compiling counts too.
-    linear : LinearPrograms, optional
-
-    Returns
-    -------
-    Evidence or None
-        None where even a small LP exceeds the budget, was not solved in it, or has no evidence to give.
-
-    Notes
-    -----
-    A problem with more moves than the budget allows is begun with the nearest ones of each customer. Duals of that LP are as
-    valid as any others once all moves are priced with them, which the checker does; moves of negative reduced cost are added and the
-    LP is solved again while there is time (sifting: Bixby et al. 1992).
+    A problem with more moves than the budget allows is begun with the nearest moves of each customer. Duals of that LP are as valid as any
+    others once all moves are priced with them, which the checker does; moves of negative reduced cost are added and the LP is solved again
+    while there is time (sifting: Bixby et al. 1992).
     """
     from ....formulations.routing.forms.two_index import build, needed_resources
     from ....formulations.routing.preparation import prepare
@@ -66,8 +48,7 @@ def sifted_relaxation_bound(problem: RoutingProblem, stop: Stop = NEVER, linear:
     linear = linear or LinearPrograms()
     if stop.reached() or too_many_arcs(problem, stop.seconds_left):
         return None
-    left = stop.seconds_left
-    size = FORMS[FORM].size(problem)
+    seconds, size = stop.seconds_left, FORMS[FORM].size(problem)
     if size is not None:  # of the program a part is written down, but all moves are prepared
         ProgramSize(0.0, 0.0, 0.0, size.work).refuse_beyond_memory(FORM)
     prep = prepare(problem)
@@ -75,20 +56,20 @@ def sifted_relaxation_bound(problem: RoutingProblem, stop: Stop = NEVER, linear:
     if set(resources) == {"order"}:
         return None  # little more than an assignment (46 % gap on TSPLIB, spanning trees 1 %)
     entries = 2 + 6 * len(resources)  # an arc is in two visits, and in six entries of each resource
-    room = ENTRIES_PER_SECOND * left / entries
+    room = ENTRIES_PER_SECOND * seconds / entries
     kept = _nearest(prep, room)
     best: Evidence | None = None
     while kept is not None:
         began = time.perf_counter()
-        made = build(problem, FORM, lambda name: True, _restricted(prep, kept))
-        duals = linear.duals(made.relaxed().program, stop, NO_VERTEX)
-        if duals is None or made.dual_evidence is None:
+        compiled = build(problem, FORM, lambda name: True, _restricted(prep, kept))
+        duals = linear.duals(compiled.relaxed().program, stop, NO_VERTEX)
+        if duals is None or compiled.dual_evidence is None:
             return best
-        found = made.dual_evidence(duals)
-        found = replace(found, value=verified_bound(problem, found))
-        if best is None or found.value > best.value:
-            best = found
-        negative = _reduced_costs(prep, found.data, resources) < -1e-7 * abs(found.value) / prep.nodes
+        evidence = compiled.dual_evidence(duals)
+        evidence = replace(evidence, value=verified_bound(problem, evidence))
+        if best is None or evidence.value > best.value:
+            best = evidence
+        negative = _reduced_costs(prep, evidence.data, resources) < -1e-7 * abs(evidence.value) / prep.nodes
         missing = np.nonzero(negative & ~kept)[0]
         took = time.perf_counter() - began
         if len(missing) == 0 or 1.3 * took > stop.seconds_left:
@@ -99,7 +80,7 @@ def sifted_relaxation_bound(problem: RoutingProblem, stop: Stop = NEVER, linear:
 
 
 def _nearest(prep: Preparation, room: float) -> Flags | None:
-    """The nearest moves out of and into each customer, as far as there is room, and all at the depot; None if these are too few."""
+    """The nearest moves out of and into each customer, as far as there is room, and all at the depot; None where these are too few."""
     depot = (prep.tail == 0) | (prep.head == prep.end)
     count = int((room - int(depot.sum())) / (1.5 * max(1, prep.customers)))  # about half of the nearest in are nearest out as well
     count = min(count, NEIGHBOURS[1], prep.customers)
@@ -113,12 +94,12 @@ def _nearest(prep: Preparation, room: float) -> Flags | None:
     out, into = np.argpartition(far, count, axis=1)[:, :count], np.argpartition(far, count, axis=0)[:count]
     np.put_along_axis(near, out, True, axis=1)
     np.put_along_axis(near, into, True, axis=0)
-    found: Flags = near[prep.tail, prep.head] | depot
-    return found
+    kept: Flags = near[prep.tail, prep.head] | depot
+    return kept
 
 
 def _restricted(prep: Preparation, kept: Flags) -> Preparation:
-    """The preparation with some of its moves only."""
+    """The preparation with the moves that are kept."""
     resources = {name: replace(r, weight=r.weight[kept]) for name, r in prep.resources.items()}
     return replace(
         prep, tail=prep.tail[kept], head=prep.head[kept], distance=prep.distance[kept], duration=prep.duration[kept],
@@ -127,13 +108,13 @@ def _restricted(prep: Preparation, kept: Flags) -> Preparation:
 
 
 def _reduced_costs(prep: Preparation, data: dict[str, Any], resources: Mapping[str, Resource]) -> Floats:
-    """Reduced cost of each move at the multipliers of an evidence, its flows at their best."""
+    """Reduced cost of each move at the multipliers of an evidence, with flows at their best."""
     i, j = prep.tail, prep.head
 
     def at_nodes(values: list[float]) -> Floats:
-        made = np.asarray(values, dtype=np.float64)[prep.sites]
-        made[[0, -1]] = 0.0
-        return made
+        prices = np.asarray(values, dtype=np.float64)[prep.sites]
+        prices[[0, -1]] = 0.0
+        return prices
 
     reduced: Floats = prep.cost - at_nodes(data["out"])[i] - at_nodes(data["in"])[j] - data["fleet"] * (i == 0)
     for name, values in data["resources"].items():
@@ -144,7 +125,7 @@ def _reduced_costs(prep: Preparation, data: dict[str, Any], resources: Mapping[s
     return reduced
 
 
-def _missing(problem: Problem) -> frozenset[str]:
+def _lacks(problem: RoutingProblem) -> frozenset[str]:
     return lacks_arc_costs(problem) | FORMS[FORM].missing(problem)
 
 
@@ -152,4 +133,7 @@ def _replaces(problem: Problem) -> frozenset[str]:
     return frozenset({"linear-relaxation"}) if problem.family == "routing" else frozenset()
 
 
-BOUNDS.add("sifted-relaxation", BoundMethod("sifted-relaxation", _missing, sifted_relaxation_bound, order=2, replaces=_replaces))
+BOUNDS.add(
+    "sifted-relaxation",
+    BoundMethod("sifted-relaxation", of_family("routing", _lacks), sifted_relaxation_bound, order=2, replaces=_replaces),
+)

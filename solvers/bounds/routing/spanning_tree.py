@@ -6,52 +6,36 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
-from .arcs import LIMITS, Arcs, arc_costs, lacks_arc_costs
-from .level_ascent import ascend
+from .. import BOUNDS, BoundMethod, of_family
+from .arcs import LIMITS, Arcs, Floats, arc_costs, by_site, lacks_arc_costs
+from .subgradient_ascent import ascend
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-
 BUDGET = 0.1
-"""Part of the time for problems with limits on routes, of which trees see nothing."""
+"""Part of the time that it gets where routes are limited, of which trees see nothing."""
 
 
 def spanning_tree_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
-    """Evidence from the best prices that an ascent finds.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-    stop : Stop
-        The ascent ends earlier when it stalls.
-    linear : unused
-        No program is solved.
-
-    Returns
-    -------
-    Evidence of kind ``spanning-tree``, or None where the budget does not suffice for the arcs and the first tree
-    """
+    """Evidence from the best node prices that an ascent finds; None where the time does not suffice for the arcs and the first tree."""
     if problem.features() & LIMITS:
         stop = stop.within(BUDGET * stop.seconds_left)
     arcs = arc_costs(problem, stop)
-    found = None if arcs is None else _ascend(arcs, stop)
-    if arcs is None or found is None:
+    ascended = None if arcs is None else _ascend(arcs, stop)
+    if ascended is None:
         return None
-    prices, theta, value = found
-    listed = np.zeros(len(problem.sites))
-    listed[arcs.customers] = prices
-    return Evidence("spanning-tree", "spanning tree with node prices", value, {"multipliers": listed.tolist(), "depot": float(theta)})
+    prices, theta, value = ascended
+    data = {"multipliers": by_site(problem, prices), "depot": float(theta)}
+    return Evidence("spanning-tree", "spanning tree with node prices", value, data)
 
 
 def _ascend(arcs: Arcs, stop: Stop) -> tuple[Floats, float, float] | None:
+    """Node prices of the customers, that of the depot, and their value."""
     from .prim_kernels import spanning_tree_degrees
 
     edges = np.minimum(arcs.cost, arcs.cost.T)
@@ -84,4 +68,7 @@ def _ascend(arcs: Arcs, stop: Stop) -> tuple[Floats, float, float] | None:
 
 KERNELS = ("waybound.solvers.bounds.routing.prim_kernels",)
 
-BOUNDS.add("spanning-tree", BoundMethod("spanning-tree", lacks_arc_costs, spanning_tree_bound, order=1, kernels=KERNELS))
+BOUNDS.add(
+    "spanning-tree",
+    BoundMethod("spanning-tree", of_family("routing", lacks_arc_costs), spanning_tree_bound, order=1, kernels=KERNELS),
+)

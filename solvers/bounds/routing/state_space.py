@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.customer_sets import CUSTOMERS
@@ -20,43 +19,40 @@ from ....formulations.routing.checking.known_features import unknown_features, w
 from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike, needed_routes, terms_of
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
-from .arcs import LIMITS, lacks_arc_costs, too_many_arcs
-from .level_ascent import ascend
-from .level_walks import Walks, step_size
+from .. import BOUNDS, BoundMethod, of_family
+from .arcs import LIMITS, Flags, Floats, Longs, by_site, lacks_arc_costs, too_many_arcs
 from .price_sharing import NEIGHBOURS, ROUNDS, WORK_PER_SECOND, shared_prices
+from .resource_walks import Walks, step_size
+from .subgradient_ascent import ascend
 
 if TYPE_CHECKING:
-    from ....formulations.problem import Problem
     from ....formulations.routing.checking.relaxation import Resource
     from ....formulations.routing.problem import RoutingProblem
-
-Floats = NDArray[np.float64]
 
 CHECKED = 3e8
 """Moves times steps that the check may take."""
 
 MANY_ROUTES = 4
-"""From so many on prices are shared out among all walks."""
+"""Routes from which on prices are shared out among all walks."""
 
 BUDGET = 0.8
-"""Part of the time that is left, where other methods come later."""
+"""Part of the time left that it uses where other methods come later."""
 
 LEAST_STEPS = 400
-"""Where prices follow single walks, of which each has many visits."""
+"""Least number of steps where prices follow single walks, of which each has many visits."""
 
 
 @dataclass(eq=False)
 class _Rows:
-    """What prices of visits are worth, and how many routes there are."""
+    """The value of prices of visits, and how many routes there are."""
 
-    required: NDArray[np.bool_]
-    groups: list[tuple[NDArray[np.int64], bool]]
+    required: Flags
+    groups: list[tuple[Longs, bool]]
     counts: list[int]
     fewest: int
 
     def worth(self, prices: Floats) -> tuple[float, Floats]:
-        """Value and slope."""
+        """Value of prices, and its slope."""
         slope = (self.required | (prices < 0)).astype(np.float64)
         for members, must in self.groups:
             least = members[int(np.argmin(prices[members]))]
@@ -65,41 +61,26 @@ class _Rows:
         return float(slope @ prices), slope
 
     def routes(self, least: list[float]) -> list[int]:
-        """How many routes of each type are the cheapest."""
-        made, left = [0] * len(least), len(self.required)
+        """How many routes of each type are cheapest, for the least cost of a route of each."""
+        routes = [0] * len(least)
         for k in sorted(range(len(least)), key=least.__getitem__):
-            used = sum(made)
-            made[k] = min(self.counts[k], left - used if least[k] < 0 else max(0, self.fewest - used))
-        return made
+            used = sum(routes)
+            routes[k] = min(self.counts[k], len(self.required) - used if least[k] < 0 else max(0, self.fewest - used))
+        return routes
 
 
 def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from the best prices that an ascent finds.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    stop : Stop
-        Less is used where the ascent stalls, or other methods come later.
-    linear : unused
-        No program is solved.
-
-    Returns
-    -------
-    Evidence or None
-        None where the time does not suffice for one round: prices to begin with, from walks that were cut short, prove next to nothing.
-
-    Notes
-    -----
-    Source: Christofides, Mingozzi, Toth (1981); sharing by walks through each customer: Baldacci, Christofides, Mingozzi (2008).
+    None where the time does not suffice for one round: first prices, from walks that were cut short, prove next to nothing. Source:
+    Christofides, Mingozzi, Toth (1981); sharing by walks through each customer: Baldacci, Christofides, Mingozzi (2008).
     """
     if too_many_arcs(problem, stop.seconds_left):
         return None
-    if not lacks_arc_costs(problem):
-        if not problem.features() & LIMITS:  # trees and assignments see more
-            return None
-        stop = stop.within(BUDGET * stop.seconds_left)
-    elif len(problem.customers) <= CUSTOMERS:  # their sets see more
+    summed = not lacks_arc_costs(problem)
+    if summed and not problem.features() & LIMITS:  # trees and assignments see more
+        return None
+    if summed or len(problem.customers) <= CUSTOMERS:  # column generation, or sets of customers, may see more
         stop = stop.within(BUDGET * stop.seconds_left)
     sites, customers, relaxed = problem.sites, problem.sites.customers, without_stops(problem)
     terms = terms_of(problem)
@@ -131,11 +112,8 @@ def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: Linea
         prices, value = _followed(walks, rows, most, stop)
     if value > most or value == -math.inf:  # more than any answer costs: there is none, which others prove; or no time for one round
         return None
-    listed = np.zeros(len(sites))
-    listed[customers] = prices
-    return Evidence(
-        "state-space", f"state-space relaxation over {name}", sign * value, {"prices": listed.tolist(), "resource": name, "step": fine}
-    )
+    data = {"prices": by_site(problem, prices), "resource": name, "step": fine}
+    return Evidence("state-space", f"state-space relaxation over {name}", sign * value, data)
 
 
 def _weights(problem: RoutingProblem) -> Floats:
@@ -146,7 +124,7 @@ def _weights(problem: RoutingProblem) -> Floats:
 
 def _resource(problem: RoutingProblem, moves: list[VehicleMoves]) -> str:
     """The resource of which an answer needs the largest part of what all routes have."""
-    found: dict[str, float] = {}
+    needs: dict[str, float] = {}
     for name in moves[0].resources:
         need = math.inf
         for m in moves:
@@ -161,8 +139,8 @@ def _resource(problem: RoutingProblem, moves: list[VehicleMoves]) -> str:
             need = min(need, float(least.sum()) / room if room > 0 else 0.0)
         if name == "time" and np.isfinite(problem.sites.due[problem.customers]).any():
             need /= max(1e-6, max(_width(m.resources[name]) for m in moves))
-        found[name] = need * (1e-6 if name == "order" else 1.0)  # where nothing else is limited
-    return max(found, key=found.__getitem__)
+        needs[name] = need * (1e-6 if name == "order" else 1.0)  # where nothing else is limited
+    return max(needs, key=needs.__getitem__)
 
 
 def _width(resource: Resource) -> float:
@@ -172,7 +150,7 @@ def _width(resource: Resource) -> float:
     return float(np.clip(span / room, 0.0, 1.0).mean()) if len(span) and room > 0 else 1.0
 
 
-def _kept(moves: VehicleMoves, name: str, work: float) -> NDArray[np.bool_]:
+def _kept(moves: VehicleMoves, name: str, work: float) -> Flags:
     """The cheapest and shortest moves into and out of each customer, as many as there is time for."""
     usable = np.isfinite(moves.cost)
     n = len(usable)
@@ -192,20 +170,20 @@ def _kept(moves: VehicleMoves, name: str, work: float) -> NDArray[np.bool_]:
 
 
 def _followed(walks: list[Walks], rows: _Rows, most: float, stop: Stop) -> tuple[Floats, float]:
-    """Prices that follow the best walk of each type."""
+    """Prices that follow the best walk of each type, and their value."""
     n = len(rows.required)
     heavy = np.ones(n + 1)
 
     def look(prices: Floats) -> tuple[float, Floats]:
         value, slope = rows.worth(prices)
         price = np.append(0.0, prices)
-        found = []
+        best = []
         for w in walks:
             values, before, _ = w.ahead(stop, price, heavy)
-            found.append((*w.best(values), before))
+            best.append((*w.best(values), before))
         if stop.reached():
             return -math.inf, slope
-        for k, w, (least, node, before) in zip(rows.routes([f[0] for f in found]), walks, found, strict=True):
+        for k, w, (least, node, before) in zip(rows.routes([b[0] for b in best]), walks, best, strict=True):
             if k and math.isfinite(least):
                 value, slope = value + k * least, slope - k * w.visits(before, node)[1:]
             elif k:
@@ -215,16 +193,15 @@ def _followed(walks: list[Walks], rows: _Rows, most: float, stop: Stop) -> tuple
     usable = np.concatenate([w.cost[w.usable] for w in walks])
     dearest = float(np.abs(usable).max(initial=0.0))
     starts = _starts(walks, rows, dearest)
-    begun = [(look(prices)[0], k) for k, prices in enumerate(starts)]
-    value, k = max(begun)
+    value, k = max((look(prices)[0], k) for k, prices in enumerate(starts))
     if not math.isfinite(value):
         return starts[0], value
     return ascend(look, starts[k], 1e-3 * dearest or 1.0, most, stop, patience=10)
 
 
 def _starts(walks: list[Walks], rows: _Rows, dearest: float) -> list[Floats]:
-    """Prices to begin with: shares of the cheapest moves for required customers; for the others what a visit gains less the worth of the
-    resource that it takes at least, as in a knapsack."""
+    """First prices: shares of the cheapest moves for required customers; for others the gain of a visit less the worth of the resource
+    that it takes at least, as in a knapsack."""
     cost = np.min([np.where(w.usable, w.cost, dearest) for w in walks], axis=0)
     closest = np.maximum(cost[:, 1:].min(axis=0), 0.0)
     gain = np.maximum(0.0, -np.min([np.where(w.usable, w.cost, 0.0)[:, 1:].min(axis=0) for w in walks], axis=0))
@@ -233,8 +210,10 @@ def _starts(walks: list[Walks], rows: _Rows, dearest: float) -> list[Floats]:
     order = np.argsort(-gain / np.maximum(need, 1e-9), kind="stable")
     last = order[min(int(np.searchsorted(np.cumsum(need[order]), room)), len(order) - 1)]
     rate = float(gain[last] / max(need[last], 1e-9))
-    made = [np.where(rows.required, share * closest, -np.maximum(0.0, gain - share * rate * need)) for share in (0.0, 0.6, 1.0, 1.4, 2.0)]
-    return [np.where(rows.required, closest, -gain), *made]
+    starts = [np.where(rows.required, closest, -gain)]
+    for share in (0.0, 0.6, 1.0, 1.4, 2.0):
+        starts.append(np.where(rows.required, share * closest, -np.maximum(0.0, gain - share * rate * need)))
+    return starts
 
 
 def _needs(walks: Walks) -> Floats:
@@ -242,20 +221,18 @@ def _needs(walks: Walks) -> Floats:
     weight = np.where(walks.usable, walks.resource.weight, math.inf)
     ends = np.concatenate([weight[:, 1:], weight[1:].T])
     two = np.partition(np.minimum(ends[: len(weight)], ends[len(weight) :]), 1, axis=0)[:2]
-    made: Floats = np.where(np.isfinite(two).all(axis=0), two.sum(axis=0), 0.0) / (2.0 * walks.step)
-    return made
+    needs: Floats = np.where(np.isfinite(two).all(axis=0), two.sum(axis=0), 0.0) / (2.0 * walks.step)
+    return needs
 
 
-def _lacks(problem: Problem) -> frozenset[str]:
-    """Other families, objectives in which more of a cost is better, and features that nothing is known of."""
-    if problem.family != "routing":
-        return frozenset({f"{problem.family} problems"})
-    unknown = unknown_features(without_stops(problem))  # type: ignore[arg-type]
-    if not len(problem.customers):  # type: ignore[attr-defined]
-        unknown = unknown | {"no customers"}
-    return unknown if terms_of(problem) is not None else unknown | {"objective:weights"}  # type: ignore[arg-type]
+def _lacks(problem: RoutingProblem) -> frozenset[str]:
+    """Features that the checker does not know, problems without customers, and objectives in which more of a cost is better."""
+    missing = unknown_features(without_stops(problem))
+    if not len(problem.customers):
+        missing = missing | {"no customers"}
+    return missing if terms_of(problem) is not None else missing | {"objective:weights"}
 
 
 KERNELS = ("waybound.solvers.bounds.routing.state_space_kernels", "waybound.formulations.routing.checking.state_space_kernels")
 
-BOUNDS.add("state-space", BoundMethod("state-space", _lacks, state_space_bound, order=1, kernels=KERNELS))
+BOUNDS.add("state-space", BoundMethod("state-space", of_family("routing", _lacks), state_space_bound, order=1, kernels=KERNELS))

@@ -1,4 +1,4 @@
-"""Walks without i-j-i by levels, compiled: their least costs, and which sites the best of them visit.
+"""Walks without i-j-i by levels, compiled: their least costs, and the sites that the best of them visit.
 
 Cells stand for a node at a level: those of node ``j`` from ``base[j]`` on, one for each level from ``lower[j]`` to ``upper[j]``.
 """
@@ -21,25 +21,12 @@ _MOVES = "i8[::1], i8[::1], i8[::1]"
 def walk_costs(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     flag, starts, tails, weight, cost, first_cost, first_weight, base, lower, upper, heavy
 ):
-    """Least costs of coming to each node at each level or below it, and the node before: the best, and the best over any other node.
+    """Least costs of coming to each node at each level or below it, nodes before, and weights, each of shape (cells, 2).
 
-    Parameters
-    ----------
-    flag : array
-        Of a ``Stop``; where it is set, costs are left infinite.
-    starts, tails, weight, cost : arrays
-        Moves into node ``j`` are those from ``starts[j]`` up to ``starts[j + 1]``, out of nodes with cells; weights are at least 1.
-    first_cost, first_weight : arrays of shape (nodes,)
-        Moves out of the depot, node 0.
-    base, lower, upper : arrays of shape (nodes + 1,), (nodes,) and (nodes,)
-        Levels that each node can have.
-    heavy : array of shape (nodes,)
-        What each visit adds to the weight of a walk.
-
-    Returns
-    -------
-    arrays of shape (cells, 2)
-        Costs, nodes before, and weights of these walks.
+    Column 0 holds the best walk, column 1 the best over any other node before. Costs stay infinite where ``flag`` is set. Moves into node
+    ``j`` are those from ``starts[j]`` up to ``starts[j + 1]``, out of nodes with cells; weights are at least 1. ``first_cost`` and
+    ``first_weight``, shape (nodes,), are those of moves out of the depot, node 0; ``heavy``, shape (nodes,), what each visit adds to the
+    weight of a walk.
     """
     nodes, cells = len(lower), base[-1]
     value = np.full((cells, 2), math.inf)
@@ -120,20 +107,9 @@ def best_through(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
 ):
     """The least cost, by weight, of a walk through each node, and the levels (in, out) and ways (in, out) it takes.
 
-    Parameters
-    ----------
-    ahead, before, load : arrays of shape (cells, 2)
-        Of ways to a node from the start (``walk_costs``).
-    base, lower, upper : arrays
-    back, after, rest, back_base, back_lower, back_upper : arrays
-        Of ways from the end, on levels counted from there.
-    heavy : array of shape (nodes,)
-    tops : array of int
-        Sums of both levels that are tried.
-    least : array of shape (nodes,)
-        Receives cost over weight.
-    how : int array of shape (nodes, 4)
-        Receives levels and ways.
+    ``ahead, before, load`` are those of ways from the start (``walk_costs``), ``back, after, rest`` those of ways from the end, on levels
+    counted from there; ``tops`` sums of both levels that are tried. ``least`` receives cost over weight, ``how``, shape (nodes, 4), levels
+    and ways.
     """
     for j in range(1, len(lower)):
         least[j] = math.inf
@@ -156,14 +132,9 @@ def share_out(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     before, starts, tails, weight, base, lower, upper, after, back_starts, back_heads, back_weight, back_base, back_lower, back_upper,
     least, how, heavy, walk, visits
 ):  # fmt: skip
-    """Add to ``visits`` those of the best walks through all nodes, each by the node's share of its weight.
+    """Add to ``visits`` those of the best walks through all nodes, each by the node's share of its weight; returns the sum of the shares.
 
     The moves and grid are those of both directions (``walk_costs``), ``least`` and ``how`` from ``best_through``; ``walk`` is room for one.
-
-    Returns
-    -------
-    float
-        How many walks these shares make up.
     """
     walks = 0.0
     for i in range(1, len(lower)):

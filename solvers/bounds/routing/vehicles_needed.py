@@ -1,44 +1,77 @@
-"""Bound ``vehicles-needed``: the threshold of the bound L2 of bin packing, for the evidence of the same name."""
+"""Bounds ``vehicles-needed`` and ``fewest-routes`` on the number of vehicles, by loads alone or by whatever proves a fleet too small.
+
+The first is the bound L2 of bin packing. The second rules out one number of routes after the other from there upwards, by loads, ranges,
+hours, or sites of which no two share a route. Its evidence is a branching tree of one statement, "there are k routes at most": evidence
+that no answer has so few, and the bound L2 of answers with more.
+"""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.no_answer import check_vehicles_needed
 from ....formulations.routing.checking.vehicle_moves import terms_of
-from ....formulations.routing.fleet_need import bin_packing_bound
+from ....formulations.routing.fleet_need import bin_packing_bound, fleet_conflicts
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
+from .. import BOUNDS, BoundMethod, of_family
+from .infeasibility import MOST_ENUMERATED, MOST_SITES
 
 if TYPE_CHECKING:
-    from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
 
+WORDS = {
+    "too-few-vehicles": "loads", "bin-packing": "loads", "too-little-range": "range", "too-little-time": "time windows",
+    "sites-apart": "sites of which no two share a route", "sites-beyond-fleet": "a few sites and all routes for them",
+}  # fmt: skip
+"""Reasons against fewer vehicles, for people, by kind of evidence."""
 
-def lacks(problem: Problem) -> frozenset[str]:
-    """Features under which nothing is proved, and objectives in which vehicles do not count."""
-    if problem.family != "routing":
-        return frozenset({f"{problem.family} problems"})
-    missing, terms = unknown_features(without_stops(problem)), terms_of(problem)  # type: ignore[arg-type]
+
+def lacks(problem: RoutingProblem) -> frozenset[str]:
+    """Features that the checker does not know, and objectives in which vehicles do not count."""
+    missing, terms = unknown_features(without_stops(problem)), terms_of(problem)
     bounded = terms is not None and problem.sense == "min" and terms.vehicles > 0 and not terms.reward and terms.penalties >= 0
     return missing if bounded else missing | {"objectives without vehicles"}
 
 
-def vehicles_needed(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
-    """The best threshold for the required demands.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-    stop, linear : unused
-    """
+def vehicles_needed(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence:
+    """Evidence from the threshold of the bound L2 that is best for the required demands."""
     capacity = max(v.capacity for v in without_stops(problem).fleet)
     _, threshold = bin_packing_bound(problem.sites.demand[problem.sites.required], capacity)
     data = {"threshold": threshold}
     return Evidence("vehicles-needed", "vehicles that the loads need", check_vehicles_needed(problem, data), data)
 
 
-BOUNDS.add("vehicles-needed", BoundMethod("vehicles-needed", lacks, vehicles_needed, order=0))
+def fewest_routes(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
+    """A tree that rules out every fleet smaller than the one it proves to be needed; None where bin packing says as much."""
+    terms, packed = terms_of(problem), vehicles_needed(problem)
+    if terms is None or len(problem.sites) > MOST_SITES:
+        return None
+    most = min(len(problem.customers), problem.vehicle_limit or len(problem.customers))
+    few = max(1, problem.min_vehicles, round(packed.value / terms.vehicles) if terms.vehicles > 0 and not terms.cost else 1)
+    ruled_out: tuple[int, Evidence] | None = None
+    for routes in range(few, most):
+        statement = {"routes": routes}
+        conflict = next(fleet_conflicts(problem.restricted([(statement, True)]), lambda: bool(stop.reached()), MOST_ENUMERATED), None)
+        if conflict is None or stop.reached():
+            break
+        ruled_out = routes, conflict
+    if ruled_out is None:
+        return None
+    routes, conflict = ruled_out
+    rest = vehicles_needed(problem.restricted([({"routes": routes}, False)]))
+    if not math.isfinite(rest.value) or rest.value <= packed.value:
+        return None
+    nodes = [
+        {"branch": {"routes": routes}},
+        {"kind": conflict.kind, "data": dict(conflict.data)},
+        {"kind": rest.kind, "data": dict(rest.data)},
+    ]
+    return Evidence("branching-tree", f"vehicles needed, by {WORDS.get(conflict.kind, conflict.kind)}", rest.value, {"nodes": nodes})
+
+
+BOUNDS.add("vehicles-needed", BoundMethod("vehicles-needed", of_family("routing", lacks), vehicles_needed))
+BOUNDS.add("fewest-routes", BoundMethod("fewest-routes", of_family("routing", lacks), fewest_routes, order=1))

@@ -1,12 +1,12 @@
 """Objectives with the largest of all routes, for engines that limit routes one by one: bisection over the limit.
 
 An answer of value at most v is one of the same problem whose routes are limited by v: the makespan by ``max_duration``, the longest route
-by ``max_distance``, the latest return by the end of the shift. So limits are tried between the least that is not known to be in vain and
-the best value found. A found answer is one of the problem, and its value moves the upper end. That an engine found none proves nothing:
-the lower end says where to look next, and is no bound.
+by ``max_distance``, the latest return by the end of the shift. Limits are tried between the least that is not known to be in vain and the
+best value so far. Each answer is one of the problem, and its value moves the upper end. That an engine finds none proves nothing: the lower
+end says where to look next, and is no bound.
 
-What the objective asks before the largest route, as in ``Reward().then(Makespan())``, is what is searched for under each limit; an
-answer counts where it is no worse at that. What comes after it is searched for last, under the best limit.
+Levels of the objective before the largest route, as in ``Reward().then(Makespan())``, are what is searched for under each limit; an answer
+counts where it is no worse at them. Levels after it are searched for last, under the best limit.
 """
 
 from __future__ import annotations
@@ -33,25 +33,33 @@ if TYPE_CHECKING:
     from ....formulations.routing.routes import Routes
 
 NEAR = 1e-3
-"""Part of the best value to which the ends are brought together; then whatever is better at all is asked for."""
+"""Part of the best value to which the ends are brought together; then any better value is asked for."""
 
 LESS = 1e-6
-"""By which part of the best value another one has to be better."""
+"""Part of the best value by which another one has to be better."""
+
+USUAL_FEATURES = frozenset(
+    {
+        "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites", "limited-fleet",
+        "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations", "energy:travel", "energy:elapsed",
+        "energy:elapsed-fixed-start", "initial-energy", "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel", "several-loads",
+        "pickups", "shipments", "several-windows", "skills", "objective:total-cost", "objective:total-duration", "objective:vehicles",
+        "objective:reward", "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return",
+        "objective:weights", "objective:priorities",
+    }
+)  # fmt: skip
+"""Features that every engine here takes."""
 
 
 class Bisecting(Engine):
     """An engine that takes objectives with one of ``MAXIMA`` by limiting routes.
 
-    Class attributes
-    ----------------
-    own_maxima : bool
-        Whether it takes them by itself where it can; otherwise ``beyond`` and ``search`` are for problems without any.
-    iterations_end : bool
-        Whether ``iterations`` end a search that finds nothing, too; one that counts answers ends by the clock.
-    bytes_a_move, seconds_a_move : float
-        What the library's own model of all moves between sites takes, measured at 2,000 sites.
+    With ``own_maxima`` it takes them by itself where it can; otherwise ``beyond`` and ``search`` are for problems without any. With
+    ``iterations_end`` iterations end a search that finds nothing, too; an engine that counts answers ends by the clock. ``bytes_a_move``
+    and ``seconds_a_move`` are what the library's own model of all moves between sites takes, measured at 2,000 sites.
     """
 
+    family: ClassVar[str] = "routing"
     own_maxima: ClassVar[bool] = False
     iterations_end: ClassVar[bool] = True
     bytes_a_move: ClassVar[float] = 0.0
@@ -59,33 +67,30 @@ class Bisecting(Engine):
 
     @abstractmethod
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
-        """Features that the engine has, put together as it does not."""
+        """Combinations of its features that the engine does not take."""
 
     @abstractmethod
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
         """``Engine.run`` for a problem under which ``beyond`` names nothing."""
 
     def memory(self, problem: Problem) -> float:
-        """See ``Engine.memory``."""
         return self.bytes_a_move * float(problem.size) ** 2
 
     def set_up_seconds(self, problem: Problem) -> float:
-        """See ``Engine.set_up_seconds``."""
         return self.seconds_a_move * float(problem.size) ** 2
 
     def missing(self, problem: Problem) -> frozenset[str]:
-        """See ``Engine.missing``."""
         lacking = super().missing(problem)
-        return lacking or self._lacking(problem, self._bisection(problem))  # type: ignore[arg-type]
+        if lacking:
+            return lacking
+        bisection = self._bisection(problem)  # type: ignore[arg-type]
+        if isinstance(bisection, Bisection):
+            return frozenset()
+        return self.beyond(problem) if bisection is None or self.own_maxima else bisection  # type: ignore[arg-type]
 
     def bisects(self, problem: RoutingProblem) -> bool:
-        """Whether a problem is taken by bisection, as a sequence of others: the library itself has not the objective."""
+        """Whether a problem is solved by bisection, as a sequence of others."""
         return isinstance(self._bisection(problem), Bisection)
-
-    def _lacking(self, problem: RoutingProblem, found: Bisection | frozenset[str] | None) -> frozenset[str]:
-        if isinstance(found, Bisection):
-            return frozenset()
-        return (self.beyond(problem) if self.own_maxima else found) if found is not None else self.beyond(problem)
 
     def _bisection(self, problem: RoutingProblem) -> Bisection | frozenset[str] | None:
         if self.own_maxima and not self.beyond(problem):
@@ -93,29 +98,21 @@ class Bisecting(Engine):
         return Bisection.of(self, problem)
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
-        """See ``Engine.run``."""
         lacking = self.missing(problem)
         if lacking:
             raise UnsupportedError(self.name, lacking)
-        found = self._bisection(problem)  # type: ignore[arg-type]
-        if not isinstance(found, Bisection):
+        bisection = self._bisection(problem)  # type: ignore[arg-type]
+        if not isinstance(bisection, Bisection):
             return self.search(problem, options, control)  # type: ignore[arg-type]
-        return _Search(self, found, options, control).run()
+        return _Search(self, bisection, options, control).run()
 
 
 @dataclass(frozen=True)
 class Bisection:
-    """A problem whose objective has one of ``MAXIMA``, and the problems with limits in its place.
+    """A problem with a level of the objective that is one of ``MAXIMA`` alone, ``term`` times ``weight``, and the problems with limits in
+    its place.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    term : str
-    level : int
-        Of the objective, which is that term alone.
-    weight : float
-    objective : Objective
-        What is searched for under a limit: the other levels, and where none follow what makes routes short.
+    ``objective`` is what is searched for under a limit: the other levels, and where none follow what makes routes short.
     """
 
     problem: RoutingProblem
@@ -126,7 +123,7 @@ class Bisection:
 
     @classmethod
     def of(cls, engine: Bisecting, problem: RoutingProblem) -> Bisection | frozenset[str] | None:
-        """None where the objective has none of ``MAXIMA``; the features in the way where one cannot be limited away."""
+        """None where the objective has none of ``MAXIMA``; the features in the way where one cannot be replaced by a limit."""
         levels = problem.objective.levels()
         held = {term.name for level in levels for _, term in level.terms} & set(MAXIMA)
         if not held:
@@ -134,16 +131,15 @@ class Bisection:
         at = next(k for k, level in enumerate(levels) if any(term.name in MAXIMA for _, term in level.terms))
         weight, term = levels[at].terms[0]
         others = (*levels[:at], *levels[at + 1 :])
-        left = {t.name for level in others for _, t in level.terms} & set(MAXIMA)
-        if left or len(levels[at].terms) > 1 or weight < 0:
-            return frozenset(f"objective:{name}" for name in left or held)
+        further = {t.name for level in others for _, t in level.terms} & set(MAXIMA)
+        if further or len(levels[at].terms) > 1 or weight < 0:
+            return frozenset(f"objective:{name}" for name in further or held)
         short: tuple[Composable, ...] = (TotalDuration(), TotalCost()) if term.name != "longest-route" else (TotalCost(),)
         tried: list[tuple[Weighted, ...]] = [others] if at + 1 < len(levels) else [(*others, *s.levels()) for s in short]
         if others:
             tried.append(others)
-        made = [cls(problem, term.name, at, weight, Objective(each)) for each in tried]
         lacking = []
-        for one in made:
+        for one in (cls(problem, term.name, at, weight, Objective(each)) for each in tried):
             probe = one.limited(one.most)
             lacking.append((probe.features() - engine.features) | engine.beyond(probe))
             if not lacking[-1]:
@@ -152,7 +148,7 @@ class Bisection:
 
     @property
     def most(self) -> float:
-        """A limit that no answer exceeds by need."""
+        """A limit that some best answer keeps."""
         travels = [self.problem.travel_of(k) for k in range(len(self.problem.fleet))]
         moves = 4 * len(self.problem.sites) * (1 + stops_between(self.problem))
         if self.term == "longest-route":
@@ -161,13 +157,13 @@ class Bisection:
 
     @property
     def least(self) -> float:
-        """A value that none is below."""
+        """A value that no answer is below."""
         if self.term != "latest-return":
             return 0.0
         return min(max(float(self.problem.sites.ready[v.start]), v.shift[0]) for v in self.problem.fleet)
 
     def limited(self, most: float) -> RoutingProblem:
-        """The problem whose routes are limited by ``most``, without the term; infinity is no limit."""
+        """The problem with routes limited by ``most`` in place of the term; infinity is no limit."""
         if self.term == "makespan":
             fleet = [replace(v, max_duration=min(v.max_duration, most)) for v in self.problem.fleet]
         elif self.term == "longest-route":
@@ -178,13 +174,13 @@ class Bisection:
 
 
 class _Search:
-    """Tries limits, keeps the best answer, and shares out time and iterations."""
+    """Tries limits, keeps the best answer, and divides time and iterations."""
 
     def __init__(self, engine: Bisecting, asked: Bisection, options: Options, control: Control) -> None:
         self.engine, self.asked, self.options, self.control = engine, asked, options, control
         self.problem = asked.problem
         self.ends = time.perf_counter() + options.time_limit
-        self.left = options.iterations
+        self.iterations_left = options.iterations
         self.best: tuple[Routes, Evaluation] | None = None
         self.tried = 0
         self.last = RawResult("unknown")
@@ -214,24 +210,24 @@ class _Search:
                 low = limit
         if follows and not self.spent:
             self.probe(self.value, 1.0, enough=False)
-        found = self.told()
-        return replace(found, statistics={**found.statistics, "start": "used"}) if began else found
+        result = self.result()
+        return replace(result, statistics={**result.statistics, "start": "used"}) if began else result
 
     @property
     def value(self) -> float:
-        """Of the largest route in the best answer."""
+        """Value of the largest route in the best answer."""
         assert self.best is not None
         return self.best[1].values[self.asked.level] / self.asked.weight
 
     @property
     def before(self) -> tuple[float, ...]:
-        """What the best answer has at the levels before."""
+        """Values of the best answer at the levels before."""
         assert self.best is not None
         return self.best[1].values[: self.asked.level]
 
     @property
     def spent(self) -> bool:
-        return self.control.stopped or time.perf_counter() >= self.ends or (self.left is not None and self.left <= 0)
+        return self.control.stopped or time.perf_counter() >= self.ends or (self.iterations_left is not None and self.iterations_left <= 0)
 
     @property
     def repeats(self) -> bool:
@@ -239,20 +235,20 @@ class _Search:
         return self.engine.iterations_end and (self.options.iterations is not None or self.options.no_improvement is not None)
 
     def probe(self, limit: float, share: float, *, enough: bool) -> bool:
-        """Search under a limit with a share of what is left; whether the answer is a better one, of which the first may be ``enough``."""
+        """Search under a limit with a share of the time left; whether that found a better answer, the first of which may be ``enough``."""
         problem = self.asked.limited(limit)
         self.tried += 1
         if math.isfinite(limit) and any(problem.sites.required[site] for site in unreachable(problem)):
             return False
         seconds = max(0.0, self.ends - time.perf_counter()) * (1.0 if self.repeats else share)
-        most = None if self.left is None else max(1, int(self.left * share))
+        most = None if self.iterations_left is None else max(1, int(self.iterations_left * share))
         start = self.options.start if self.best is None else self.best[0]
-        heard = _Hearing(self, enough and not self.repeats)
+        control = _ProbeControl(self, enough and not self.repeats)
         known = self.best
-        self.last = self.engine.search(problem, replace(self.options, time_limit=seconds, iterations=most, start=start), heard)
-        if self.left is not None:
+        self.last = self.engine.search(problem, replace(self.options, time_limit=seconds, iterations=most, start=start), control)
+        if self.iterations_left is not None:
             statistics = self.last.statistics
-            self.left -= max(1, int(statistics.get("iterations", statistics.get("solutions", most or 1))))
+            self.iterations_left -= max(1, int(statistics.get("iterations", statistics.get("solutions", most or 1))))
         if self.last.answer is not None:
             self.take(self.last.answer)
         return self.best is not known
@@ -272,27 +268,27 @@ class _Search:
                 return (a < b) == (sense == "min")
         return False
 
-    def told(self) -> RawResult:
+    def result(self) -> RawResult:
         assert self.best is not None
         answer, verdict = self.best
         limit = self.last.limit if self.last.limit != "interrupt" else "none"  # which is how the first better answer ends a probe
         if self.control.stopped:
             limit = "interrupt"
-        elif self.left is not None and self.left <= 0:
+        elif self.iterations_left is not None and self.iterations_left <= 0:
             limit = "iterations"
         elif time.perf_counter() >= self.ends:
             limit = "time"
         value = verdict.values[0] if len(verdict.values) == 1 else None
         statistics = {**self.last.statistics, "limits_tried": self.tried}
-        if self.options.iterations is not None and self.left is not None:
-            statistics["iterations"] = self.options.iterations - self.left
-        told = f"routes limited in place of {self.asked.term}, {self.tried} limit{'s' if self.tried != 1 else ''} tried"
-        links = (*self.last.links, Link("bisection", Exactness.RESTRICTION, told))
+        if self.options.iterations is not None and self.iterations_left is not None:
+            statistics["iterations"] = self.options.iterations - self.iterations_left
+        detail = f"routes limited in place of {self.asked.term}, {self.tried} limit{'s' if self.tried != 1 else ''} tried"
+        links = (*self.last.links, Link("bisection", Exactness.RESTRICTION, detail))
         return RawResult("feasible", limit, answer, value, statistics=statistics, holds=Exactness.RESTRICTION, links=links)
 
 
-class _Hearing(Control):
-    """Hears what a probe publishes; the first better answer ends it where that is enough."""
+class _ProbeControl(Control):
+    """Takes the answers that a probe publishes; the first better one ends the probe where that is enough."""
 
     def __init__(self, search: _Search, enough: bool) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""Scales that make whole numbers of data, each rounded to its safe side."""
+"""Scales that turn data into whole numbers, each rounded to its safe side."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ which that makes exact."""
 
 @dataclass(frozen=True, eq=False)
 class Strips:
-    """Numbers too many to be held at once: ``made`` makes them anew, a strip after the other, as often as they are asked for."""
+    """Numbers too many to be held at once: ``strips`` computes them anew, a strip after the other, as often as they are asked for."""
 
-    made: Callable[[], Iterable[Floats]]
+    strips: Callable[[], Iterable[Floats]]
 
     def finite(self) -> Iterator[Floats]:
         """The numbers that are neither infinite nor NaN, a strip after the other."""
-        for strip in self.made():
+        for strip in self.strips():
             known = np.isfinite(strip)
             yield strip if known.all() else strip[known]
 
     @cached_property
     def largest(self) -> float:
-        """The largest size of a finite one; 0 where there are none."""
+        """The largest absolute value of a finite one; 0 where there are none."""
         return max((float(np.abs(strip).max(initial=0.0)) for strip in self.finite()), default=0.0)
 
 
@@ -51,16 +51,16 @@ class Scale:
     exact: bool
 
     def nearest(self, values: ArrayLike) -> Integers:
-        """For costs."""
+        """Integers for costs."""
         return _integers(np.rint(np.asarray(values, dtype=np.float64) * self.factor))
 
     def up(self, values: ArrayLike) -> Integers:
-        """For what is consumed, and for earliest times."""
+        """Integers for consumption, and for earliest times."""
         scaled = self._scaled(values)
         return _integers(np.ceil(scaled if self.exact else scaled - _ROUNDING * np.abs(scaled)))
 
     def down(self, values: ArrayLike) -> Integers:
-        """For limits; infinite ones become ``UNLIMITED``."""
+        """Integers for limits; infinite ones become ``UNLIMITED``."""
         scaled = self._scaled(values)
         return _integers(np.floor(scaled if self.exact else scaled + _ROUNDING * np.abs(scaled)))
 
@@ -95,7 +95,7 @@ def _whole_strip(values: ArrayLike) -> Strips:
 
 
 def plain(factor: float) -> float:
-    """A whole number as one, for people to read."""
+    """A whole number as an integer, for people to read."""
     return int(factor) if factor == int(factor) else factor
 
 
@@ -109,6 +109,6 @@ def _integers(values: Floats) -> Integers:
     """Whole floats as integers; what int64 cannot hold becomes ``UNLIMITED``, with a wide margin for further sums."""
     values = np.asarray(values, dtype=np.float64)
     high = values >= 2.0**62
-    made = np.where(high, 0.0, np.maximum(values, -(2.0**62))).astype(np.int64)
-    made[high] = UNLIMITED
-    return made
+    integers = np.where(high, 0.0, np.maximum(values, -(2.0**62))).astype(np.int64)
+    integers[high] = UNLIMITED
+    return integers

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....formulations.routing.routes import Routes
+from ....formulations.routing.routes import Route, Routes
 from ....instances.errors import UsageError
 from ...backend import BACKENDS, Control, Options, RawResult
 from ...own_options import own_options
-from .bisection import Bisecting
-from .more_routes import with_more_routes
+from .bisection import USUAL_FEATURES, Bisecting
 from .ortools_model import Model, short_ways
-from .routing_integers import IntegerRouting, integer_routing
+from .routing_integers import IntegerRouting, entangled, integer_routing
 from .routing_objective import awaited, claimed_objective, stops_between, unscalable
-from .routing_shipments import entangled
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
@@ -38,6 +37,8 @@ STATUS_MAP = {
 }
 """The library's account of its search. It proves nothing about the problem: its fleet is cut to size, its data rounded."""
 
+MOST_TRIED = 50
+"""Customers, and vehicle types for them, that are tried for one more route."""
 
 FIRST = 0.3
 """Part of the time in which routes are found, however few, where a least number of them is asked for."""
@@ -70,22 +71,12 @@ class ORTools(Bisecting):
     iterations_end = False
     one_thread = True
     bytes_a_move, seconds_a_move = 120.0, 4e-7
-    family = "routing"
-    features = frozenset(
-        {
-            "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites",
-            "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations",
-            "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "energy:windows", "initial-energy", "shifts",
-            "duration-cost", "overtime", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "groups",
-            "several-windows", "skills", "reloads", "recharging", "closing-moves", "forbidden-moves", "committed-vehicles", "min-vehicles",
-            "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward",
-            "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights",
-            "objective:priorities",
-        }
-    )  # fmt: skip
+    features = USUAL_FEATURES | {
+        "energy:windows", "overtime", "groups", "reloads", "recharging", "closing-moves", "forbidden-moves", "committed-vehicles",
+        "min-vehicles",
+    }  # fmt: skip
 
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
-        """See ``Bisecting.beyond``."""
         held = problem.features()
         lacking = unscalable(problem) | (entangled(problem) - {"shipments of sites with demands or pickups"})
         if "objective:makespan" in held and awaited(problem):
@@ -105,7 +96,6 @@ class ORTools(Bisecting):
         return lacking
 
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
-        """See ``Bisecting.search``."""
         control.begin_set_up()
         began = time.perf_counter()
         data = integer_routing(problem)
@@ -122,10 +112,10 @@ class ORTools(Bisecting):
         start = None if fewer is None else with_more_routes(problem, fewer)
         if start is None:
             return RawResult("unknown", "interrupt" if control.stopped else "none", message="OR-Tools found too few routes")
-        left = replace(options, start=start, iterations=half, time_limit=options.time_limit - (time.perf_counter() - began))
-        found = _Search(problem, data, left, control, time.perf_counter()).run()
-        statistics = {name: value for name, value in found.statistics.items() if name != "start"}
-        return replace(found, statistics=statistics, holds=data.holds, links=(data.link,))
+        rest = replace(options, start=start, iterations=half, time_limit=options.time_limit - (time.perf_counter() - began))
+        result = _Search(problem, data, rest, control, time.perf_counter()).run()
+        statistics = {name: value for name, value in result.statistics.items() if name != "start"}
+        return replace(result, statistics=statistics, holds=data.holds, links=(data.link,))
 
 
 class _Search:
@@ -156,10 +146,10 @@ class _Search:
         return result
 
     def _attempts(self) -> list[tuple[int, bool]]:
-        """Vehicles of an unlimited type, half of what a depot is stopped at, and whether customers may be left out, in the order of trial.
+        """Vehicles of an unlimited type, half of the stops at a depot, and whether customers may be left out, in the order of trial.
 
-        The library's search slows down with every vehicle that it could use: first come a few times what the load asks
-        for, then as many as there are customers.
+        The library's search slows down with every vehicle that it could use: first come a few times what the load asks for, then as many as
+        there are customers.
         """
         customers = len(self.problem.customers)
         first = min(customers, max(25, 3 * self.data.fewest()))
@@ -189,12 +179,12 @@ class _Search:
         routing.AddAtSolutionCallback(at_solution)
         start = None if self.options.start is None else model.assignment(self.options.start)
         if start is not None:
-            found = routing.SolveFromAssignmentWithParameters(start, parameters)
+            last = routing.SolveFromAssignmentWithParameters(start, parameters)
         else:
-            found = routing.SolveWithParameters(parameters)
-        if found is not None:
+            last = routing.SolveWithParameters(parameters)
+        if last is not None:
             # The clock decides which incumbents were published, so among equals the library's last word counts.
-            self._take(found.ObjectiveValue(), model, lambda i: found.Value(routing.NextVar(i)), ties=True)
+            self._take(last.ObjectiveValue(), model, lambda i: last.Value(routing.NextVar(i)), ties=True)
         said = routing_enums_pb2.RoutingSearchStatus.Value.Name(routing.status())
         status, limit = STATUS_MAP.get(said, ("unknown", "none"))
         if self.answer is not None:
@@ -214,7 +204,7 @@ class _Search:
         return RawResult(status, limit, self.answer, self.claim, statistics=statistics, message=message)
 
     def _take(self, cost: int, model: Model, successor: Callable[[int], int], ties: bool = False) -> None:
-        """Publish an answer if it is the best one so far (or, with ``ties``, no worse) and leaves no required customer or group out."""
+        """Publish an answer if it is better (or, with ``ties``, no worse) than all before and leaves no required customer or group out."""
         if self.cost is not None and (cost > self.cost or (cost == self.cost and not ties)):
             return
         answer = model.routes(successor)
@@ -238,6 +228,49 @@ class _Search:
         return claimed_objective(self.problem, (cost - model.offset) / data.cost_factor)
 
 
+def with_more_routes(problem: RoutingProblem, answer: Routes) -> Routes | None:
+    """The answer with ``min_vehicles`` routes at least, each further one a customer to whom that is the least detour.
+
+    The answer is feasible but for the number of its routes. None where it does not work out, though other choices might.
+    """
+    lacking = problem.min_vehicles - sum(bool(route.visits) for route in answer)
+    for _ in range(lacking):
+        tried = (_alone(answer, *place) for _, *place in sorted(_places(problem, answer))[:MOST_TRIED])
+        answer = next((one for one in tried if {v.check for v in problem.evaluate(one).violations} <= {"fleet"}), answer)
+    return answer if problem.evaluate(answer).feasible else None
+
+
+def _places(problem: RoutingProblem, answer: Routes) -> list[tuple[float, int, int, int]]:
+    """Places for one more route: by how much all routes get longer, then route, position and new vehicle type of a customer who leaves
+    others behind, or -1 and the site where it was left out before."""
+    used, visited = Counter(route.vehicle for route in answer if route.visits), {site for route in answer for site in route.visits}
+    places = []
+    for kind, vehicle in enumerate(problem.fleet):
+        if vehicle.count is not None and used[kind] >= vehicle.count:
+            continue
+        far = problem.travel_of(kind).distances
+        for site in set(problem.customers.tolist()) - visited:
+            places.append((float(far[vehicle.start, site] + far[site, vehicle.end]), -1, site, kind))
+        for number, route in enumerate(answer.routes):
+            served = [at for at, site in enumerate(route.visits) if not problem.sites.depot[site]]
+            old, own = problem.fleet[route.vehicle], problem.travel_of(route.vehicle).distances
+            stops = (old.start, *route.visits, old.end)
+            for at in served if len(served) > 1 else ():
+                before, site, after = stops[at : at + 3]
+                longer = far[vehicle.start, site] + far[site, vehicle.end] + own[before, after] - own[before, site] - own[site, after]
+                places.append((float(longer), number, at, kind))
+    return places
+
+
+def _alone(answer: Routes, number: int, at: int, kind: int) -> Routes:
+    """The answer with a customer of ``_places`` on a route of his own."""
+    if number < 0:
+        return Routes((*answer.routes, Route((at,), kind)))
+    route = answer.routes[number]
+    rest = Route(route.visits[:at] + route.visits[at + 1 :], route.vehicle)
+    return Routes((*answer.routes[:number], rest, *answer.routes[number + 1 :], Route((route.visits[at],), kind)))
+
+
 def _parameters(options: Options, seconds: float, guided: bool = True, rewarded: bool = False) -> Any:
     """The library's search parameters, the user's own changes checked against its fields.
 
@@ -246,20 +279,20 @@ def _parameters(options: Options, seconds: float, guided: bool = True, rewarded:
     """
     from ortools.constraint_solver import pywrapcp, routing_enums_pb2
 
-    made = pywrapcp.DefaultRoutingSearchParameters()
+    parameters = pywrapcp.DefaultRoutingSearchParameters()
     first = routing_enums_pb2.FirstSolutionStrategy
-    made.first_solution_strategy = first.PATH_CHEAPEST_ARC if rewarded else first.PARALLEL_CHEAPEST_INSERTION
+    parameters.first_solution_strategy = first.PATH_CHEAPEST_ARC if rewarded else first.PARALLEL_CHEAPEST_INSERTION
     searches = routing_enums_pb2.LocalSearchMetaheuristic
-    made.local_search_metaheuristic = searches.GUIDED_LOCAL_SEARCH if guided and not rewarded else searches.TABU_SEARCH
-    made.time_limit.FromMilliseconds(max(1, round(1000 * min(seconds, 1e9))))
+    parameters.local_search_metaheuristic = searches.GUIDED_LOCAL_SEARCH if guided and not rewarded else searches.TABU_SEARCH
+    parameters.time_limit.FromMilliseconds(max(1, round(1000 * min(seconds, 1e9))))
     if options.iterations is not None:
-        made.solution_limit = options.iterations
-    fields = {f.name: f for f in made.DESCRIPTOR.fields if not f.is_repeated and f.message_type is None}
+        parameters.solution_limit = options.iterations
+    fields = {f.name: f for f in parameters.DESCRIPTOR.fields if not f.is_repeated and f.message_type is None}
     for name in ("solution_limit", "log_search"):
         fields.pop(name)
-    given = {{"metaheuristic": "local_search_metaheuristic"}.get(name, name): value for name, value in options.extra.items()}
-    known = {name: None if field.enum_type is not None else getattr(made, name) for name, field in fields.items()}
-    for name, value in own_options("ortools", given, known).items():
+    extra = {{"metaheuristic": "local_search_metaheuristic"}.get(name, name): value for name, value in options.extra.items()}
+    known = {name: None if field.enum_type is not None else getattr(parameters, name) for name, field in fields.items()}
+    for name, value in own_options("ortools", extra, known).items():
         if fields[name].enum_type is not None:
             numbers = {v.name: v.number for v in fields[name].enum_type.values}
             word = str(value).upper().replace("-", "_")
@@ -267,7 +300,7 @@ def _parameters(options: Options, seconds: float, guided: bool = True, rewarded:
                 raise UsageError(f"ortools: {name} is one of {', '.join(numbers)}, not {value!r}")
             value = numbers[word]
         try:
-            setattr(made, name, value)
+            setattr(parameters, name, value)
         except (TypeError, ValueError):
             raise UsageError(f"ortools: {value!r} is no value for option {name}") from None
-    return made
+    return parameters

@@ -29,9 +29,10 @@ TIMED = frozenset(
 
 
 def short_ways(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:
-    """The same where no distance costs anything, but rewards alone count or vehicles stop on the way: the shorter of equals is better.
+    """The data with a price of distance where none has any, but rewards alone count or vehicles stop on the way.
 
-    Rewards alone leave the library's search without a direction: it ends with the first routes that are full. Stops on the way do so too.
+    The shorter of equal answers is better then: otherwise the library's search has no direction, and ends with the first routes that are
+    full.
     """
     costs = {name: getattr(data, name) for name in ("fixed", "time", "overtime", "maxima", "prize")}
     stops = stops_between(problem)
@@ -50,24 +51,12 @@ def short_ways(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:
 
 
 class Model:
-    """A routing problem as an OR-Tools routing model.
+    """A routing problem as an OR-Tools routing model, with ``most`` vehicles of each unlimited type, and twice as many stops at a depot.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    data : IntegerRouting
-    most : int
-        Vehicles of each unlimited type, and half of what a depot is stopped at.
-    droppable : bool
-        Let required customers be left out at a price above any answer's cost: a search that finds no first answer any
-        other way starts from an incomplete one. Such answers are not published.
-
-    Attributes
-    ----------
-    types : list of int
-        Fleet's type of each vehicle; those that no route can use are left out.
-    offset : int
-        What the library's cost holds besides the objective: prizes of all sites, since it counts those of the sites left out.
+    With ``droppable``, required customers may be left out at a price above any answer's cost: a search that finds no first answer any other
+    way starts from an incomplete one. Such answers are not published. ``types`` is the fleet's type of each vehicle, without those that no
+    route can use; ``offset`` is what the library's cost holds besides the objective: prizes of all sites, since it counts those of the
+    sites left out.
     """
 
     def __init__(self, problem: RoutingProblem, data: IntegerRouting, most: int, droppable: bool = False) -> None:
@@ -122,7 +111,7 @@ class Model:
         return 1 + 2 * moved + int(data.fixed.max() + data.prize.sum()) + (self._horizon() * priced if priced else 0)
 
     def _choices(self, dear: int | None) -> Integers:
-        """Which sites may be left out, at what price; what it costs more to visit one of a group than its best."""
+        """Let sites be left out at a price; returns what it costs more to visit one of a group than its best."""
         data, sites = self.data, self.problem.sites
         dearer = np.zeros(len(sites), dtype=np.int64)
         grouped: set[int] = set()
@@ -147,21 +136,21 @@ class Model:
         return dearer
 
     def _matrix(self, kind: int, name: Any, values: Callable[[], Integers], less: Integers | None = None) -> int:
-        """The evaluator of a matrix for a vehicle type, from nodes with ``less``. A vehicle that serves nobody stays where it is,
-        wherever its route would end, unless it is committed."""
+        """The evaluator of a matrix for a vehicle type, from nodes with ``less``. A vehicle that serves nobody stays where it is, wherever
+        its route would end, unless it is committed."""
         committed = self.problem.fleet[kind].committed
         key = (name, int(self.data.profile[kind]), committed)
         if key not in self.evaluators:
-            made = values()[np.ix_(self.sites, self.sites)]
+            matrix = values()[np.ix_(self.sites, self.sites)]
             if less is not None:
-                made -= less[:, None]
+                matrix -= less[:, None]
             if not committed:
-                made[np.ix_(self.ends, self.ends)] = 0
-            self.evaluators[key] = int(self.routing.RegisterTransitMatrix(made.tolist()))
+                matrix[np.ix_(self.ends, self.ends)] = 0
+            self.evaluators[key] = int(self.routing.RegisterTransitMatrix(matrix.tolist()))
         return self.evaluators[key]
 
     def _evaluator(self, name: str, matrices: list[Integers], kind: int, less: Integers | None = None) -> int:
-        """That of a vehicle type, of one matrix for each kind of travel."""
+        """The evaluator of a vehicle type, of one matrix for each kind of travel."""
         return self._matrix(kind, name, lambda: matrices[int(self.data.profile[kind])], less)
 
     def _costs(self, dearer: Integers) -> None:
@@ -234,7 +223,7 @@ class Model:
         return zip(self.at_stops, range(len(self.node), len(self.sites)), self.stops, strict=True)
 
     def _stores(self) -> None:
-        """What stores that are filled up on the way have given since; how often vehicles stop to reload; who may stop where."""
+        """Dimensions of stores that are filled up on the way; how often vehicles stop to reload; who may stop where."""
         routing, data, fleet = self.routing, self.data, self.problem.fleet
         for index, _, stop in self._numbered():
             able = [vehicle for vehicle, k in enumerate(self.types) if k in stop.kinds]
@@ -254,14 +243,14 @@ class Model:
         matrices = [m.duration for m in data.moves]
         idle = int(routing.RegisterUnaryTransitVector((-anew).tolist()))
         evaluators = [self._evaluator("store", matrices, k, anew) if fleet[k].stations else idle for k in self.types]
-        stores = [(int(data.store[k]), int(data.given[k])) if fleet[k].stations else (reach, 0) for k in self.types]
+        stores = [(int(data.store[k]), int(data.store_lacking[k])) if fleet[k].stations else (reach, 0) for k in self.types]
         add_stores(routing, evaluators, stores, [index for index, _, stop in self._numbered() if stop.recharges])
 
     def _moves(self) -> list[Integers]:
         return [self.data.service[:, None] + m.duration for m in self.data.moves]
 
     def _horizon(self) -> int:
-        """No earliest schedule, and none of least duration, ends later."""
+        """A time after which no earliest schedule ends, and none of least duration."""
         longest = np.max([m.max(axis=1) for m in self._moves()], axis=0)
         latest = max(int(self.data.opens.max()), *(listed[-1][0] for listed in self.data.windows))
         return latest + int(longest[self.sites].sum())
@@ -302,24 +291,28 @@ class Model:
             routing.GetDimensionOrDie("duration").SetGlobalSpanCostCoefficient(int(data.maxima[0]))
 
     def _forbidden(self) -> None:
-        """No move is made that is forbidden; who stays at home makes none."""
+        """Forbid moves; a vehicle that stays at home makes none."""
         shut = self.problem.forbidden
         if shut is None:
             return
-        routing, manager = self.routing, self.manager
-        starts = {routing.Start(vehicle): k for vehicle, k in enumerate(self.types)}
-        heads = self.sites[[manager.IndexToNode(index) for index in range(routing.Size() + len(self.types))]]
+        routing = self.routing
+        starts, heads = self._starts_and_sites()
         for index in range(routing.Size()):
             free = {index}  # a site that is left out is its own next
             if index in starts and not self.problem.fleet[starts[index]].committed:
                 free.update(routing.End(vehicle) for vehicle in range(len(self.types)))
             routing.NextVar(index).RemoveValues([j for j in np.nonzero(shut[heads[index], heads])[0].tolist() if j not in free])
 
+    def _starts_and_sites(self) -> tuple[dict[int, int], Integers]:
+        """Vehicle type of each index at which a route starts, and the site of each index."""
+        starts = {self.routing.Start(vehicle): k for vehicle, k in enumerate(self.types)}
+        nodes = [self.manager.IndexToNode(index) for index in range(self.routing.Size() + len(self.types))]
+        return starts, self.sites[nodes]
+
     def _closing(self, clock: Any, closing: Integers, first: int, horizon: int) -> None:
-        """Moves begin in time; that to the own index, of a site left out, always does."""
-        routing, manager, data = self.routing, self.manager, self.data
-        starts = {routing.Start(vehicle): k for vehicle, k in enumerate(self.types)}
-        heads = self.sites[[manager.IndexToNode(index) for index in range(routing.Size() + len(self.types))]]
+        """Have moves begin in time; that to the own index, of a site left out, always does."""
+        routing, data = self.routing, self.data
+        starts, heads = self._starts_and_sites()
         for index in range(routing.Size()):
             site = int(heads[index])
             service = 0 if index in starts else int(data.service[site])
@@ -371,14 +364,14 @@ class Model:
 
     def routes(self, successor: Callable[[int], int]) -> Routes:
         """The routes of ``successor``, a function from an index to the next one."""
-        found = []
+        routes = []
         for vehicle, kind in enumerate(self.types):
             at, visits = successor(self.routing.Start(vehicle)), []
             while not self.routing.IsEnd(at):
                 visits.append(int(self.sites[self.manager.IndexToNode(at)]))
                 at = successor(at)
-            found.append(Route(tuple(visits), kind))
-        return Routes.of(found)
+            routes.append(Route(tuple(visits), kind))
+        return Routes.of(routes)
 
     def assignment(self, answer: Routes) -> Any:
         """A start for the search; None if the library cannot take the answer."""

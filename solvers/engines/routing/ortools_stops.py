@@ -1,6 +1,6 @@
 """Stops at depots on the way, for the OR-Tools routing library: nodes that may be left out, where loads and stores begin anew.
 
-What is on board, and what a store has given since it was full, are dimensions of the library. Slack at a stop sets them to whatever they
+Loads on board, and what a store has given since it was full, are dimensions of the library. Slack at a stop sets them to whatever they
 begin with there; elsewhere there is none.
 """
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Stop:
-    """One visit of a depot by a vehicle of any of ``kinds``, to which the depot is the same: they reload there, recharge, or both."""
+    """One visit of a depot by a vehicle of any of ``kinds``, who all reload there, recharge, or both."""
 
     site: int
     kinds: frozenset[int]
@@ -29,16 +29,8 @@ class Stop:
 
 
 def stops_on_the_way(problem: RoutingProblem, types: Sequence[int], most: int) -> list[Stop]:
-    """Each depot as often as an answer may have to stop there, but ``most`` times at most.
-
-    Parameters
-    ----------
-    problem : RoutingProblem
-    types : sequence of int
-        Fleet's type of each vehicle.
-    most : int
-    """
-    fleet, found = problem.fleet, []
+    """Each depot as often as an answer may have to stop there, at most ``most`` times; ``types`` is the fleet's type of each vehicle."""
+    fleet, stops = problem.fleet, []
     needed = len(problem.customers) + min(len(problem.customers), len(types))  # once before each site, and once before each return
     for depot in sorted({site for v in fleet for site in (*v.reloads, *v.stations)}):
         for role in ((True, False), (False, True), (True, True)):
@@ -47,22 +39,13 @@ def stops_on_the_way(problem: RoutingProblem, types: Sequence[int], most: int) -
             if role[0]:
                 limits = [fleet[k].max_reloads for k in types if k in kinds]
                 number = min(number, sum(number if limit is None else limit for limit in limits))
-            found += [Stop(depot, kinds, *role)] * (number if kinds else 0)
-    return found
+            stops += [Stop(depot, kinds, *role)] * (number if kinds else 0)
+    return stops
 
 
 def count_routes(routing: Any, vehicles: int, customers: Sequence[int], least: int, stops: bool) -> None:
-    """Have ``least`` routes at least; where there are ``stops``, whoever drives serves somebody.
-
-    Parameters
-    ----------
-    routing : RoutingModel
-    vehicles : int
-    customers : sequence of int
-        Their indices, which are those of their nodes.
-    least : int
-    stops : bool
-    """
+    """Have ``least`` routes at least; where there are ``stops``, whoever drives serves somebody. ``customers`` are indices, which are those
+    of their nodes."""
     solver, drives = routing.solver(), [routing.ActiveVehicleVar(vehicle) for vehicle in range(vehicles)]
     if least:
         solver.Add(solver.Sum(drives) >= least)
@@ -72,24 +55,17 @@ def count_routes(routing: Any, vehicles: int, customers: Sequence[int], least: i
 
 
 def add_stores(routing: Any, evaluators: list[int], stores: Sequence[tuple[int, int]], stations: Sequence[int]) -> None:
-    """What each vehicle's store has given since it was full.
+    """The dimension of what each vehicle's store has given since it was full.
 
-    Parameters
-    ----------
-    routing : RoutingModel
-    evaluators : list of int
-        Of what moves draw, less the largest store from nodes of stations.
-    stores : sequence of (int, int)
-        What each vehicle's store holds, and what it lacks of that at departure.
-    stations : sequence of int
-        Indices of stops.
+    ``evaluators`` are those of what moves draw, less the largest store from nodes of stations; ``stores`` what each vehicle's store holds,
+    and what it lacks of that at departure; ``stations`` indices of stops.
     """
     reach = max(store for store, _ in stores)
-    given = add_level(routing, evaluators, [store for store, _ in stores], "store", stations, reach)
+    used = add_level(routing, evaluators, [store for store, _ in stores], "store", stations, reach)
     for vehicle, (_, lacking) in enumerate(stores):
-        given.CumulVar(routing.Start(vehicle)).SetValue(lacking)
+        used.CumulVar(routing.Start(vehicle)).SetValue(lacking)
     for index in stations:  # nothing is stored beyond what the store holds
-        routing.solver().Add(given.CumulVar(index) + given.SlackVar(index) >= reach)
+        routing.solver().Add(used.CumulVar(index) + used.SlackVar(index) >= reach)
 
 
 def add_level(routing: Any, evaluators: list[int], limits: list[int], name: str, anew: Sequence[int], reach: int) -> Any:
@@ -105,21 +81,11 @@ def add_level(routing: Any, evaluators: list[int], limits: list[int], name: str,
 def add_loads(
     routing: Any, carried: tuple[Integers, Integers, Integers], limits: list[int], name: str, turns: Sequence[tuple[int, int]]
 ) -> None:
-    """What is on board of vehicles that reload.
+    """The dimensions of what is on board of vehicles that reload: what a trip delivers and has collected, and what shipments put there.
 
-    On board is what a trip delivers and has collected, and what shipments put there. A trip may begin with any load; where it ends, what
-    was collected and has been shipped is still there at least, which is all that the first load has to be enough for.
-
-    Parameters
-    ----------
-    routing : RoutingModel
-    carried : tuple of int arrays, one entry a node
-        What is delivered, what is collected, and what is put on board of shipments.
-    limits : list of int
-        Capacity of each vehicle.
-    name : str
-    turns : sequence of (int, int)
-        Index and node of each stop where vehicles reload.
+    A trip may begin with any load; where it ends, what was collected and has been shipped is still there at least, which is all that the
+    first load has to be enough for. ``carried`` is what each node has delivered, collected and put on board of shipments; ``limits`` are
+    the capacities of the vehicles; ``turns`` index and node of each stop where vehicles reload.
     """
     (delivered, collected, shipped), reach, vehicles = carried, max(limits), len(limits)
     stops, anew = [index for index, _ in turns], np.zeros(len(delivered), dtype=np.int64)
@@ -130,14 +96,14 @@ def add_loads(
         return add_level(routing, [evaluator] * vehicles, limits, f"{called} {name}", free, reach)
 
     board = level(collected + shipped - delivered - anew, "load", stops)
-    left = [
+    kept = [
         level(change, called, free)
         for change, called, free in ((collected - anew, "collected", stops), (shipped, "shipped", ()))
         if (change + anew * (called == "collected")).any()
     ]
     for vehicle in range(vehicles):
-        for dimension in left:
+        for dimension in kept:
             dimension.CumulVar(routing.Start(vehicle)).SetValue(0)
-    if left:
+    if kept:
         for index in (*stops, *(routing.End(vehicle) for vehicle in range(vehicles))):
-            routing.solver().Add(board.CumulVar(index) >= sum(dimension.CumulVar(index) for dimension in left))
+            routing.solver().Add(board.CumulVar(index) >= sum(dimension.CumulVar(index) for dimension in kept))

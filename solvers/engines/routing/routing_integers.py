@@ -1,8 +1,7 @@
 """Routing data as integers, for engines that count in integers: one place, one rule of rounding.
 
-Data of extraordinary size are first brought to an ordinary one by a power of two. What can then be written exactly with at most three
-decimals is scaled exactly. All else is scaled by 1e6, consumption up and limits down, so that whatever is feasible for the integers is
-feasible for the data.
+Data of extraordinary size are first brought to an ordinary one by a power of two. Data that at most three decimals hold are scaled exactly;
+all others by 1e6, consumption up and limits down, so that whatever is feasible for the integers is feasible for the data.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from numpy.typing import ArrayLike
 from ....formulations.programs.exactness import Exactness, Link
 from ....instances.errors import InputError
 from .integer_scales import FINE, UNLIMITED, Floats, Integers, Scale, Strips, plain, scale_of, whole
-from .routing_objective import scalarised
+from .routing_objective import Scalar, scalarised
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
@@ -34,19 +33,12 @@ _PRECISE = 10_000
 
 @dataclass(frozen=True, eq=False)
 class Moves:
-    """Moves of vehicles of one kind, int arrays of shape (sites, sites), made when they are first asked for: a matrix of 5,000 sites is one
-    of 200 MB, and few engines look at all of them.
+    """Moves of vehicles of one kind, int arrays of shape (sites, sites).
 
-    Attributes
-    ----------
-    lengths, times : Strips
-        Distances and durations.
-    length, clock : Scale
-        Of distances and of durations.
-    distance : for costs: rounded to the nearest.
-    distance_up, duration : for limits: rounded up.
-    charge : time charged for a move by ``energy:windows``; rounded up. None where nobody is charged so.
-    closing : latest time at which a move may begin. None where none closes.
+    They are made when they are first asked for: a matrix of 5,000 sites is one of 200 MB, and few engines look at all of them.
+    ``distance``, for costs, is rounded to the nearest; ``distance_up`` and ``duration``, for limits, up, as is ``charge``, the time charged
+    for a move by ``energy:windows`` (None where nobody is charged so). ``closing`` is the latest time at which a move may begin (None where
+    none closes).
     """
 
     lengths: Strips
@@ -71,7 +63,7 @@ class Moves:
         return _matrix(self.times, self.clock.up)
 
     def forget(self) -> None:
-        """Free the memory of the matrices: who asks for one again has it made again."""
+        """Free the memory of the matrices; they are made again where they are asked for again."""
         for name in ("distance", "distance_up", "duration"):
             self.__dict__.pop(name, None)
 
@@ -90,38 +82,19 @@ class Moves:
 class IntegerRouting:
     """A routing problem in integers; ``UNLIMITED`` where there is no limit.
 
-    Attributes
-    ----------
-    moves : tuple of Moves
-        One entry for each travel, speed and, where it is charged for, opening of a vehicle.
-    profile : int array
-        Entry of ``moves`` of each vehicle type.
-    service, ready, due : int arrays, one entry a site
-        Times count from ``origin``, the earliest ready time if that is negative.
-    windows : tuple
-        One entry a site: one or several windows (ready, due).
-    demand, pickup : int arrays of shape (sites, load dimensions)
-    shipped : int array of shape (shipments, load dimensions)
-    prize : int array, one entry a site
-        What a visit is worth in the cost's units.
-    capacity : int array of shape (vehicle types, load dimensions)
-    max_duration, max_distance, regular_duration, unit, fixed, time, overtime : int arrays, one entry a vehicle type
-        ``time`` and ``overtime``: costs of a unit of duration, and of one beyond the regular duration.
-    opens, leaves, closes : int arrays, one entry a vehicle type
-        Earliest and latest departure, latest return. Where ``closes`` is before ``opens`` no vehicle can be used.
-    travel_limit, charge_limit, latest_return : int arrays, one entry a vehicle type
-        Energy as a limit on time: on the move, charged by windows, and as the latest return of a route that starts when
-        its depot opens.
-    store, given : int arrays, one entry a vehicle type
-        Time on the move that a store lasts which is filled up on the way, and what it lacks of that at departure.
-    travel_reach : int array, one entry a vehicle type
-        ``travel_limit`` as a limit on distance, where moves take as long as they are.
-    maxima : int array
-        Costs of a unit of the largest duration, distance and return, in the order of ``routing_objective.MAXIMA``.
-    cost_factor : float
-        Integers in one unit of the objective.
-    scales : dict
-        For the report: scale of cost, distance, time and load.
+    ``moves`` has an entry for each travel, speed and, where it is charged for, opening of a vehicle; ``profile`` is that of each vehicle
+    type. Times count from the earliest ready time if that is negative, else from 0. ``windows`` has one or several pairs (ready, due) a
+    site. Loads have one column a dimension.
+
+    Of the arrays with an entry a vehicle type, ``unit``, ``fixed``, ``time`` and ``overtime`` are costs of a unit of distance, of a route,
+    of a unit of duration and of one beyond the regular duration. No vehicle can be used where ``closes`` is before ``opens``; ``leaves`` is
+    the latest departure. Energy becomes limits on time: ``travel_limit`` on the move (``travel_reach`` as a distance, where moves take as
+    long as they are), ``charge_limit`` by windows, and ``latest_return`` of a route that starts when its depot opens; ``store`` is the time
+    on the move that a store lasts which is filled up on the way, ``store_lacking`` what it lacks of that at departure.
+
+    ``prize`` is the value of a visit in units of cost; ``maxima`` are costs of a unit of the largest duration, distance and return, in the
+    order of ``routing_objective.MAXIMA``; ``cost_factor`` is the number of integers in one unit of the objective; ``scales`` are for the
+    report.
     """
 
     moves: tuple[Moves, ...]
@@ -150,7 +123,7 @@ class IntegerRouting:
     charge_limit: Integers
     latest_return: Integers
     store: Integers
-    given: Integers
+    store_lacking: Integers
     maxima: Integers
     cost_factor: float
     scales: dict[str, Any]
@@ -162,7 +135,7 @@ class IntegerRouting:
         return [int(k) for k in np.nonzero(carried & (self.capacity != UNLIMITED).any(axis=0))[0]]
 
     def fewest(self) -> int:
-        """Vehicles that the loads ask for at least, were all of the roomiest type; 0 where loads limit nothing."""
+        """Least number of vehicles for the loads, were all of the roomiest type; 0 where loads limit nothing."""
         needs = [0]
         for k in self.limited:
             roomiest = int(self.capacity[:, k].max())
@@ -176,82 +149,45 @@ class IntegerRouting:
 
     @property
     def holds(self) -> Exactness:
-        """For what a search of these integers can claim: limits are rounded to the safe side where they are rounded at all."""
+        """Exactness of claims for these integers: limits are rounded to the safe side where they are rounded at all."""
         return Exactness.EXACT if self.scales["exact"] else Exactness.RESTRICTION
 
     @property
     def link(self) -> Link:
-        """What was done to the data, for the chain that a solution shows."""
+        """The scaling of the data, for the chain that a solution shows."""
         units = ", ".join(f"{name} times {factor:g}" for name, factor in self.scales.items() if name != "exact")
         return Link("whole-numbers", self.holds, units)
 
 
 def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int = 2**60, fine: int = FINE) -> IntegerRouting:
-    """The data of ``problem`` in integers.
+    """The data of ``problem``, whose objective is one sum (``scalarised``), in integers.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        Its objective is one sum (``scalarised``).
-    largest : int
-        Largest integer that the engine takes as a single value.
-    total : int
-        Largest sum along a whole answer that it can hold.
-    fine : int
-        Scale of data that three decimals cannot hold, for engines with little room.
-
-    Raises
-    ------
-    InputError
-        If a value or a sum of them is beyond ``largest`` or ``total``; names the largest value.
+    Raises InputError, which names the largest value, where a single value is beyond ``largest``, or a sum along a whole answer may be
+    beyond ``total``. ``fine`` is the scale of data that three decimals cannot hold, for engines with little room.
     """
     sites, fleet = problem.sites, problem.fleet
     scaled = partial(scale_of, fine=fine, room=_room(largest, total, len(sites)))
     goal = scalarised(problem)
     travels, profile = _profiles(problem)
     strips = [_strips(travel) for travel, _ in travels]
-
-    served = np.where(sites.depot, 0.0, sites.service)
-    if any(v.reloads or v.stations for v in fleet):
-        served = sites.service
+    served = sites.service if any(v.reloads or v.stations for v in fleet) else np.where(sites.depot, 0.0, sites.service)
     opening = np.array([max(float(sites.ready[v.start]), v.shift[0]) for v in fleet])
     closing = np.array([min(float(sites.due[v.end]), v.shift[1]) for v in fleet])
     regular = np.where(goal.overtime > 0, [v.regular_duration for v in fleet], math.inf)
-    several = [list(w) or [(r, d)] for w, r, d in zip(sites.windows or [()] * len(sites), sites.ready, sites.due, strict=True)]
-    times = [t for w in sites.windows for pair in w for t in pair]
-    closings = [t.closing for t, _ in travels if t.closing is not None]
-    clock = scaled(*(times for _, times in strips), *closings, served, sites.ready, sites.due, opening, regular, times)
-    rates = np.concatenate([goal.unit, goal.maxima[1:2]])
-    per_unit = scaled(rates)
-    others = (goal.fixed * per_unit.factor, goal.prize * per_unit.factor)
-    length = scaled(*(lengths for lengths, _ in strips), *others)
-    priced = np.concatenate([goal.time, goal.overtime, goal.maxima[[0, 2]]])
-    finer = _finer(priced * (per_unit.factor * length.factor / clock.factor))
-    per_unit = Scale(plain(per_unit.factor * finer), per_unit.exact)
-    cost = Scale(plain(length.factor * per_unit.factor), length.exact and per_unit.exact)
-    per_time = Scale(cost.factor / clock.factor, bool(whole(priced * (cost.factor / clock.factor)).all()))
+    moments = [moment for windows in sites.windows for window in windows for moment in window]
+    closings = [travel.closing for travel, _ in travels if travel.closing is not None]
+    clock = scaled(*(times for _, times in strips), *closings, served, sites.ready, sites.due, opening, regular, moments)
+    length, per_unit, cost, per_time = _prices(goal, [lengths for lengths, _ in strips], clock, scaled)
 
     origin = min(0.0, float(sites.ready.min()))
-    windows = [[(int(clock.up(r - origin)), int(clock.down(d - origin))) for r, d in listed] for listed in several]
-    service = clock.up(served)
-    for site in problem.customers.tolist():
-        # A window without an integer in it: begin at the integer below, and count the difference as service.
-        service[site] += any(r > d for r, d in windows[site])
-        windows[site] = [(min(r, d), d) for r, d in windows[site]]
+    service, windows = _windows(problem, served, clock, origin)
     due = np.array([listed[-1][1] for listed in windows], dtype=np.int64)
-
-    budgets = {kind: np.full(len(fleet), math.inf) for kind in ("travel", "elapsed", "elapsed-fixed-start", "windows")}
-    store, left = np.full((2, len(fleet)), math.inf)
-    for k, vehicle in enumerate(fleet):
-        if vehicle.stations and vehicle.energy is not None:
-            store[k], left[k] = (amount / vehicle.energy.rate for amount in (vehicle.energy.capacity, vehicle.energy.at_departure))
-        elif vehicle.energy is not None:
-            budgets[vehicle.energy.charge][k] = vehicle.energy.at_departure / vehicle.energy.rate
+    budgets, store, at_departure = _energy(problem)
     opens = clock.up(opening - origin)
     latest_return = clock.down(opening - origin + budgets["elapsed-fixed-start"])
     closes = np.minimum(clock.down(closing - origin), latest_return)
     loads, capacity, load = _loads(problem, scaled)
-    made = IntegerRouting(
+    integers = IntegerRouting(
         moves=tuple(
             _moves(problem, t, each, at, length, clock, served, origin) for (t, at), each in zip(travels, strips, strict=True)
         ),
@@ -275,7 +211,7 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
         travel_reach=length.down(budgets["travel"]),
         charge_limit=clock.down(budgets["windows"]),
         latest_return=latest_return,
-        store=clock.down(store), given=clock.down(store) - clock.down(left),
+        store=clock.down(store), store_lacking=clock.down(store) - clock.down(at_departure),
         maxima=np.concatenate([p.nearest([m]) for p, m in zip((per_time, per_unit, per_time), goal.maxima, strict=True)]),
         cost_factor=cost.factor,
         scales={
@@ -283,13 +219,51 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
             "exact": cost.exact and clock.exact and load.exact and per_time.exact,
         },
     )  # fmt: skip
-    _check_headroom(made, len(sites), largest, total)
-    return made
+    _check_headroom(integers, len(sites), largest, total)
+    return integers
+
+
+def _prices(goal: Scalar, lengths: list[Strips], clock: Scale, scaled: Callable[..., Scale]) -> tuple[Scale, Scale, Scale, Scale]:
+    """Scales of distances, of prices of a unit of distance, of costs, and of prices of a unit of time."""
+    per_unit = scaled(np.concatenate([goal.unit, goal.maxima[1:2]]))
+    length = scaled(*lengths, goal.fixed * per_unit.factor, goal.prize * per_unit.factor)
+    priced = np.concatenate([goal.time, goal.overtime, goal.maxima[[0, 2]]])
+    finer = _finer(priced * (per_unit.factor * length.factor / clock.factor))
+    per_unit = Scale(plain(per_unit.factor * finer), per_unit.exact)
+    cost = Scale(plain(length.factor * per_unit.factor), length.exact and per_unit.exact)
+    return length, per_unit, cost, Scale(cost.factor / clock.factor, bool(whole(priced * (cost.factor / clock.factor)).all()))
+
+
+def _windows(problem: RoutingProblem, served: Floats, clock: Scale, origin: float) -> tuple[Integers, list[list[tuple[int, int]]]]:
+    """Service times and windows of all sites, rounded inwards."""
+    sites = problem.sites
+    several = [list(w) or [(r, d)] for w, r, d in zip(sites.windows or [()] * len(sites), sites.ready, sites.due, strict=True)]
+    windows = [[(int(clock.up(r - origin)), int(clock.down(d - origin))) for r, d in listed] for listed in several]
+    service = clock.up(served)
+    for site in problem.customers.tolist():
+        # A window without an integer in it: begin at the integer below, and count the difference as service.
+        service[site] += any(r > d for r, d in windows[site])
+        windows[site] = [(min(r, d), d) for r, d in windows[site]]
+    return service, windows
+
+
+def _energy(problem: RoutingProblem) -> tuple[dict[str, Floats], Floats, Floats]:
+    """Energy as time, one entry a vehicle type: limits by charge; what a store holds that is filled up on the way, and at departure."""
+    limits = {kind: np.full(len(problem.fleet), math.inf) for kind in ("travel", "elapsed", "elapsed-fixed-start", "windows")}
+    store, at_departure = np.full((2, len(problem.fleet)), math.inf)
+    for k, vehicle in enumerate(problem.fleet):
+        if vehicle.energy is None:
+            continue
+        if vehicle.stations:
+            store[k], at_departure[k] = (held / vehicle.energy.rate for held in (vehicle.energy.capacity, vehicle.energy.at_departure))
+        else:
+            limits[vehicle.energy.charge][k] = vehicle.energy.at_departure / vehicle.energy.rate
+    return limits, store, at_departure
 
 
 def _profiles(problem: RoutingProblem) -> tuple[list[tuple[Travel, tuple[int, float] | None]], list[int]]:
-    """Different travels, each with the depot and the opening of those that are charged from it, and the number of each type's."""
-    found: list[tuple[Travel, tuple[int, float] | None]] = []
+    """Different travels, each with the depot and the opening of vehicles that are charged from it, and the entry of each vehicle type."""
+    travels: list[tuple[Travel, tuple[int, float] | None]] = []
     keys: dict[Any, int] = {}
     profile = []
     for k, vehicle in enumerate(problem.fleet):
@@ -297,10 +271,10 @@ def _profiles(problem: RoutingProblem) -> tuple[list[tuple[Travel, tuple[int, fl
         at = (vehicle.start, max(float(problem.sites.ready[vehicle.start]), vehicle.shift[0])) if charged else None
         key = (id(vehicle.travel), vehicle.speed, at)
         if key not in keys:
-            keys[key] = len(found)
-            found.append((problem.travel_of(k), at))
+            keys[key] = len(travels)
+            travels.append((problem.travel_of(k), at))
         profile.append(keys[key])
-    return found, profile
+    return travels, profile
 
 
 def _moves(
@@ -320,27 +294,27 @@ def _moves(
 
 
 def _strips(travel: Travel) -> tuple[Strips, Strips]:
-    """All distances and durations, the same ones where these are equal: nothing of n x n floats is made of coordinates."""
+    """All distances and durations, the same ones where these are equal, computed in strips: no matrix of floats is made of coordinates."""
     every = np.arange(len(travel))
     step = max(1, STRIP // max(1, len(every)))
 
-    def made(between: Callable[[ArrayLike, ArrayLike], Floats]) -> Iterator[Floats]:
+    def rows(between: Callable[[ArrayLike, ArrayLike], Floats]) -> Iterator[Floats]:
         for first in range(0, len(every), step):
             yield between(every[first : first + step, None], every[None, :])
 
-    lengths = Strips(partial(made, travel.distance))
-    return lengths, Strips(partial(made, travel.duration)) if travel.own_durations else lengths
+    lengths = Strips(partial(rows, travel.distance))
+    return lengths, Strips(partial(rows, travel.duration)) if travel.own_durations else lengths
 
 
 def _matrix(values: Strips, rounded: Callable[[Floats], Integers]) -> Integers:
-    strips = iter(values.made())
+    strips = iter(values.strips())
     head = rounded(next(strips))
-    made, first = np.empty((head.shape[1],) * 2, dtype=np.int64), len(head)
-    made[:first] = head
+    matrix, first = np.empty((head.shape[1],) * 2, dtype=np.int64), len(head)
+    matrix[:first] = head
     for strip in strips:
-        made[first : first + len(strip)] = rounded(strip)
+        matrix[first : first + len(strip)] = rounded(strip)
         first += len(strip)
-    return made
+    return matrix
 
 
 def _loads(problem: RoutingProblem, scaled: Callable[..., Scale]) -> tuple[list[Integers], Integers, Scale]:
@@ -365,39 +339,53 @@ def _loads(problem: RoutingProblem, scaled: Callable[..., Scale]) -> tuple[list[
 
 def _finer(prices: Floats) -> int:
     """Power of ten that makes prices of time whole, or precise where none does."""
-    found = [10**k for k in range(13) if whole(prices * 10**k).all()]
-    if found or not prices.any():
-        return found[0] if found else 1
+    power = next((10**k for k in range(13) if whole(prices * 10**k).all()), None)
+    if power is not None or not prices.any():
+        return power or 1
     return int(10 ** max(0, math.ceil(math.log10(_PRECISE / float(prices[prices > 0].min())))))
 
 
 def _room(largest: int, total: int, sites: int) -> int:
-    """What a single value may be, so that a sum along an answer, of two moves a site at most, fits too."""
+    """Largest single value such that a sum along an answer, of two moves a site at most, fits too."""
     return min(largest, total // max(1, 2 * sites))
 
 
-def _check_headroom(made: IntegerRouting, sites: int, largest: int, total: int) -> None:
+def _check_headroom(integers: IntegerRouting, sites: int, largest: int, total: int) -> None:
     """Refuse data whose sums could overflow."""
     singles = {
-        "distance": (np.array([m.longest for m in made.moves]), made.scales["distance"]),
-        "duration": (np.array([m.slowest for m in made.moves]), made.scales["time"]),
-        "service time": (made.service, made.scales["time"]),
-        "ready time": (made.ready, made.scales["time"]),
-        "demand": (made.demand, made.scales["load"]),
-        "pickup": (made.pickup, made.scales["load"]),
-        "shipment": (made.shipped, made.scales["load"]),
-        "fixed cost": (made.fixed, made.scales["cost"]),
-        "reward": (made.prize, made.scales["cost"]),
+        "distance": (np.array([m.longest for m in integers.moves]), integers.scales["distance"]),
+        "duration": (np.array([m.slowest for m in integers.moves]), integers.scales["time"]),
+        "service time": (integers.service, integers.scales["time"]),
+        "ready time": (integers.ready, integers.scales["time"]),
+        "demand": (integers.demand, integers.scales["load"]),
+        "pickup": (integers.pickup, integers.scales["load"]),
+        "shipment": (integers.shipped, integers.scales["load"]),
+        "fixed cost": (integers.fixed, integers.scales["cost"]),
+        "reward": (integers.prize, integers.scales["cost"]),
     }
-    priced = {
-        "distance": int(max(made.unit.max(), made.maxima[1])),
-        **dict.fromkeys(("duration", "service time", "ready time"), int(max(made.time.max() + made.overtime.max(), *made.maxima[[0, 2]]))),
-    }
+    dearest = int(max(integers.time.max() + integers.overtime.max(), *integers.maxima[[0, 2]]))
+    prices = dict.fromkeys(("duration", "service time", "ready time"), dearest)
+    prices["distance"] = int(max(integers.unit.max(), integers.maxima[1]))
     for what, (values, factor) in singles.items():
         top = int(values.max(initial=0))
-        limit = _room(largest, total, sites) // max(1, priced.get(what, 1))
+        limit = _room(largest, total, sites) // max(1, prices.get(what, 1))
         if top > limit:
             raise InputError(
                 f"the largest {what} is too large for an engine that counts in integers (scaled by {factor})",
                 expected=f"at most {limit / factor:g}", found=f"{top / factor:g}",
             )  # fmt: skip
+
+
+def entangled(problem: RoutingProblem) -> frozenset[str]:
+    """Further uses of the ends of shipments, for engines to which these are stops for one shipment alone; empty where there are none."""
+    sites = problem.sites
+    ends = [site for shipment in sites.shipments for site in (shipment.pickup, shipment.delivery)]
+    grouped = {site for group in sites.groups for site in group.sites}
+    lacking = set()
+    if len(set(ends)) < len(ends):
+        lacking.add("several shipments of one site")
+    if sites.demand[ends].any() or sites.pickup[ends].any() or sites.further_demand[ends].any() or sites.further_pickup[ends].any():
+        lacking.add("shipments of sites with demands or pickups")
+    if grouped.intersection(ends):
+        lacking.add("shipments of groups")
+    return frozenset(lacking)

@@ -7,16 +7,14 @@ from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.checking.granularity import grain
 from ....instances.errors import UnsupportedError
+from .integer_scales import Floats
 
 if TYPE_CHECKING:
     from ....formulations.routing.objective import Weighted
     from ....formulations.routing.problem import RoutingProblem
-
-Floats = NDArray[np.float64]
 
 MAXIMA = ("makespan", "longest-route", "latest-return")
 """Terms that are the largest value of a route."""
@@ -27,10 +25,10 @@ STEPPED = frozenset({"vehicles", "reward", "penalties"})
 
 @dataclass(frozen=True, eq=False)
 class Scalar:
-    """Minimise, over routes, ``unit[type] * distance + fixed[type] + time[type] * duration``, and ``overtime[type]`` times what the
-    duration exceeds the regular one by, minus ``prize`` of the visited sites, plus ``maxima`` times the largest of ``MAXIMA``.
+    """A sum to be minimised over routes.
 
-    ``unit``, ``fixed``, ``time`` and ``overtime`` have one entry a vehicle type, ``prize`` one a site; all are at least 0.
+    A route costs ``unit[type] * distance + fixed[type] + time[type] * duration``, and ``overtime[type]`` times what the duration exceeds
+    the regular one by, minus ``prize`` of the visited sites; ``maxima`` times the largest of ``MAXIMA`` are added. All are at least 0.
     """
 
     unit: Floats
@@ -68,16 +66,10 @@ def unscalable(problem: RoutingProblem) -> frozenset[str]:
 
 
 def scalarised(problem: RoutingProblem) -> Scalar:
-    """One sum whose optima are those of the objective.
+    """One sum whose optima are those of the objective; UnsupportedError if there is none.
 
-    A level is weighed so that its smallest step outweighs all later levels together, which is exact: a vehicle counts 1,
-    and rewards and penalties count in steps of what they are all multiples of, or of a millionth of the largest where there is no
-    such number.
-
-    Raises
-    ------
-    UnsupportedError
-        If the objective cannot be expressed.
+    A level is weighed so that its smallest step outweighs all later levels together, which is exact: a vehicle counts 1, and rewards and
+    penalties count in steps of what they are all multiples of, or of a millionth of the largest where there is no such number.
     """
     lacking = unscalable(problem)
     if lacking:
@@ -121,7 +113,7 @@ def _sign(level: Weighted) -> float:
 
 
 def _range(problem: RoutingProblem, goal: Scalar) -> float:
-    """No two answers differ by more in ``goal``: every customer on a route of its own costs at most this."""
+    """Largest difference of two answers in ``goal``: every customer on a route of its own costs at most this."""
     n = len(problem.customers)
     travels = [problem.travel_of(k) for k in range(len(problem.fleet))]
     moves = 2 * n * (1 + stops_between(problem))
@@ -140,7 +132,7 @@ def stops_between(problem: RoutingProblem) -> int:
 
 
 def longest_stay(problem: RoutingProblem) -> float:
-    """No route waits and serves for longer, all in all."""
+    """The longest time that a route can wait and serve, all in all."""
     sites = problem.sites
     opens = [w[-1][0] for w in sites.windows if w]
     first = min(float(sites.ready.min()), *(max(float(sites.ready[v.start]), v.shift[0]) for v in problem.fleet))
@@ -151,8 +143,8 @@ def longest_stay(problem: RoutingProblem) -> float:
 
 
 def _step(prize: Floats) -> float:
-    found = grain(prize)
-    return found.size if found is not None else 1e-6 * float(prize.max(initial=0.0)) or 1.0
+    unit = grain(prize)
+    return unit.size if unit is not None else 1e-6 * float(prize.max(initial=0.0)) or 1.0
 
 
 def awaited(problem: RoutingProblem) -> bool:
@@ -165,9 +157,10 @@ def awaited(problem: RoutingProblem) -> bool:
 
 
 def claimed_objective(problem: RoutingProblem, value: float) -> float | None:
-    """What an engine's minimised sum says about the objective; None for objectives in order of priority."""
+    """Value of the objective for an engine's minimised sum; None for objectives in order of priority."""
     levels = problem.objective.levels()
     if len(levels) > 1:
         return None
-    left = math.fsum(w for w, term in levels[0].terms if term.name == "penalties") * float(problem.sites.penalty[problem.customers].sum())
-    return _sign(levels[0]) * value + problem.constant + left
+    penalties = math.fsum(weight for weight, term in levels[0].terms if term.name == "penalties")
+    all_left_out = penalties * float(problem.sites.penalty[problem.customers].sum())
+    return _sign(levels[0]) * value + problem.constant + all_left_out

@@ -23,7 +23,7 @@ from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Energy, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import RoutingTruth, routes
-from waybound.solvers.bounds.routing.infeasible_site import infeasible_site_evidence
+from waybound.solvers.bounds.routing.infeasibility import infeasible_site_evidence
 
 DRAWN = settings(max_examples=draws(150), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 

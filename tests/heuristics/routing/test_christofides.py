@@ -7,14 +7,12 @@ import pytest
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from small_routing import context
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.stop import NEVER
-from waybound.heuristics.heuristic import HEURISTICS, Context
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound import RoutingProblem, Sites, Travel, VehicleType
+from waybound.heuristics.heuristic import HEURISTICS
+from waybound.instances.routing.travel import EXPLICIT
 from waybound.reports.ratios.judging import run_heuristic
-from waybound.solvers.linear_programs import LinearPrograms
 
 
 def salesman(travel: Travel, **fleet: float) -> RoutingProblem:
@@ -54,6 +52,5 @@ def test_a_load_beyond_one_vehicle_is_refused() -> None:
 
 def test_cut_short_it_is_a_tour_all_the_same() -> None:
     problem = salesman(Travel("EUC_2D", np.random.default_rng(1).integers(0, 1000, (300, 2))), count=1)
-    context = Context(np.random.default_rng(1), 0.0, None, lambda a: None, NEVER, LinearPrograms())
-    found = HEURISTICS["christofides"].run(problem, context)
+    found = HEURISTICS["christofides"].run(problem, context(0.0))
     assert problem.evaluate(found.answer).feasible and found.guarantee is None and found.limit == "time"

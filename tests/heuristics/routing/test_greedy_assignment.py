@@ -8,17 +8,11 @@ import pytest
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from small_routing import context
 
-from waybound.formulations.routing.objective import Makespan, Reward
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.formulations.stop import NEVER
-from waybound.heuristics.heuristic import HEURISTICS, Context
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import Makespan, Reward, Route, Routes, RoutingProblem, Sites, Travel, UsageError, VehicleType
+from waybound.heuristics.heuristic import HEURISTICS
 from waybound.reports.ratios.judging import run_heuristic
-from waybound.solvers.linear_programs import LinearPrograms
 
 SQUARE = Travel("euclidean", np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float))
 GAP = Travel("manhattan", np.array([(5, 5), (0, 7), (1, 6), (2, 10), (0, 2), (1, 8)], dtype=float))
@@ -87,8 +81,7 @@ def test_a_weight_out_of_range_is_refused(weight: object) -> None:
 
 
 def test_cut_short_fewer_are_served() -> None:
-    context = Context(np.random.default_rng(1), 0.0, None, lambda a: None, NEVER, LinearPrograms())
     problem = robots(Travel("euclidean", np.random.default_rng(1).uniform(0, 9, (50, 2))), 3, math.inf)
     optional = replace(problem, sites=replace(problem.sites, required=np.zeros(50, dtype=bool)))
-    found = HEURISTICS["greedy-assignment"].run(optional, context)
+    found = HEURISTICS["greedy-assignment"].run(optional, context(0.0))
     assert optional.evaluate(found.answer).feasible and found.limit == "time"

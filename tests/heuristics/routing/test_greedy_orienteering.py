@@ -8,17 +8,12 @@ import pytest
 from draws import draws
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from small_routing import context
 
-from waybound.formulations.routing.objective import Reward
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.stop import NEVER
-from waybound.heuristics.heuristic import HEURISTICS, Context
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import Reward, RoutingProblem, Sites, Travel, UsageError, VehicleType
+from waybound.heuristics.heuristic import HEURISTICS
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.reports.ratios.judging import run_heuristic
-from waybound.solvers.linear_programs import LinearPrograms
 
 
 def tours(seed: int, n: int, windows: bool, fleet: int, *, ends: bool = False) -> RoutingProblem:
@@ -78,7 +73,6 @@ def test_a_rule_that_there_is_not_is_refused() -> None:
 
 
 def test_cut_short_fewer_are_visited() -> None:
-    context = Context(np.random.default_rng(1), 0.0, None, lambda a: None, NEVER, LinearPrograms())
     problem = tours(1, 60, False, 2)
-    found = HEURISTICS["greedy-orienteering"].run(problem, context)
+    found = HEURISTICS["greedy-orienteering"].run(problem, context(0.0))
     assert problem.evaluate(found.answer).feasible and found.limit == "time"

@@ -9,20 +9,14 @@ import pytest
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from small_routing import context
 
 import waybound as wb
-from waybound.formulations.routing.objective import TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
-from waybound.formulations.stop import NEVER
-from waybound.heuristics.heuristic import HEURISTICS, Context
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import Routes, RoutingProblem, Sites, TotalCost, Travel, UsageError, Vehicles, VehicleType
+from waybound.heuristics.heuristic import HEURISTICS
 from waybound.reports.ratios.judging import run_heuristic
-from waybound.solvers.linear_programs import LinearPrograms
 
-CONTEXT = Context(np.random.default_rng(1), 10.0, None, lambda a: None, NEVER, LinearPrograms())
+CONTEXT = context()
 LINE = Travel("euclidean", np.column_stack([[0.0, 10, 8, -3, 1], np.zeros(5)]))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 from typing import Any
@@ -10,18 +11,17 @@ import numpy as np
 import pytest
 from small_routing import varied
 
-from waybound import generate
-from waybound.api import solve
-from waybound.formulations.routing.objective import Objective, Reward, TotalCost
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
+from waybound import Energy, InputError, Route, Routes, RoutingProblem, Sites, UnsupportedError, UsageError, VehicleType, generate, solve
+from waybound.formulations.routing.objective import Makespan, Objective, Reward, TotalCost
+from waybound.formulations.routing.overrun import joint_overrun, route_overrun
+from waybound.formulations.routing.schedule import schedule
 from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.heuristic import HEURISTICS, Context
 from waybound.heuristics.routing import safety_margins
-from waybound.instances.errors import InputError, UnsupportedError, UsageError
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
+from waybound.heuristics.routing.safety_margins import Pool, certain, split
+from waybound.instances.routing.features import RISKS
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
+from waybound.reports.benchmarks.exact_routing import RoutingTruth, routes
 from waybound.reports.ratios.judging import run_heuristic
 from waybound.solvers.linear_programs import LinearPrograms
 
@@ -29,7 +29,7 @@ NAME = "safety-margins"
 LINE = np.abs(np.subtract.outer(*[np.array([0.0, 4, -5, 6, -7])] * 2))
 
 
-def line(risk: float | None = None, team_risk: float | None = None, vehicles: int = 3, **limits: object) -> RoutingProblem:
+def line(risk: float | None = None, team_risk: float | None = None, vehicles: int | None = 3, **limits: object) -> RoutingProblem:
     """Customers on both sides of the depot, each with a service of 1."""
     sites, travel = Sites.of(range(5), service=[0, 1, 1, 1, 1]), Travel(EXPLICIT, matrix=LINE, variances=LINE / 4)
     vehicle = VehicleType(vehicles, risk=risk, **{"max_duration": 18.0, **limits})  # type: ignore[arg-type]
@@ -122,17 +122,17 @@ def test_asked_to_stop_it_returns_what_it_has() -> None:
 
 
 def test_an_engine_that_cannot_count_the_margins_costs_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole, calls = safety_margins._found, list[float]()
+    whole, calls = safety_margins.PyVRP.run, list[float]()
 
     def only(*, first: bool) -> None:
-        def found(*args: Any) -> Routes | None:
+        def run(*args: Any) -> Any:
             calls.append(1.0)
             if first and len(calls) == 1:
                 return whole(*args)
             raise InputError("the largest duration is too large")
 
         calls.clear()
-        monkeypatch.setattr(safety_margins, "_found", found)
+        monkeypatch.setattr(safety_margins.PyVRP, "run", run)
 
     only(first=True)
     late = line(0.06)
@@ -141,3 +141,105 @@ def test_an_engine_that_cannot_count_the_margins_costs_no_answer(monkeypatch: py
     only(first=False)
     refused = solve(late, heuristic=NAME, bound_time=0)
     assert refused.answer is None and "pyvrp refuses durations with margins: the largest duration is too large" in refused.message
+
+
+@pytest.mark.parametrize("feature", ["route-risk", "team-risk"])
+def test_what_is_feasible_with_margins_keeps_the_risk_of_each_route(feature: str) -> None:
+    kept = 0
+    for seed, slope in itertools.product(range(6), (0.05, 0.1, 0.3)):
+        problem = varied(feature, seed)
+        restricted = certain(problem, slope, problem.team_risk)
+        assert not restricted.features() & RISKS
+        for kind, vehicle in enumerate(restricted.fleet):
+            for visits in routes(restricted, vehicle):
+                broken = {v.check for v in problem.evaluate(Routes((Route(visits, kind),))).violations}
+                assert broken <= {"visits", "fleet"}, (seed, slope, visits)
+                kept += 1
+    assert kept > 20
+
+
+def test_the_margin_is_exact_for_routes_of_the_variance_that_it_is_made_for() -> None:
+    """0-1-3-0: a variance of 3, a mean of 14; the limit is met, and missed below it."""
+    z = 1.6448536269514722
+    least = 14.0 + z * math.sqrt(3.0)
+    for limit, good in ((least * (1 + 1e-9), True), (least * (1 - 1e-6), False)):
+        made = certain(line(0.05, max_duration=limit), z / (2.0 * math.sqrt(3.0)), None)
+        broken = {v.check for v in made.evaluate(Routes.of([[1, 3]])).violations}
+        assert broken == ({"visits"} if good else {"visits", "duration"})
+
+
+def test_speeds_stores_and_vehicles_without_risk_have_margins_of_their_own() -> None:
+    fleet = (
+        VehicleType(2, risk=0.1, max_duration=30.0, speed=2.0, energy=Energy(40.0, 2.0, "elapsed", initial=30.0), name="fast"),
+        VehicleType(2, max_duration=30.0, name="sure"),
+    )
+    problem = replace(line(), fleet=fleet)
+    fast, sure = certain(problem, 0.5, None).fleet
+    margin = 1.2815515655446004**2 / (4.0 * 0.5 * 2.0)
+    assert fast.max_duration == pytest.approx(30.0 - margin) and fast.energy is not None
+    assert (fast.energy.capacity, fast.energy.initial) == pytest.approx((40.0 - 2.0 * margin, 30.0 - 2.0 * margin))
+    assert sure.max_duration == 30.0 and sure.travel is not None and (sure.travel.durations == LINE).all()
+    assert (certain(problem, 0.5, None).travel.durations == LINE + 0.5 * LINE / 4).all()
+    means = certain(problem, 0.0, None)
+    assert [v.max_duration for v in means.fleet] == [30.0, 30.0] and (means.travel.durations == LINE).all()
+
+
+def test_a_split_has_the_answer_and_only_answers_that_keep_the_risk_of_the_team() -> None:
+    """Any routes of the vehicles that a split has keep all risks together, whoever drives what."""
+    problem, answer = line(None, 0.15, vehicles=None), Routes.of([[1], [2, 4], [3]])
+    parts = split(problem, answer)
+    assert parts is not None and len(parts.problem.fleet) == 4 and not parts.problem.features() & RISKS
+    assert parts.problem.evaluate(parts.start).feasible and parts.back(parts.start) == answer
+    worst = []
+    for kind, vehicle in enumerate(parts.problem.fleet):
+        alone = [Routes((Route(visits, kind),)) for visits in routes(parts.problem, vehicle)]
+        good = [one for one in alone if not {v.check for v in parts.problem.evaluate(one).violations} & {"duration"}]
+        worst.append(max(route_overrun(problem.fleet[0], schedule(problem, parts.back(one).routes[0])) for one in good))
+    assert 0.1442 < joint_overrun(worst) <= 0.15
+
+
+def test_a_split_of_types_goes_back_to_them_and_leaves_committed_vehicles_alone() -> None:
+    fleet = (VehicleType(1, max_duration=30.0, risk=0.1, name="a"), VehicleType(2, max_duration=20.0, risk=0.2, speed=2.0, name="b"))
+    problem = replace(line(), fleet=fleet)
+    answer = Routes((Route((2, 4), 1), Route((1, 3), 0)))
+    assert problem.evaluate(answer).feasible
+    parts = split(problem, answer)
+    assert parts is not None and parts.kinds == (1, 0, 1) and parts.back(parts.start) == answer
+    assert parts.problem.evaluate(parts.start).feasible
+    assert split(replace(problem, fleet=(replace(fleet[0], committed=True), fleet[1])), answer) is None
+
+
+@pytest.mark.parametrize(("team_risk", "cost"), [(0.3, 26.0), (0.15, 34.0), (0.08, 36.0)])
+def test_the_best_choice_keeps_the_risk_of_the_team(team_risk: float, cost: float) -> None:
+    """a-c and b-e from two answers, of which only one may be taken under 0.15, and neither beside e under 0.08."""
+    problem = line(None, team_risk, 4)
+    pool = Pool(problem)
+    pool.add(Routes.of([[1, 3], [2], [4]]))
+    pool.add(Routes.of([[1], [3], [2, 4]]))
+    answer = pool.best(Stop(), 1, None)
+    assert answer is not None and problem.evaluate(answer).feasible and problem.evaluate(answer).values == (cost,)
+    assert pool.best(Stop(), 1, None) is None  # nothing new
+    pool.add(Routes.of([[3, 1]]))
+    assert pool.best(Stop(), 1, answer) is not None
+
+
+def test_routes_that_break_a_limit_by_themselves_are_not_kept() -> None:
+    problem = line(None, 0.02, 4)
+    pool = Pool(problem)
+    before = set(pool.routes)
+    assert Route((4,)) not in before  # overruns with 0.0544
+    pool.add(Routes.of([[1, 2], [2, 4], [1, 3]]))
+    assert set(pool.routes) == before | {Route((1, 3))}
+
+
+def test_a_maximum_that_should_be_large_is_beyond_it() -> None:
+    problem = replace(line(None, 0.1, 4), objective=Objective.of(Reward() + Makespan()))
+    pool = Pool(problem)
+    pool.add(Routes.of([[1]]))
+    assert not pool.routes and pool.best(Stop(), 1, None) is None
+
+
+def test_asked_to_stop_it_looks_for_nothing() -> None:
+    stop = Stop()
+    stop.ask()
+    assert Pool(line(None, 0.3, 4)).best(stop, 1, None) is None

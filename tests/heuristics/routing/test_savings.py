@@ -9,19 +9,14 @@ import pytest
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from small_routing import context
 
-from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
-from waybound.formulations.stop import NEVER
-from waybound.heuristics.heuristic import HEURISTICS, Context
+from waybound import Objective, Routes, RoutingProblem, Sites, TotalCost, Travel, UsageError, Vehicles, VehicleType
+from waybound.heuristics.heuristic import HEURISTICS
 from waybound.heuristics.routing.savings import SLOW_TO_BEGIN
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.solvers.linear_programs import LinearPrograms
+from waybound.instances.routing.travel import EXPLICIT
 
-CONTEXT = Context(np.random.default_rng(1), 10.0, None, lambda a: None, NEVER, LinearPrograms())
+CONTEXT = context()
 
 
 def run(problem: RoutingProblem, **parameters: float) -> Routes:

@@ -7,16 +7,14 @@ import pytest
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from small_routing import context
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.stop import NEVER
-from waybound.heuristics.heuristic import HEURISTICS, Context
+from waybound import RoutingProblem, Sites, Travel, VehicleType
+from waybound.heuristics.heuristic import HEURISTICS
 from waybound.heuristics.routing.tour_partitioning import pieces_of
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.instances.routing.travel import EXPLICIT
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.reports.ratios.judging import run_heuristic
-from waybound.solvers.linear_programs import LinearPrograms
 
 
 def loaded(demand: list[float], capacity: float, travel: Travel | None = None, **fleet: float) -> RoutingProblem:
@@ -59,7 +57,6 @@ def test_its_ratio_holds(seed: int, n: int, unit: float, convention: str) -> Non
     travel = Travel("euclidean", rng.integers(0, 12, (n + 1, 2)), convention=convention)
     problem = loaded(demand.tolist(), capacity, travel, fixed_cost=float(rng.choice([0.0, 4.0])), unit_cost=float(rng.choice([1.0, 3.0])))
     best = best_values(problem)
-    assert best is not None
     for options in ({}, {"improve": False}, {"tour": "double-tree"}):
         found = run_heuristic(problem, "tour-partitioning", options, seed)
         judged = problem.evaluate(found.answer)
@@ -92,8 +89,7 @@ def test_a_way_within_the_fleet_is_taken_before_a_cheaper_one() -> None:
 
 def test_cut_short_it_fills_vehicles_in_turn() -> None:
     problem = loaded([1] * 40, 6)
-    context = Context(np.random.default_rng(1), 0.0, None, lambda a: None, NEVER, LinearPrograms())
-    found = HEURISTICS["tour-partitioning"].run(problem, context)
+    found = HEURISTICS["tour-partitioning"].run(problem, context(0.0))
     assert problem.evaluate(found.answer).feasible and found.guarantee is None and found.limit == "time"
 
 

@@ -1,4 +1,4 @@
-"""Routes: Christofides, iterated tour partitioning, optimal split and tour splitting against their ratios; the others, which state none."""
+"""Ratios of Christofides, iterated tour partitioning, optimal split and tour splitting, and of heuristics that state none."""
 
 from __future__ import annotations
 
@@ -15,21 +15,19 @@ from .families import routing as families
 
 
 def metric(problem: Any) -> bool:
-    """Whether no detour is shorter."""
+    """Whether the triangle inequality holds."""
     d = problem.travel.distances
     return bool((d[:, :, None] + d[None] >= d[:, None] * (1 - 1e-12)).all())
 
 
 def tour_ratio(of_tour: float) -> Callable[[Any], float]:
-    """That of the tour; any where the triangle inequality fails, since it is as much larger as the instance asks for."""
+    """The ratio of the tour; any where the triangle inequality fails, since it is as much larger as the instance asks for."""
     return lambda problem: of_tour if metric(problem) else math.inf
 
 
 def partition_ratio(of_tour: float) -> Callable[[Any], float]:
     """1 + (1 - 1/Q) a for demands of 1, 2 + (1 - 2/Q) a for positive whole ones and an even Q, 2 + a for others.
 
-    Notes
-    -----
     Source: Haimovich and Rinnooy Kan (1985); Altinkemer and Gavish (1987, 1990).
     """
 

@@ -94,16 +94,6 @@ def test_as_many_routes_as_customers() -> None:
     distance = np.where(np.eye(n + 2, dtype=bool), 0.0, 1.0)
     none, ever = np.zeros(n + 2), np.full(n + 2, math.inf)
     limits = (0.0, math.inf, math.inf, 2.0)
-    found = kernels.best_insertion(
-        np.zeros(1, np.int64),
-        (none, none, none, ever, distance, distance),
-        distance,
-        np.ones(n + 2),
-        n,
-        math.inf,
-        limits,
-        False,
-        True,
-        True,
-    )
-    assert sorted(found[0][1:-1].tolist()) == list(range(n))
+    data, reward = (none, none, none, ever, distance, distance), np.ones(n + 2)
+    route_of, _ = kernels.best_insertion(np.zeros(1, np.int64), data, distance, reward, n, math.inf, limits, False, True, True)
+    assert sorted(route_of[1:-1].tolist()) == list(range(n))

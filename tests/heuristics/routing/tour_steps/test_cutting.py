@@ -1,12 +1,11 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.heuristics.routing.tour_steps.cutting import closed_routes, in_turn, routes_of, too_many
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import Route, Routes, RoutingProblem, Sites, Travel, VehicleType
+from waybound.heuristics.heuristic import HEURISTICS
+from waybound.heuristics.routing.tour_steps.cutting import in_turn, routes_of, too_many, visits_by_route
 
 LINE = Travel("euclidean", np.column_stack([np.arange(5.0), np.zeros(5)]))
 
@@ -24,10 +23,16 @@ def test_in_turn_they_fill_vehicles_or_go_alone() -> None:
     assert in_turn(windows) == Routes.of([[1], [2], [3], [4]])
 
 
-def test_open_routes_are_named() -> None:
+def test_visits_stand_by_route_and_place() -> None:
+    assert [part.tolist() for part in visits_by_route(np.array([1, -1, 0, 1]), np.array([2, 0, 0, 1]))] == [[2], [3, 0]]
+    assert visits_by_route(np.array([-1]), np.array([0])) == []
+
+
+@pytest.mark.parametrize("name", ["christofides", "insertion", "savings", "split", "tour-partitioning"])
+def test_open_routes_are_named(name: str) -> None:
     sites = Sites.of(range(5), depot=[True, False, False, False, True])
-    assert closed_routes(RoutingProblem(sites, LINE, (VehicleType(start=0, end=4),))) == {"open-routes"}
-    assert closed_routes(RoutingProblem(sites, LINE, (VehicleType(),))) == frozenset()
+    assert HEURISTICS[name].missing(RoutingProblem(sites, LINE, (VehicleType(start=0, end=4),))) == {"open-routes", "multiple-depots"}
+    assert not HEURISTICS[name].missing(RoutingProblem(Sites.of(range(5)), LINE, (VehicleType(),)))
 
 
 def test_more_routes_than_vehicles_are_told() -> None:

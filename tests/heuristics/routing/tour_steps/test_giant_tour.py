@@ -9,13 +9,11 @@ from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from waybound.formulations.routing.problem import RoutingProblem
+from waybound import RoutingProblem, Sites, Travel, UsageError, VehicleType
 from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.routing.tour_steps import giant_tour as module
 from waybound.heuristics.routing.tour_steps.giant_tour import Costs, giant_tour, guaranteed, in_rows, moving_costs
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.instances.routing.travel import EXPLICIT
 
 
 def of(travel: Travel, service: float = 0.0, **vehicle: float) -> RoutingProblem:
@@ -25,7 +23,6 @@ def of(travel: Travel, service: float = 0.0, **vehicle: float) -> RoutingProblem
 
 def costs_of(travel: Travel, **given: float) -> Costs:
     made = moving_costs(of(travel, **given), NEVER)
-    assert made is not None
     return made
 
 
@@ -36,7 +33,6 @@ def plane(seed: int, n: int, convention: str = "exact") -> Travel:
 def test_routes_cost_the_sum_of_their_moves() -> None:
     problem = of(plane(1, 4), fixed_cost=10.0, unit_cost=2.0)
     costs = moving_costs(problem, NEVER)
-    assert costs is not None
     from waybound.formulations.routing.routes import Routes
 
     value = problem.evaluate(Routes.of([[1, 3], [2]])).values[0]

@@ -9,11 +9,9 @@ from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
+from waybound import Routes, RoutingProblem, Sites, Travel, VehicleType
 from waybound.heuristics.routing.tour_steps.splitting_kernels import best_split, cheapest_cut, even_split, linear_split
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.instances.routing.travel import EXPLICIT
 from waybound.reports.benchmarks.exact_routing import best_values
 
 GO, HALT = np.zeros(1, np.int64), np.ones(1, np.int64)
@@ -76,19 +74,8 @@ def test_a_best_split_costs_least_of_all_that_keep_the_limits(seed: int, n: int,
     sites, v, d, t = problem.sites, problem.fleet[0], problem.travel.distances, problem.travel.durations
     rows = lambda m: np.stack([m[0, 1:], np.r_[np.diag(m, 1)[1:], 0.0], m[1:, 0]])  # noqa: E731
     limits = (float(sites.ready[0]), float(sites.due[0]), v.max_duration, v.max_distance)
-    given = (
-        sites.demand[1:],
-        sites.service[1:],
-        sites.ready[1:],
-        sites.due[1:],
-        rows(d),
-        rows(t),
-        v.capacity,
-        limits,
-        v.unit_cost,
-        v.fixed_cost,
-    )
-    last, broken, total = best_split(GO, *given, most)
+    data = [values[1:] for values in (sites.demand, sites.service, sites.ready, sites.due)]
+    last, broken, total = best_split(GO, *data, rows(d), rows(t), v.capacity, limits, v.unit_cost, v.fixed_cost, most)
     judged = [problem.evaluate(Routes.of([[k + 1 for k in p] for p in parts(w)])) for w in ways(n) if w.sum() <= most]
     values = [j.values[0] for j in judged if j.feasible]
     if values:

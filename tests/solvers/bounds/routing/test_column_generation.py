@@ -1,4 +1,4 @@
-"""Branch and price: small problems are proved, nothing false is, and what it finds is what trying all routes finds."""
+"""Branch and price, and trees of moves: small problems are proved, nothing false is, and routes are those that trying all of them finds."""
 
 from __future__ import annotations
 
@@ -16,18 +16,17 @@ from oracles import set_partitioning_bound, small_problems
 from patience import HANG
 from small_routing import plane, small
 
+from waybound import Evidence, RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.certificate import certify, check_certificate, verified_bound
-from waybound.formulations.evidence import Evidence
 from waybound.formulations.kernels import kernels
 from waybound.formulations.routing.checking.relaxation import relax
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import best_values, routes
 from waybound.solvers.bounds import BOUNDS
+from waybound.solvers.bounds.branching_tree import branching_tree_bound
 from waybound.solvers.bounds.routing import column_generation
 from waybound.solvers.bounds.routing.column_generation import column_generation_bound
+from waybound.solvers.linear_programs import LinearPrograms
 
 PROVED = (
     "capacity", "time-windows", "depot-windows", "service-times", "max-distance", "travel", "elapsed-fixed-start", "limited-fleet",
@@ -47,15 +46,10 @@ def leaves(evidence: Evidence) -> list[dict[str, Any]]:
     return [node for node in evidence.data["nodes"] if "branch" not in node]
 
 
-@pytest.mark.share(3)
-@pytest.mark.parametrize("feature", PROVED)
-@pytest.mark.parametrize("seed", range(6 if ALL else 3))
-def test_optima_of_small_problems_are_proved(feature: str, seed: int) -> None:
-    problem = small(feature, seed, "exact")
-    best = best_values(problem)
-    evidence = column_generation_bound(problem, Stop(60.0))
+def assert_optimum_is_proved(problem: RoutingProblem, evidence: Evidence | None) -> None:
+    """By a certificate that is written, read and checked again."""
     assert evidence is not None
-    made = certify(problem, None, [evidence])
+    best, made = best_values(problem), certify(problem, None, [evidence])
     again = check_certificate(problem, json.loads(json.dumps(made.to_json(with_evidence=True), allow_nan=False)), None)
     if best is None:
         assert again.infeasible
@@ -63,15 +57,26 @@ def test_optima_of_small_problems_are_proved(feature: str, seed: int) -> None:
         assert again.bound == pytest.approx(best[0], rel=1e-9)
 
 
+def assert_no_more_is_proved(problem: RoutingProblem, name: str, stop: Stop) -> None:
+    if BOUNDS[name].missing(problem):
+        return
+    evidence, best = BOUNDS[name].evidence(problem, stop, LinearPrograms()), best_values(problem)
+    if evidence is not None:
+        assert verified_bound(problem, evidence) <= (math.inf if best is None else best[0] + 1e-9 * abs(best[0]))
+
+
+@pytest.mark.share(3)
+@pytest.mark.parametrize("feature", PROVED)
+@pytest.mark.parametrize("seed", range(6 if ALL else 3))
+def test_optima_of_small_problems_are_proved(feature: str, seed: int) -> None:
+    problem = small(feature, seed, "exact")
+    assert_optimum_is_proved(problem, column_generation_bound(problem, Stop(60.0)))
+
+
 @settings(max_examples=draws(40), deadline=None)
 @given(problem=small_problems(most=3, hetero=True))
 def test_nothing_more_than_the_optimum_is_proved(problem: RoutingProblem) -> None:
-    if BOUNDS["column-generation"].missing(problem):
-        return
-    evidence, best = column_generation_bound(problem, Stop(20.0)), best_values(problem)
-    if evidence is not None:
-        bound = verified_bound(problem, evidence)
-        assert bound <= (math.inf if best is None else best[0] + 1e-9 * abs(best[0]))
+    assert_no_more_is_proved(problem, "column-generation", Stop(20.0))
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -81,7 +86,6 @@ def test_the_root_is_the_linear_relaxation_of_set_partitioning(seed: int, monkey
     evidence = column_generation_bound(problem, Stop(60.0))
     assert evidence is not None and evidence.kind == "set-partitioning-duals"
     relaxed = relax(problem)
-    assert relaxed is not None
     assert verified_bound(problem, evidence) == pytest.approx(set_partitioning_bound(problem, relaxed.fewest), rel=1e-7)
 
 
@@ -89,7 +93,6 @@ def test_the_root_is_the_linear_relaxation_of_set_partitioning(seed: int, monkey
 def test_capacities_alone_take_branchings(seed: int) -> None:
     problem = plane(seed, 12, 20.0)
     evidence = column_generation_bound(problem, Stop(120.0))
-    assert evidence is not None
     bound = verified_bound(problem, evidence)
     assert bound == evidence.value
     import waybound as wb
@@ -104,7 +107,6 @@ def test_numbers_of_routes_and_moves_are_branched_on() -> None:
     seen = set[str]()
     for seed in range(12):
         evidence = column_generation_bound(plane(seed, 9, 17.0), Stop(60.0))
-        assert evidence is not None
         if evidence.kind == "branching-tree":
             seen |= {key for node in evidence.data["nodes"] for key in node.get("branch", ())}
             assert all(leaf["kind"] == "set-partitioning-duals" for leaf in leaves(evidence) if leaf)
@@ -127,7 +129,6 @@ def test_more_is_remembered_where_a_route_comes_back(monkeypatch: pytest.MonkeyP
     for seed in range(4):
         problem = plane(seed, 6, 20.0)
         best, evidence = best_values(problem), column_generation_bound(problem, Stop(60.0))
-        assert best is not None and evidence is not None
         assert verified_bound(problem, evidence) == pytest.approx(best[0])
 
 
@@ -173,7 +174,6 @@ def test_labels_find_the_cheapest_of_all_routes(seed: int) -> None:
 
     problem, rng = small("service-times", seed, "exact"), np.random.default_rng(seed)
     arcs = arc_costs(problem)
-    assert arcs is not None
     tree = column_generation._Tree(problem, arcs, None, Stop(60.0), 1)
     prices = rng.uniform(0.0, 60.0, len(arcs.cost))
     reduced = arcs.cost.copy()
@@ -192,3 +192,17 @@ def test_labels_find_the_cheapest_of_all_routes(seed: int) -> None:
         assert truth[route] == pytest.approx(total) and total < 0.0
     careless = least_routes(NEVER, arrays, careful=False, most=10, below=0.0)
     assert careless[1] >= least - 1e-9
+
+
+@pytest.mark.share(3)
+@pytest.mark.parametrize("feature", PROVED)
+@pytest.mark.parametrize("seed", range(6 if ALL else 2))
+def test_trees_of_moves_prove_optima_of_small_problems(feature: str, seed: int) -> None:
+    problem = small(feature, seed, "exact")
+    assert_optimum_is_proved(problem, branching_tree_bound(problem, Stop(30.0)))
+
+
+@settings(max_examples=draws(60), deadline=None)
+@given(problem=small_problems(most=4))
+def test_trees_never_prove_more_than_the_optimum(problem: RoutingProblem) -> None:
+    assert_no_more_is_proved(problem, "branching-tree", Stop(10.0))

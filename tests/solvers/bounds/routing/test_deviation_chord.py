@@ -8,11 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from waybound import generate
+from waybound import Energy, RoutingProblem, generate
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
-from waybound.instances.routing.instance import Energy
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.deviation_chord import deviation_chord_bound
 from waybound.solving.bounding import find_bounds

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from small_routing import small
 
+from waybound import Evidence
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.evidence import Evidence
 from waybound.formulations.routing.checking.knapsack import check_knapsack
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.knapsack import knapsack_bound
@@ -16,7 +16,6 @@ def test_no_other_price_proves_more():
     for seed in range(4):
         problem = small("reward", seed, "round")
         evidence = knapsack_bound(problem)
-        assert evidence is not None
         best = min(check_knapsack(problem, {"resource": "distance", "rate": float(rate)}) for rate in np.linspace(0.0, 5.0, 101))
         assert verified_bound(problem, evidence) == evidence.value <= best + 1e-9
         everything = verified_bound(problem, Evidence("knapsack", "", 0.0, {"resource": "time", "rate": 0.0}))

@@ -7,12 +7,10 @@ from dataclasses import replace
 import numpy as np
 from small_routing import plane
 
+from waybound import Objective, Reward, RoutingProblem, Sites, TotalCost, Travel, Vehicles, VehicleType
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.routing.objective import Objective, Reward, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.instances.routing.travel import EXPLICIT
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.load_shares import load_shares, nearest_moves
 from waybound.solving.bounding import find_bounds

@@ -9,8 +9,8 @@ from small_routing import plane
 from waybound.formulations.routing.checking.state_space import check_state_space
 from waybound.formulations.routing.checking.vehicle_moves import VehicleMoves, terms_of
 from waybound.formulations.stop import NEVER
-from waybound.solvers.bounds.routing.level_walks import Walks
 from waybound.solvers.bounds.routing.price_sharing import shared_prices
+from waybound.solvers.bounds.routing.resource_walks import Walks
 
 
 def prices(problem, kept):

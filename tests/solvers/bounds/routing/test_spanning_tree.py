@@ -10,12 +10,10 @@ import numpy as np
 import pytest
 from patience import HANG
 
+from waybound import Makespan, RoutingProblem, Sites, Travel, Vehicles, VehicleType
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.routing.objective import Makespan, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.instances.routing.travel import EXPLICIT
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.arcs import arc_costs
 from waybound.solvers.bounds.routing.spanning_tree import spanning_tree_bound

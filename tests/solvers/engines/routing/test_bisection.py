@@ -12,21 +12,9 @@ import pytest
 from patience import HANG
 from small_routing import small, varied
 
-from waybound.formulations.programs.exactness import Exactness
-from waybound.formulations.routing.objective import (
-    Composable,
-    LatestReturn,
-    LongestRoute,
-    Makespan,
-    Objective,
-    Reward,
-    TotalCost,
-    Vehicles,
-)
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
+from waybound import Exactness, LatestReturn, LongestRoute, Makespan, Objective, Reward, Routes, RoutingProblem, TotalCost, Travel, Vehicles
+from waybound.formulations.routing.objective import Composable
 from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
 from waybound.solvers.engines.routing.bisection import Bisecting, Bisection

@@ -5,17 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from oracles import SQUARE_4, optimum, routing
 from small_routing import small
 
-from waybound.formulations.routing.objective import Reward, TotalCost
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Group, Sites, VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import Group, Reward, Route, Routes, RoutingProblem, Sites, TotalCost, Travel, UsageError, VehicleType
 from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
-from waybound.solvers.engines.routing.ortools import STATUS_MAP, ORTools, _Search
+from waybound.solvers.engines.routing.ortools import STATUS_MAP, ORTools, _Search, with_more_routes
 from waybound.solvers.engines.routing.ortools_model import short_ways
 from waybound.solvers.engines.routing.routing_integers import integer_routing
 
@@ -88,3 +84,39 @@ def test_an_answer_without_a_required_group_is_none(required: bool) -> None:
         search._take(0, model, lambda index: index)
         assert (search.answer is not None) == (control.answer is not None) == taken
     assert search._required() == ("required group" if required else "required site")
+
+
+def test_each_further_route_is_the_least_detour() -> None:
+    problem = routing(xy=SQUARE_4, count=3, min_vehicles=2)
+    assert with_more_routes(problem, Routes.of([[1, 2, 3, 4]])) == Routes.of([[1, 2, 3], [4]])
+    enough = Routes.of([[1, 2], [3, 4]])
+    assert with_more_routes(problem, enough) == enough
+
+
+def test_a_vehicle_that_cannot_serve_the_customer_is_passed_over() -> None:
+    fleet = (VehicleType(1, 9.0, name="large"), VehicleType(1, 1.0, name="small"))
+    problem = routing(xy=SQUARE_4, sites={"demand": [0, 2, 2, 1, 2]}, fleet=fleet, min_vehicles=2)
+    found = with_more_routes(problem, Routes.of([[1, 2, 3, 4]]))
+    assert found is not None and found.routes[1] == Route((3,), 1)
+    assert problem.evaluate(found).feasible
+
+
+def test_a_site_that_was_left_out_may_get_a_route() -> None:
+    problem = routing(xy=SQUARE_4, count=2, min_vehicles=2, sites={"required": False, "reward": 1}, max_distance=9.0)
+    assert with_more_routes(problem, Routes.of([[1]])) == Routes.of([[1], [4]])
+
+
+def test_what_does_not_work_out_is_none() -> None:
+    fleet = (VehicleType(1, name="large"), VehicleType(1, 1.0, name="small"))
+    problem = routing(xy=SQUARE_4, sites={"demand": [0, 2, 2, 2, 2]}, fleet=fleet, min_vehicles=2)
+    assert with_more_routes(problem, Routes.of([[1, 2, 3, 4]])) is None
+    assert with_more_routes(routing(xy=SQUARE_4[:2], count=2, min_vehicles=1), Routes.of([[1]])) == Routes.of([[1]])
+
+
+@pytest.mark.parametrize(("least", "fixed"), [(2, 0.0), (3, 5.0), (4, 0.0)])
+def test_or_tools_begins_with_enough_routes_and_keeps_them(least: int, fixed: float) -> None:
+    problem = routing(xy=SQUARE_4, count=4, min_vehicles=least, fixed_cost=fixed)
+    found = ORTools().run(problem, Options(time_limit=60.0, iterations=40), Control())
+    assert found.objective == pytest.approx(optimum(problem))
+    assert problem.evaluate(found.answer).feasible
+    assert "start" not in found.statistics

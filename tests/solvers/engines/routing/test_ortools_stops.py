@@ -11,10 +11,7 @@ import pytest
 from oracles import routing
 from small_routing import varied
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.errors import UnsupportedError
-from waybound.instances.routing.instance import Energy, Shipment, VehicleType
+from waybound import Energy, Route, Routes, RoutingProblem, Shipment, UnsupportedError, VehicleType
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.engines.routing.ortools import ORTools, _parameters
 from waybound.solvers.engines.routing.ortools_model import Model

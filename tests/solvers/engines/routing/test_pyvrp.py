@@ -1,11 +1,17 @@
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from small_routing import small
 
-from waybound.instances.errors import UsageError
+from waybound import Objective, TotalCost, UsageError, Vehicles
 from waybound.solvers.backend import Control, Options
-from waybound.solvers.engines.routing.pyvrp import PyVRP
+from waybound.solvers.engines.routing.integer_scales import UNLIMITED
+from waybound.solvers.engines.routing.pyvrp import MAX_PENALTY, Model, PyVRP, load_factor
+from waybound.solvers.engines.routing.routing_integers import integer_routing
 
 
 def test_options_reach_their_group() -> None:
@@ -39,3 +45,55 @@ def test_it_tells_when_its_search_begins_and_runs_apart_where_its_set_up_holds_e
     assert control.set_up is not None and not control.setting_up
     assert not PyVRP().apart(problem)
     assert PyVRP().memory(problem) == 35.0 * problem.size**2
+
+
+def test_whole_data_are_handed_over_as_they_are() -> None:
+    problem = small("time-windows", 0, "round")
+    made = Model(problem, integer_routing(problem))
+    model = made.data
+    assert made.types == [0]
+    assert (model.distance_matrix(0) == problem.travel.distances).all()
+    assert [c.delivery for c in model.clients()] == [[int(d)] for d in problem.sites.demand[1:]]
+    assert [(c.tw_early, c.tw_late) for c in model.clients()] == [
+        (int(r), int(d)) for r, d in zip(problem.sites.ready[1:], problem.sites.due[1:], strict=True)
+    ]
+    assert model.vehicle_type(0).num_available == len(problem.customers)
+    assert model.vehicle_type(0).tw_late == UNLIMITED
+
+
+def test_a_unit_of_load_is_never_cheaper_to_carry_too_much_than_a_detour() -> None:
+    for convention in ("round", "trunc1", "exact"):
+        for objective in (TotalCost(), Vehicles().then(TotalCost())):
+            problem = replace(small("capacity", 0, convention), objective=Objective.of(objective))
+            data = integer_routing(problem)
+            gain = max(int(data.moves[0].distance.max()) * int(data.unit.max()), int(data.fixed.max()))
+            assert load_factor(data) * MAX_PENALTY >= 10 * gain
+
+
+def test_loads_keep_their_scale_where_costs_are_small() -> None:
+    assert load_factor(integer_routing(small("capacity", 0, "round"))) == 1
+
+
+def test_energy_for_travel_is_a_limit_on_distance_in_the_distances_scale() -> None:
+    problem = small("travel", 0, "trunc1")
+    problem = replace(problem, sites=replace(problem.sites, service=np.where(problem.sites.depot, 0.0, 0.25)))
+    data = integer_routing(problem)
+    assert (data.scales["time"], data.scales["distance"]) == (100, 10)
+    model = Model(problem, data).data
+    energy = problem.fleet[0].energy
+    assert model.vehicle_type(0).max_distance == math.floor(energy.capacity / energy.rate * 10 + 1e-9)
+
+
+def test_durations_are_made_only_where_time_is_limited_or_priced() -> None:
+    plain = small("capacity", 0, "exact")
+    data = integer_routing(plain)
+    made = Model(plain, data).data
+    assert "duration" not in vars(data.moves[0])
+    assert np.array_equal(made.duration_matrix(0), made.distance_matrix(0))
+    for timed in (
+        replace(plain, fleet=(replace(plain.fleet[0], max_duration=1e6),)),
+        replace(plain, fleet=(replace(plain.fleet[0], unit_duration_cost=2.0),)),
+        replace(plain, sites=replace(plain.sites, due=np.where(plain.sites.depot, np.inf, 1e6))),
+    ):
+        data = integer_routing(timed)
+        assert np.array_equal(Model(timed, data).data.duration_matrix(0), data.moves[0].duration)

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,13 +10,11 @@ from draws import draws
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Shipment, Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound import Energy, Group, InputError, Route, Routes, RoutingProblem, Shipment, Sites, Travel, VehicleType
+from waybound.instances.routing.instance import ENERGY_CHARGES
+from waybound.instances.routing.travel import EXPLICIT
 from waybound.solvers.engines.routing.integer_scales import FINE, UNLIMITED
-from waybound.solvers.engines.routing.routing_integers import integer_routing
+from waybound.solvers.engines.routing.routing_integers import entangled, integer_routing
 
 
 @st.composite
@@ -221,3 +220,24 @@ def test_matrices_made_in_strips_are_those_of_all_distances_and_are_made_anew_on
         once = moves.distance
         moves.forget()
         assert moves.distance is not once and np.array_equal(moves.distance, once)
+
+
+FIVE = Travel("euclidean", np.arange(10.0).reshape(5, 2))
+
+
+def shipping(*shipments: Shipment, **sites: object) -> RoutingProblem:
+    made = Sites.of(range(5), **sites)  # type: ignore[arg-type]
+    return RoutingProblem(replace(made, shipments=shipments), FIVE, (VehicleType(),))
+
+
+def test_ends_of_one_shipment_alone_are_not_entangled() -> None:
+    assert not entangled(shipping(Shipment(1, 2, (1.0,)), Shipment(3, 4, (1.0,))))
+    assert not entangled(shipping())
+
+
+def test_what_else_ends_have_is_named() -> None:
+    assert entangled(shipping(Shipment(1, 2, (1.0,)), Shipment(1, 3, (1.0,)))) == {"several shipments of one site"}
+    assert entangled(shipping(Shipment(1, 2, (1.0,)), demand=[0, 0, 3, 0, 0])) == {"shipments of sites with demands or pickups"}
+    assert not entangled(shipping(Shipment(1, 2, (1.0,)), demand=[0, 0, 0, 3, 0]))
+    optional = shipping(Shipment(1, 2, (1.0,)), required=[False] * 5)
+    assert entangled(replace(optional, sites=replace(optional.sites, groups=(Group((2, 3)),)))) == {"shipments of groups"}

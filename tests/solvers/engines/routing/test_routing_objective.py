@@ -6,18 +6,7 @@ import numpy as np
 import pytest
 from small_routing import small
 
-from waybound.formulations.routing.objective import (
-    LatestReturn,
-    LongestRoute,
-    Makespan,
-    Objective,
-    Penalties,
-    Reward,
-    TotalCost,
-    TotalDuration,
-    Vehicles,
-)
-from waybound.formulations.routing.problem import RoutingProblem
+from waybound import LatestReturn, LongestRoute, Makespan, Objective, Penalties, Reward, RoutingProblem, TotalCost, TotalDuration, Vehicles
 from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import UnsupportedError
 from waybound.solvers.engines.routing.routing_objective import claimed_objective, scalarised, unscalable

@@ -21,38 +21,41 @@ from ....optimum import attained
 Rng = np.random.Generator
 
 MOST = 7
-"""Customers of a random problem: all ways to route them are compared."""
+"""Customers of a random problem at most: all ways to route them are compared."""
 
 RISKY = 4
-"""Customers of one with risks, all of whose routings are judged."""
+"""Customers of one with risks at most, all of whose routings are judged."""
 
 NEARLY = 1e-9
-"""By which moves differ that are meant to tie, for the one that leads astray to be the shorter."""
+"""Difference of moves that are meant to tie, for the one that leads astray to be the shorter."""
 
 KINDS = ("plane", "clusters", "grid", "graph", "rounded")
 
 
 def travel_of(rng: Rng, kind: str, n: int) -> Travel:
-    """Symmetric distances between ``n`` sites: in the plane, in clusters, on a grid with sites in one place, along shortest paths of a
-    graph, or rounded to whole numbers, so that the triangle inequality fails by little."""
+    """Symmetric distances between ``n`` sites of a kind.
+
+    They lie in the plane, in clusters, on a grid with several in one place, or along shortest paths of a graph; or distances are rounded to
+    whole numbers, so that the triangle inequality fails by little.
+    """
     if kind == "clusters":
         xy = rng.integers(0, 100, (3, 2))[rng.integers(0, 3, n)] + rng.normal(0, 2, (n, 2))
         return Travel("euclidean", xy)
     if kind == "grid":
         return Travel("manhattan", rng.integers(0, 4, (n, 2)).astype(float))
     if kind == "graph":
-        made = np.where(rng.random((n, n)) < 0.5, rng.integers(1, 10, (n, n)), 30).astype(float)
-        made = np.minimum(made, made.T)
+        lengths = np.where(rng.random((n, n)) < 0.5, rng.integers(1, 10, (n, n)), 30).astype(float)
+        lengths = np.minimum(lengths, lengths.T)
         for k in range(n):
-            made = np.minimum(made, made[:, [k]] + made[k])
-        return Travel(EXPLICIT, matrix=made)
+            lengths = np.minimum(lengths, lengths[:, [k]] + lengths[k])
+        return Travel(EXPLICIT, matrix=lengths)
     if kind == "rounded":
         return Travel("EUC_2D", rng.integers(0, 12, (n, 2)).astype(float))
     return Travel("euclidean", rng.uniform(0, 100, (n, 2)))
 
 
-def _sites(n: int, **given: Any) -> Sites:
-    return Sites.of(range(n), **given)
+def _sites(n: int, **data: Any) -> Sites:
+    return Sites.of(range(n), **data)
 
 
 def salesman(k: int, rng: Rng, kind: str) -> Case:
@@ -118,14 +121,14 @@ def _routings(customers: list[int]) -> Iterator[list[tuple[int, ...]]]:
 
 def random_families(make: str) -> tuple[Family, ...]:
     """The random families of ``salesman``, ``loads``, ``shared``, ``rewarded`` or ``risky`` problems."""
-    made = {"salesman": salesman, "loads": loads, "shared": shared, "rewarded": rewarded, "risky": risky}[make]
+    case = {"salesman": salesman, "loads": loads, "shared": shared, "rewarded": rewarded, "risky": risky}[make]
     most = RISKY if make == "risky" else MOST
     words = {"plane": "uniform", "clusters": "three clusters", "grid": "few places", "graph": "shortest paths", "rounded": "rounded"}
-    return tuple(Family(kind, f"{words[kind]}, up to {most} customers", partial(_of_kind, made, kind)) for kind in KINDS)
+    return tuple(Family(kind, f"{words[kind]}, up to {most} customers", partial(_of_kind, case, kind)) for kind in KINDS)
 
 
-def _of_kind(made: Callable[[int, Rng, str], Case], kind: str, k: int, rng: Rng) -> Case:
-    return made(k, rng, kind)
+def _of_kind(case: Callable[[int, Rng, str], Case], kind: str, k: int, rng: Rng) -> Case:
+    return case(k, rng, kind)
 
 
 def strip(n: int) -> Case:
@@ -138,7 +141,7 @@ def strip(n: int) -> Case:
 
 
 def strips() -> Family:
-    """Towards 3/2 for Christofides' tour."""
+    """Instances whose ratio tends to 3/2 for Christofides' tour."""
     return listed("strip", "a zigzag, on which the matching is half a tour", [partial(strip, n) for n in (4, 5, 8, 13, 20, 31, 50)])
 
 
@@ -171,7 +174,7 @@ def big_and_small(big: float, small: float, pairs: int) -> Case:
 
 
 def load_traps() -> tuple[Family, ...]:
-    """On which full vehicles are not the best ones."""
+    """Instances on which full vehicles are not the best ones."""
     stars = [(4, 2.0), (6, 3.0), (8, 2.0), (8, 7.0)]
     piles = [((2, 2, 2), 2.0), ((3, 3), 3.0), ((3, 3, 2), 2.0), ((4, 4), 3.0), ((1, 2, 3), 4.0)]
     pairs = [(6.0, 4.0, 4), (9.0, 1.0, 4), (5.0, 5.0, 3), (51.0, 49.0, 4)]
@@ -191,7 +194,7 @@ def two_sides(near: int, far: float, vehicles: int) -> Case:
 
 
 def share_traps() -> tuple[Family, ...]:
-    """On which the longest route cannot be cut evenly."""
+    """Instances on which the longest route cannot be cut evenly."""
     sides = [(3, 1.0, 2), (6, 6.0, 2), (6, 3.0, 3), (7, 7.0, 4)]
     return (listed("two-sides", "a line with the depot within", [partial(two_sides, a, f, k) for a, f, k in sides]),)
 
@@ -208,7 +211,7 @@ def astray(near: int, lone: float, much: float) -> Case:
 
 
 def reward_traps() -> tuple[Family, ...]:
-    """On which the largest reward, or the largest for its distance, shuts out all others."""
+    """Instances on which the largest reward, or the largest for its distance, shuts out all others."""
     cases = [(4, 4.0, 1.5), (8, 4.0, 1.5), (8, 0.5, 1.0), (8, 0.05, 0.5)]
     return (listed("astray", "one site looks better than each of a cluster", [partial(astray, n, d, r) for n, d, r in cases]),)
 
@@ -223,7 +226,7 @@ def long_ways(n: int) -> Case:
 
 
 def nearest_traps() -> tuple[Family, ...]:
-    """On which the nearest site is the wrong one."""
+    """Instances on which the nearest site is the wrong one."""
     return (
         listed("long-ways", "a line on which the nearest site is always on the other side", [partial(long_ways, n) for n in range(3, 10)]),
     )

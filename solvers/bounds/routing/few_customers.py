@@ -1,4 +1,8 @@
-"""Bound ``customer-sets``: limits on the largest route by which the checker of the same name divides the answers."""
+"""Bounds ``all-routes`` and ``customer-sets``: the optimum of problems with few customers, by evidence of the same names.
+
+``all-routes`` serves where other evidence knows too little of the fleet or the sites; ``customer-sets`` where the largest route is weighed
+against costs: limits on it divide the answers, and are found here.
+"""
 
 from __future__ import annotations
 
@@ -10,40 +14,37 @@ import numpy as np
 
 from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
+from ....formulations.routing.checking.all_routes import MOST, MOST_ORDERS, orders
 from ....formulations.routing.checking.customer_sets import CUSTOMERS, LIMITS, WORK, CustomerSets, joined_peak
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.vehicle_moves import terms_of
 from ....formulations.stop import NEVER, Stop, until
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
+from .. import BOUNDS, BoundMethod, of_family
 
 if TYPE_CHECKING:
-    from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
 
 PER_SECOND = 2e8
 """Sets that are joined in a second."""
 
 
+def all_routes_bound(
+    problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None, target: float | None = None
+) -> Evidence | None:
+    """The optimum over all routes, which the checker derives: in half a second for seven customers, in some more for twelve."""
+    if stop.reached():
+        return None
+    count = len(problem.customers)
+    return _verified(problem, Evidence("all-routes", f"all routes of {count} customer{'s' if count != 1 else ''}", math.nan, {}), stop)
+
+
 def customer_sets_bound(
     problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None, target: float | None = None
 ) -> Evidence | None:
-    """Evidence from limits that are halved where the bound is least.
+    """Evidence from limits on the largest route, each halved where the bound is least; a bound beyond ``target`` is worth no time.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    stop : Stop
-        Half of it is for finding limits; what they prove takes no longer.
-    linear : unused
-        No program is solved.
-    target : float, optional
-        Value of a known answer: a bound beyond it is worth nothing.
-
-    Returns
-    -------
-    Evidence or None
-        None where the time does not suffice.
+    Half of the time is for finding limits; what they prove takes no longer.
     """
     if stop.reached():
         return None
@@ -52,12 +53,18 @@ def customer_sets_bound(
     with until(stop):
         sets = CustomerSets.of(problem, terms)
         limits = None if sets is None else _limits(sets, stop, math.inf if target is None or problem.sense == "max" else target)
-        if limits is None:
-            return None
-        made = Evidence("customer-sets", "routes through each set of customers", math.nan, {joined_peak(terms): limits} if limits else {})
-        bound = verified_bound(problem, made)
+    if limits is None:
+        return None
+    data = {joined_peak(terms): limits} if limits else {}
+    return _verified(problem, Evidence("customer-sets", "routes through each set of customers", math.nan, data), stop)
+
+
+def _verified(problem: RoutingProblem, evidence: Evidence, stop: Stop) -> Evidence | None:
+    """The evidence with the bound that its checker derives; None where that is nothing."""
+    with until(stop):
+        bound = verified_bound(problem, evidence)
     nothing = -math.inf if problem.sense == "min" else math.inf
-    return None if bound == nothing else Evidence(made.kind, made.source, bound, made.data)
+    return None if bound == nothing else Evidence(evidence.kind, evidence.source, bound, evidence.data)
 
 
 def _limits(sets: CustomerSets, stop: Stop, target: float) -> list[float] | None:
@@ -73,7 +80,7 @@ def _limits(sets: CustomerSets, stop: Stop, target: float) -> list[float] | None
     below = np.maximum(sets.least, peaks - 4.0 * sets.blur - 1e-15 * np.abs(peaks))
     best = (target - sets.fixed) if math.isfinite(target) else math.inf
     first = max(0, int(np.searchsorted(peaks, sets.least - sets.blur)))
-    pieces = [(value + sets.weight * sets.least, first, len(peaks) - 1, value)]  # from which peak to which, and the least value of it
+    pieces = [(value + sets.weight * sets.least, first, len(peaks) - 1, value)]  # bound, first and last peak, least cost
     while len(pieces) <= LIMITS:
         bound, low, high, worth = pieces[0]
         if bound >= best or low >= high:
@@ -89,15 +96,22 @@ def _limits(sets: CustomerSets, stop: Stop, target: float) -> list[float] | None
     return sorted(float(below[low]) for _, low, _, _ in pieces if low > first)
 
 
-def _missing(problem: Problem) -> frozenset[str]:
-    if problem.family != "routing":
-        return frozenset({f"{problem.family} problems"})
-    unknown = unknown_features(without_stops(problem))  # type: ignore[arg-type]
-    if not 0 < len(problem.customers) <= CUSTOMERS:  # type: ignore[attr-defined]
-        unknown = unknown | {"few customers"}
-    return unknown if terms_of(problem) is not None else unknown | {"objective:weights"}  # type: ignore[arg-type]
+def _lacks_few_routes(problem: RoutingProblem) -> frozenset[str]:
+    many = orders(problem) > MOST_ORDERS and len(problem.customers) > MOST
+    return frozenset({"few customers"}) if many else frozenset()
+
+
+def _lacks_few_sets(problem: RoutingProblem) -> frozenset[str]:
+    missing = unknown_features(without_stops(problem))
+    if not 0 < len(problem.customers) <= CUSTOMERS:
+        missing = missing | {"few customers"}
+    return missing if terms_of(problem) is not None else missing | {"objective:weights"}
 
 
 KERNELS = ("waybound.formulations.routing.checking.customer_set_kernels",)
 
-BOUNDS.add("customer-sets", BoundMethod("customer-sets", _missing, customer_sets_bound, order=7, aims=True, kernels=KERNELS))
+BOUNDS.add("all-routes", BoundMethod("all-routes", of_family("routing", _lacks_few_routes), all_routes_bound, order=8, aims=True))
+BOUNDS.add(
+    "customer-sets",
+    BoundMethod("customer-sets", of_family("routing", _lacks_few_sets), customer_sets_bound, order=7, aims=True, kernels=KERNELS),
+)

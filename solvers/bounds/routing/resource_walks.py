@@ -1,4 +1,4 @@
-"""Walks of one type of vehicle on a grid of levels of a resource; node 0 is the depot."""
+"""Walks of one vehicle type over levels of a resource; node 0 is the depot."""
 
 from __future__ import annotations
 
@@ -11,40 +11,31 @@ from numpy.typing import NDArray
 
 from ....formulations.checking.granularity import grain
 from ....formulations.stop import Stop
+from .arcs import Flags, Floats, Longs
 
 if TYPE_CHECKING:
     from ....formulations.routing.checking.relaxation import Resource
     from ....formulations.routing.checking.vehicle_moves import VehicleMoves
 
-Floats = NDArray[np.float64]
-Longs = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 Cells = tuple[Floats, NDArray[np.int32], Floats]
 """Least costs, nodes before, and weights of walks, shape (cells, 2)."""
 
 STEPS = 10_000
-"""Of the counted resource, at most."""
+"""Most steps of the counted resource."""
 
 CELLS = 1e6
-"""Nodes times levels that they can have, at most."""
+"""Most pairs of a node and a level."""
 
 LEVELS = 6
-"""By which walks over a move that is not looked at are told apart."""
+"""Levels by which walks over a move that is not looked at are told apart."""
 
 
 @dataclass(eq=False)
 class Walks:
-    """The moves and the grid; it keeps no prices.
+    """The moves of a vehicle type and their grid of levels; it keeps no prices.
 
-    Parameters
-    ----------
-    cost : array of shape (nodes, nodes)
-    resource : Resource
-    step : float
-    kept : bool array of shape (nodes, nodes)
-        Moves between customers that are looked at.
-    floor : bool
-        Weights lose parts of steps, as for the checker; otherwise, for coarse steps, they are rounded to the nearest.
+    ``cost`` and ``kept``, the moves between customers that are looked at, have shape (nodes, nodes). With ``floor`` weights lose parts of
+    steps, as for the checker; otherwise, for coarse steps, they are rounded to the nearest.
     """
 
     cost: Floats
@@ -110,13 +101,14 @@ class Walks:
         return np.bincount(self.room[:count], minlength=len(self.cost)).astype(np.float64)
 
     def through(self, price: Floats, ahead: Floats, back: Floats) -> Floats:
-        """At most what the best walk over each move costs, shape (nodes, nodes), from the best walks on the moves that are looked at."""
-        made = np.full(self.cost.shape, math.inf)
+        """Lower bounds on the cost of the best walk over each move, shape (nodes, nodes), from the best walks on the moves that are looked
+        at."""
+        least = np.full(self.cost.shape, math.inf)
         levels = np.linspace(0, self.top, LEVELS + 1).astype(np.int64)
         for low, high in zip(levels[:-1].tolist(), levels[1:].tolist(), strict=True):
             come, go = at_level(ahead, self.grid, high), at_level(back, self.back_grid, self.top - low)
-            np.minimum(made, come[:, None] + go, out=made)
-        return made + (self.cost - price)
+            np.minimum(least, come[:, None] + go, out=least)
+        return least + (self.cost - price)
 
 
 def at_level(values: Floats, grid: tuple[Longs, Longs, Longs], level: int) -> Floats:
@@ -128,14 +120,14 @@ def at_level(values: Floats, grid: tuple[Longs, Longs, Longs], level: int) -> Fl
 
 
 def _grid(lower: Longs, upper: Longs) -> tuple[Longs, Longs, Longs]:
-    """Where the cells of each node begin, and their levels; the depot has none."""
+    """First cell of each node, and its levels; the depot has none."""
     count = np.maximum(0, upper - lower + 1)
     count[0] = 0
     return np.append(0, np.cumsum(count)), lower, np.where(count > 0, upper, lower - 1)
 
 
 def step_size(moves: VehicleMoves, name: str, kept: Flags, work: float, least: int) -> float:
-    """A step of which weights and limits are multiples, if the work that it takes allows; a coarser one if not."""
+    """A step of which weights and limits are multiples, if the work that it takes allows; else a coarser one."""
     resource = moves.resources[name]
     room = float(resource.upper[0]) - resource.start
     if not room > 0:

@@ -6,11 +6,9 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.stop import Stop
-
-Floats = NDArray[np.float64]
+from .arcs import Floats
 
 _MEMORY = 0.7
 """Share of the last direction in the next one (Volgenant and Jonker 1982 use 0.6 to 0.7 over two steps)."""
@@ -22,26 +20,13 @@ _SMALLEST_AIM = 1e-11
 def ascend(
     look: Callable[[Floats], tuple[float, Floats]], price: Floats, scale: float, most: float, stop: Stop, patience: int = 30
 ) -> tuple[Floats, float]:
-    """The best prices found, and their value; infinite where the first one is, NaN where ``stop`` came before it.
+    """The best prices that an ascent from ``price`` meets, and their value: infinite where the first value is, NaN where it came too late.
 
-    Parameters
-    ----------
-    look : callable
-        Value and subgradient of a concave function at prices.
-    price : array
-        To begin with.
-    scale : float
-        A small share of what values are made of, such as 1e-3 of the dearest move.
-    most : float
-        What rises beyond it rises for ever.
-    stop : Stop
-    patience : int
-        Steps without a rise after which the aim is halved.
+    ``look`` gives value and subgradient of a concave function; ``scale`` is a small share of what values are made of, such as 1e-3 of the
+    dearest move; a value that rises beyond ``most`` rises for ever. Every step aims at a rise above the best value so far; the aim is
+    halved after ``patience`` steps without a rise, and widened when it is met.
 
-    Notes
-    -----
-    Every step aims at a rise above the best value so far; the aim is halved when it is out of reach and widened when it is met. Source:
-    level control after Brännlund (1993), Goffin and Kiwiel (1999).
+    Source: level control after Brännlund (1993), Goffin and Kiwiel (1999).
     """
     value, slope = look(price)
     if not math.isfinite(value):

@@ -9,7 +9,7 @@ from small_routing import small
 from waybound.formulations.routing.checking.state_space import check_state_space
 from waybound.formulations.routing.checking.vehicle_moves import VehicleMoves, needed_routes, terms_of
 from waybound.formulations.stop import NEVER
-from waybound.solvers.bounds.routing.level_walks import Walks, at_level, step_size
+from waybound.solvers.bounds.routing.resource_walks import Walks, at_level, step_size
 
 
 def moves_of(problem):

@@ -1,18 +1,19 @@
-"""Sites that no vehicle can serve are found and proved; others are not accused."""
+"""Sites that no vehicle can serve, and fleets that are too small, are proved so before any search; others are not accused."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+import pytest
 
+from waybound import Energy, RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.certificate import verified_bound
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
-from waybound.instances.routing.travel import EXPLICIT, Travel
+from waybound.instances.routing.travel import EXPLICIT
 from waybound.solvers.bounds import BOUNDS
-from waybound.solvers.bounds.routing.infeasible_site import infeasible_site_evidence, too_few_vehicles_evidence
+from waybound.solvers.bounds.routing import infeasibility
+from waybound.solvers.bounds.routing.infeasibility import fleet_need_evidence, infeasible_site_evidence, too_few_vehicles_evidence
 
 
 def line(vehicle: VehicleType, **arrays) -> RoutingProblem:
@@ -23,7 +24,6 @@ def line(vehicle: VehicleType, **arrays) -> RoutingProblem:
 def test_the_unreachable_site_is_named():
     problem = line(VehicleType(max_distance=17.0))
     found = infeasible_site_evidence(problem, Stop(60.0))
-    assert found is not None
     assert found.data == {"site": "far"}
     assert "far" in found.source
     assert verified_bound(problem, found) == math.inf
@@ -51,7 +51,6 @@ def test_no_budget_means_no_search():
 def test_a_fleet_too_small_for_the_load_is_proved_so():
     problem = line(VehicleType(count=1, capacity=5), demand=[0, 3, 3])
     found = too_few_vehicles_evidence(problem, Stop(60.0))
-    assert found is not None
     assert verified_bound(problem, found) == math.inf
     assert too_few_vehicles_evidence(line(VehicleType(count=2, capacity=5), demand=[0, 3, 3]), Stop(60.0)) is None
     assert too_few_vehicles_evidence(line(VehicleType(capacity=1), demand=[0, 3, 3]), Stop(60.0)) is None
@@ -60,3 +59,32 @@ def test_a_fleet_too_small_for_the_load_is_proved_so():
 def test_these_come_before_any_search():
     assert BOUNDS["infeasible-site"].order == 0
     assert min(BOUNDS[name].order for name in ("spanning-tree", "linear-relaxation")) > 0
+
+
+def apart(count: int) -> RoutingProblem:
+    """Four sites in four directions, all due when they can just be reached."""
+    xy = np.array([[0, 0], [10, 0], [-10, 0], [0, 10], [0, -10]], dtype=float)
+    return RoutingProblem(Sites.of(range(5), due=[math.inf, *[10] * 4]), Travel("euclidean", xy), (VehicleType(count),))
+
+
+def test_sites_that_share_no_route_prove_a_fleet_too_small():
+    problem = apart(3)
+    found = fleet_need_evidence(problem, Stop(60.0))
+    assert (found.kind, verified_bound(problem, found)) == ("sites-apart", math.inf)
+    assert fleet_need_evidence(apart(4), Stop(60.0)) is None
+
+
+def test_large_instances_are_left_alone(monkeypatch):
+    monkeypatch.setattr(infeasibility, "MOST_SITES", 4)
+    assert fleet_need_evidence(apart(3), Stop(60.0)) is None
+
+
+@pytest.mark.parametrize("seconds", [0.0, -1.0])
+def test_no_budget_means_no_look_at_the_fleet(seconds):
+    assert fleet_need_evidence(apart(3), Stop(seconds)) is None
+
+
+def test_it_comes_before_any_search_and_after_single_sites():
+    assert BOUNDS["too-small-fleet"].order == 0
+    names = [m.name for m in sorted(BOUNDS.values(), key=lambda m: m.order)]
+    assert names.index("infeasible-site") < names.index("too-small-fleet")

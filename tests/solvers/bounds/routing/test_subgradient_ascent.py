@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from waybound.formulations.stop import NEVER, Stop
-from waybound.solvers.bounds.routing.level_ascent import ascend
+from waybound.solvers.bounds.routing.subgradient_ascent import ascend
 
 
 def test_a_roof_is_climbed():

@@ -1,0 +1,69 @@
+"""Bounds ``infeasible-site``, ``too-few-vehicles`` and ``too-small-fleet``: proofs, before any search, that a problem has no answer."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from ....formulations.certificate import verified_bound
+from ....formulations.evidence import Evidence
+from ....formulations.routing.fleet_need import fleet_conflicts
+from ....formulations.routing.reachability import servable_alone
+from ....formulations.stop import NEVER, Stop
+from ...linear_programs import LinearPrograms
+from .. import BOUNDS, BoundMethod, of_family
+
+if TYPE_CHECKING:
+    from ....formulations.routing.problem import RoutingProblem
+
+MOST_SITES = 200
+"""Sites up to which a fleet is examined: this costs time even where the problem has an answer."""
+
+MOST_ENUMERATED = 5
+"""Sites of which every choice of routes is tried, for the same reason."""
+
+
+def infeasible_site_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
+    """Proof that some required site cannot be served by any vehicle, if there is such a site.
+
+    Only sites that no vehicle can serve on a route of their own are tried. Whether a detour reaches them (distances need not obey the
+    triangle inequality) is for the checker to say.
+    """
+    customers = problem.customers
+    for site in customers[problem.sites.required[customers] & ~servable_alone(problem)].tolist():
+        if stop.reached():
+            return None
+        name = problem.sites.ids[site]
+        evidence = Evidence("infeasible-site", f"no vehicle can serve site {name}", _no_answer(problem), {"site": name})
+        if verified_bound(problem, evidence) == evidence.value:
+            return evidence
+    return None
+
+
+def too_few_vehicles_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
+    """Proof that the fleet cannot carry the total demand of the required sites, if it cannot."""
+    limit = problem.vehicle_limit
+    if limit is None:
+        return None
+    total = math.fsum(problem.sites.demand[problem.sites.required])
+    room = math.fsum(v.capacity * (v.count or 0) for v in problem.fleet)
+    source = f"the sites demand {total:g}, all vehicles together carry {room:g}"
+    evidence = Evidence("too-few-vehicles", source, _no_answer(problem), {})
+    return evidence if total > room and verified_bound(problem, evidence) == evidence.value else None
+
+
+def fleet_need_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
+    """The first proof that the fleet is too small, or that too many routes are asked for, among ``fleet_conflicts``."""
+    if len(problem.sites) > MOST_SITES:
+        return None
+    return next(fleet_conflicts(problem, lambda: bool(stop.reached()), MOST_ENUMERATED), None)
+
+
+def _no_answer(problem: RoutingProblem) -> float:
+    """The bound of a problem without any answer."""
+    return math.inf if problem.sense == "min" else -math.inf
+
+
+BOUNDS.add("infeasible-site", BoundMethod("infeasible-site", of_family("routing"), infeasible_site_evidence))
+BOUNDS.add("too-few-vehicles", BoundMethod("too-few-vehicles", of_family("routing"), too_few_vehicles_evidence))
+BOUNDS.add("too-small-fleet", BoundMethod("too-small-fleet", of_family("routing"), fleet_need_evidence))
