@@ -32,7 +32,7 @@ PAIR_KEYS = ("robot", "bin", "cost")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AssignmentInstance(Declared):
-    """Which robot may be sent to which bin, and at what cost: complete or sparse.
+    """Costs of sending robots to bins, for all pairs or for those that are allowed.
 
     ``from_matrix``, ``from_pairs`` and ``from_frame`` make one from the user's own data; the constructor takes a CSR matrix.
 
@@ -90,7 +90,7 @@ class AssignmentInstance(Declared):
 
     @classmethod
     def from_matrix(cls, costs: Any, **further: Any) -> AssignmentInstance:
-        """From a matrix, one row a robot and one column a bin.
+        """An instance from a matrix, one row a robot and one column a bin.
 
         Parameters
         ----------
@@ -139,7 +139,7 @@ class AssignmentInstance(Declared):
     def from_pairs(
         cls, num_robots: int, num_bins: int, robots: ArrayLike, bins: ArrayLike, costs: ArrayLike, **further: Any
     ) -> AssignmentInstance:
-        """From lists of one entry a pair, in any order, robots and bins as numbers from 0."""
+        """An instance from lists of one entry a pair, in any order, robots and bins as numbers from 0."""
         n, m = arrays.size("num_robots", num_robots), arrays.size("num_bins", num_bins)
         i, j = arrays.whole_numbers("robots", robots), arrays.whole_numbers("bins", bins)
         c = arrays.reals("costs", costs)
@@ -160,7 +160,7 @@ class AssignmentInstance(Declared):
 
     @classmethod
     def from_frame(cls, costs: pd.DataFrame, **further: Any) -> AssignmentInstance:
-        """From a pandas frame: one row a pair, or one row a robot and one column a bin.
+        """An instance from a pandas frame: one row a pair, or one row a robot and one column a bin.
 
         Parameters
         ----------

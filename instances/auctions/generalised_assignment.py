@@ -30,7 +30,7 @@ OBJECTIVES = ("cost", "profit")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GeneralisedAssignmentInstance(Declared):
-    """What each agent can do, at which cost or profit, and what it takes of its capacity.
+    """Costs or profits of jobs that agents do, and the shares of their capacities that the jobs take.
 
     Parameters
     ----------
@@ -77,8 +77,8 @@ class GeneralisedAssignmentInstance(Declared):
     def from_frame(
         cls, pairs: pd.DataFrame, capacity: Any, objective: str = OBJECTIVES[0], **further: Any
     ) -> GeneralisedAssignmentInstance:
-        """From pandas: columns agent, job, consumption and cost or profit, one row a pair, those that are missing being forbidden; and a
-        series or mapping of each agent's capacity."""
+        """An instance from pandas: one row a pair with the columns agent, job, consumption and cost or profit, pairs that are missing being
+        forbidden; and a series or mapping of each agent's capacity."""
         titles = {str(title) for title in pairs.columns}
         wanted = {"agent", "job", "consumption", objective}
         if titles != wanted:
@@ -95,7 +95,7 @@ class GeneralisedAssignmentInstance(Declared):
         cls, agents: tuple[str, ...], jobs: tuple[str, ...], agent: Any, job: Any, values: Floats, consumption: Floats, capacity: ArrayLike,
         objective: str = OBJECTIVES[0], **further: Any,
     ) -> GeneralisedAssignmentInstance:  # fmt: skip
-        """From lists of one entry a pair, by name, in any order; what is not listed is forbidden."""
+        """An instance from lists of one entry a pair, by name, in any order; what is not listed is forbidden."""
         numbers = [{name: k for k, name in enumerate(own)} for own in (agents, jobs)]
         table, used = np.full((len(agents), len(jobs)), forbidden_value(objective)), np.zeros((len(agents), len(jobs)))
         listed = np.zeros(table.shape, dtype=bool)

@@ -135,7 +135,7 @@ class RiskyGraph(Declared):
         cls, graph: nx.DiGraph, elements: Iterable[RiskElement], start: Any, *, conditional: bool, goals: Iterable[Any] = (),
         reward: str = "reward", position: str = "pos", **further: Any,
     ) -> RiskyGraph:  # fmt: skip
-        """From a networkx graph, directed or not; states are its nodes in their order.
+        """An instance from a networkx graph, directed or not; states are its nodes in their order.
 
         Parameters
         ----------

@@ -212,7 +212,7 @@ class PartitionMatroid(LinearConstraint):
 
     @classmethod
     def of(cls, groups: ArrayLike, limits: ArrayLike = 1) -> PartitionMatroid:
-        """From any arrays; one limit for all groups, or one each."""
+        """A partition matroid from any arrays; one limit for all groups, or one each."""
         member, most = arrays.indices("groups", groups), arrays.indices("limits", np.atleast_1d(np.asarray(limits)))
         if np.ndim(limits):
             return cls(member, most)

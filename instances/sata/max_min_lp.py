@@ -34,7 +34,7 @@ class SparseMatrix:
 
     @classmethod
     def of(cls, matrix: Any) -> SparseMatrix:
-        """From a scipy sparse matrix or anything that numpy takes for a matrix; zeros are left out."""
+        """A matrix from a sparse one of scipy or anything that numpy takes for a matrix; zeros are left out."""
         import scipy.sparse as sp
 
         try:

@@ -185,16 +185,16 @@ SET_FUNCTIONS.add("dense-facility-location", JsonPart(("matrix",), _encode_dense
 
 CONSTRAINTS.add(
     "cardinality",
-    JsonPart(("limit",), lambda c: {"limit": c.limit}, lambda given, elements: Cardinality(integer(given["limit"], "constraint.limit", 1))),
+    JsonPart(("limit",), lambda c: {"limit": c.limit}, lambda data, elements: Cardinality(integer(data["limit"], "constraint.limit", 1))),
 )
 CONSTRAINTS.add(
     "partition",
     JsonPart(
         ("groups", "limits"),
         lambda c: {"groups": c.groups.tolist(), "limits": c.limits.tolist()},
-        lambda given, elements: PartitionMatroid(
-            wholes(given["groups"], "constraint.groups", elements),  # type: ignore[arg-type]
-            wholes(given["limits"], "constraint.limits"),  # type: ignore[arg-type]
+        lambda data, elements: PartitionMatroid(
+            wholes(data["groups"], "constraint.groups", elements),  # type: ignore[arg-type]
+            wholes(data["limits"], "constraint.limits"),  # type: ignore[arg-type]
         ),
     ),
 )
@@ -203,6 +203,6 @@ CONSTRAINTS.add(
     JsonPart(
         ("costs", "budget"),
         lambda c: {"costs": json_numbers(c.costs), "budget": json_number(c.budget)},
-        lambda given, elements: Knapsack(reals(given["costs"], "constraint.costs", elements), real(given["budget"], "constraint.budget")),
+        lambda data, elements: Knapsack(reals(data["costs"], "constraint.costs", elements), real(data["budget"], "constraint.budget")),
     ),
 )

@@ -276,7 +276,7 @@ class Coverage(_Checked):
 
     @classmethod
     def from_sets(cls, sets: Any, item_weights: ArrayLike) -> Coverage:
-        """From one list of items an element; items are numbers from 0, and repeated ones count once."""
+        """A coverage function from one list of items an element; items are numbers from 0, and repeated ones count once."""
         lists = [np.unique(arrays.whole_numbers(f"set {k}", list(s), "items by their numbers from 0")) for k, s in enumerate(sets)]
         starts = np.cumsum([0] + [len(s) for s in lists])
         items = np.concatenate(lists) if lists else np.zeros(0)
