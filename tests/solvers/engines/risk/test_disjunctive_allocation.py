@@ -28,8 +28,8 @@ def test_it_is_the_best_of_all_choices() -> None:
     result = run(DisjunctiveAllocation, p)
     best = np.inf
     for choice in itertools.product(range(4), repeat=4):
-        result = run(ConvexAllocation, p.choosing(np.arange(4) * 4 + np.array(choice)), gap=1e-6)
-        best = min(best, np.inf if result.answer is None else result.objective)
+        alternative = run(ConvexAllocation, p.choosing(np.arange(4) * 4 + np.array(choice)), gap=1e-6)
+        best = min(best, np.inf if alternative.answer is None else alternative.objective)
     assert result.objective == pytest.approx(best, rel=3e-6)
     assert result.status == "optimal"
     assert best * (1.0 - 3e-6) <= verified_bound(p, result.evidence[0]) <= best * (1.0 + 1e-9)
