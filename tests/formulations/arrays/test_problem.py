@@ -116,11 +116,11 @@ def test_bad_arrays_are_refused_by_name() -> None:
 def test_compiling_gives_the_arrays_back_with_vectors_as_answers() -> None:
     problem = ArrayProblem(knapsack())
     assert problem.forms() == ["arrays"]
-    made = problem.compile()
-    assert made.problem is problem and made.exactness is Exactness.EXACT
-    assert made.encode is not None and made.encode([4, 0]).tolist() == [4.0, 0.0]
+    compiled = problem.compile()
+    assert compiled.problem is problem and compiled.exactness is Exactness.EXACT
+    assert compiled.encode is not None and compiled.encode([4, 0]).tolist() == [4.0, 0.0]
     with pytest.raises(InputError):
-        made.encode([4])
+        compiled.encode([4])
     assert problem.compile(relax=True).exactness is Exactness.RELAXATION
 
 
@@ -209,8 +209,8 @@ def test_a_row_is_tested_by_its_own_size_and_not_by_how_far_its_variables_may_go
 
 def test_whole_numbers_are_known_exactly():
     asked = small([1.0], [1e7], [1.0], 2e6, math.inf, {0})
-    made = certify(asked, asked.evaluate([2e6 + 1]), [Evidence("lp-dual", "by hand", 2e6, {"duals": [1.0]})])
-    assert made.bound == 2e6 and made.observed_ratio > 1.0 and made.gap > 0.0
+    certificate = certify(asked, asked.evaluate([2e6 + 1]), [Evidence("lp-dual", "by hand", 2e6, {"duals": [1.0]})])
+    assert certificate.bound == 2e6 and certificate.observed_ratio > 1.0 and certificate.gap > 0.0
 
 
 def test_its_facts_are_its_sizes() -> None:

@@ -83,25 +83,25 @@ def test_fractions_break_the_balance_by_as_much_as_is_missing() -> None:
     ],
 )
 def test_arrays_that_are_no_graph_are_refused(circuit: Circuit, fault: str) -> None:
-    made = replace(over(graph("01 10", 2)), circuits=(circuit,))
+    tour = replace(over(graph("01 10", 2)), circuits=(circuit,))
     with pytest.raises(InputError, match=f"circuit tour: .*{fault}"):
-        ArrayProblem(made)
+        ArrayProblem(tour)
 
 
 def test_a_column_of_an_arc_is_binary() -> None:
     for lower, upper, integer in ((0, 2, [0, 1]), (-1, 1, [0, 1]), (0, 1, [1])):
-        made = program([1, 1], np.zeros((0, 2)), 0, 0, lower, upper, integer=integer)
+        binary = program([1, 1], np.zeros((0, 2)), 0, 0, lower, upper, integer=integer)
         with pytest.raises(InputError, match="not binary"):
-            ArrayProblem(replace(made, circuits=(graph("01 10", 2),)))
+            ArrayProblem(replace(binary, circuits=(graph("01 10", 2),)))
 
 
 def test_a_program_with_circuits_says_so_and_is_judged_by_them() -> None:
-    made = over(graph("01 10 12 21 02 20 11", 3))
-    assert made.features() == INTEGERS | CIRCUITS
-    assert made.kind == "circuit MILP"
-    problem = ArrayProblem(made)
+    tour = over(graph("01 10 12 21 02 20 11", 3))
+    assert tour.features() == INTEGERS | CIRCUITS
+    assert tour.kind == "circuit MILP"
+    problem = ArrayProblem(tour)
     assert problem.features() == {"LP", "integer", "circuits"}
-    assert problem.digest() != ArrayProblem(replace(made, circuits=())).digest()
+    assert problem.digest() != ArrayProblem(replace(tour, circuits=())).digest()
     verdict = problem.evaluate([0, 0, 0, 0, 0, 0, 0])
     assert [(v.check, v.amount) for v in verdict.violations] == [("tour", 1.0)]
     assert problem.evaluate([0, 0, 0, 0, 1, 1, 1]).feasible
@@ -110,12 +110,12 @@ def test_a_program_with_circuits_says_so_and_is_judged_by_them() -> None:
 
 
 def test_what_knows_no_circuits_refuses_them_by_name(tmp_path: Path) -> None:
-    made = over(graph("01 10", 2))
-    for hand_over in (made.to_highs, made.to_pulp, made.to_cvxpy, made.to_mathopt, lambda: made.write(tmp_path / "m.lp")):
+    tour = over(graph("01 10", 2))
+    for hand_over in (tour.to_highs, tour.to_pulp, tour.to_cvxpy, tour.to_mathopt, lambda: tour.write(tmp_path / "m.lp")):
         with pytest.raises(UnsupportedError, match="does not handle circuits"):
             hand_over()
     for solver in ("highs", "pulp", "scip", "mathopt", "mathopt:cp-sat", "cvxpy"):
         with pytest.raises(UnsupportedError, match="does not handle circuits; can take it: cpsat"):
-            wb.solve(made, solver)
+            wb.solve(tour, solver)
     with pytest.raises(UsageError, match="only linear programs are relaxed"):
-        wb.solve(made, "cpsat", relax=True)
+        wb.solve(tour, "cpsat", relax=True)

@@ -28,25 +28,25 @@ def squares() -> Compiled:
 
 
 def test_relaxing_drops_integrality_and_nothing_else() -> None:
-    made = squares()
-    relaxed = made.relaxed()
-    assert (made.program.features(), relaxed.program.features()) == (INTEGERS, LINEAR)
+    compiled = squares()
+    relaxed = compiled.relaxed()
+    assert (compiled.program.features(), relaxed.program.features()) == (INTEGERS, LINEAR)
     for name in ("cost", "lower", "upper", "row_lower", "row_upper", "indptr", "indices", "data"):
-        assert np.array_equal(getattr(relaxed.program, name), getattr(made.program, name)), name
-    assert (relaxed.form, relaxed.problem) == (made.form, made.problem) == ("two-index-time-flow", made.problem)
-    assert made.program.features() == INTEGERS  # the one that was given is as it was
+        assert np.array_equal(getattr(relaxed.program, name), getattr(compiled.program, name)), name
+    assert (relaxed.form, relaxed.problem) == (compiled.form, compiled.problem) == ("two-index-time-flow", compiled.problem)
+    assert compiled.program.features() == INTEGERS  # the one that was given is as it was
 
 
 def test_a_relaxed_one_decodes_encodes_and_proves_as_before() -> None:
-    made, relaxed = squares(), squares().relaxed()
-    assert made.encode is not None and relaxed.encode is not None and relaxed.dual_evidence is not None
+    compiled, relaxed = squares(), squares().relaxed()
+    assert compiled.encode is not None and relaxed.encode is not None and relaxed.dual_evidence is not None
     point = relaxed.encode(wb.Routes.of(ROUTES))
-    assert np.array_equal(point, made.encode(wb.Routes.of(ROUTES)))
+    assert np.array_equal(point, compiled.encode(wb.Routes.of(ROUTES)))
     assert relaxed.program.residual(point) <= 1e-9
     assert relaxed.decode(point).canonical() == wb.Routes.of(ROUTES).canonical()
-    duals = np.random.default_rng(1).normal(size=made.program.num_rows)
-    assert made.dual_evidence is not None
-    assert relaxed.dual_evidence(duals).data == made.dual_evidence(duals).data
+    duals = np.random.default_rng(1).normal(size=compiled.program.num_rows)
+    assert compiled.dual_evidence is not None
+    assert relaxed.dual_evidence(duals).data == compiled.dual_evidence(duals).data
 
 
 @pytest.mark.parametrize(
@@ -66,26 +66,26 @@ def test_what_is_not_linear_is_not_relaxed() -> None:
     quadratic = ArrayProblem(program([1, 1], [[1, 1]], 1, 9, integer=[0], quadratic=[[2, 0], [0, 2]])).compile()
     ball = Cones("ball", "second-order", 3, np.array([0, 0, 1, 2]), np.array([0, 1]), np.ones(2), np.array([1.0, 0.0, 0.0]))
     round_ = ArrayProblem(replace(program([1, 1], [[1, 1]], -9, 9, -math.inf), cones=(ball,))).compile()
-    for made in (quadratic, round_, wb.WinnerTakesAllSATA(CASES["S3"].graph).compile("product")):
-        with pytest.raises(UsageError, match=f"form {made.form} is not linear; only linear programs are relaxed"):
-            made.relaxed()
+    for compiled in (quadratic, round_, wb.WinnerTakesAllSATA(CASES["S3"].graph).compile("product")):
+        with pytest.raises(UsageError, match=f"form {compiled.form} is not linear; only linear programs are relaxed"):
+            compiled.relaxed()
 
 
 @pytest.mark.parametrize("suffix", [".mps", ".lp"])
 def test_it_is_written_as_its_program_is(suffix: str, tmp_path: Path) -> None:
-    made = squares()
-    made.write(tmp_path / f"made{suffix}")
-    made.program.write(tmp_path / f"program{suffix}")
+    compiled = squares()
+    compiled.write(tmp_path / f"made{suffix}")
+    compiled.program.write(tmp_path / f"program{suffix}")
     text = (tmp_path / f"made{suffix}").read_text()
     assert text == (tmp_path / f"program{suffix}").read_text()
     assert "x(0,1)" in text or "x[0,1]" in text
 
 
 def test_it_is_handed_over_as_its_program_is() -> None:
-    made = squares()
-    size = made.program.num_variables
-    assert made.to_highs().getNumCol() == len(made.to_pulp().variables()) == size
-    assert sum(v.size for v in made.to_cvxpy().variables()) == len(list(made.to_mathopt().variables())) == size
+    compiled = squares()
+    size = compiled.program.num_variables
+    assert compiled.to_highs().getNumCol() == len(compiled.to_pulp().variables()) == size
+    assert sum(v.size for v in compiled.to_cvxpy().variables()) == len(list(compiled.to_mathopt().variables())) == size
 
 
 def test_it_says_what_it_is_of_and_how_exact() -> None:

@@ -27,11 +27,11 @@ def one_by_one(*blocks: Variables) -> list[str]:
 
 def test_names_are_different_and_valid_whatever_the_sites_are_called() -> None:
     given_names = ["x[a,b]", "x[a b]", "x[a-b]", "e5", "E", "free", "3rd", "infinity1", "", "x" * 300, "x" * 300, "ü[1]", "time-link[1,2]"]
-    made = readable_names([block(name) for name in given_names], "x")
-    assert len(set(made)) == len(made)
-    assert made[0] == "x(a,b)" and made[-1] == "time_link(1,2)"
-    assert all(name.isascii() and " " not in name and "[" not in name for name in made)
-    assert made[3] == "x_e5" and made[5] == "x_free" and made[6] == "x_3rd"
+    names = readable_names([block(name) for name in given_names], "x")
+    assert len(set(names)) == len(names)
+    assert names[0] == "x(a,b)" and names[-1] == "time_link(1,2)"
+    assert all(name.isascii() and " " not in name and "[" not in name for name in names)
+    assert names[3] == "x_e5" and names[5] == "x_free" and names[6] == "x_3rd"
 
 
 TEXT = st.text(st.sampled_from("ab[](),.- ü3eE_"), max_size=4)

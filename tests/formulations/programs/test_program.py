@@ -47,6 +47,6 @@ def test_features_and_words(made: Program, features: frozenset[str], words: str)
 
 
 def test_a_block_of_no_variables_has_no_integers() -> None:
-    made = plain()
-    none = replace(made.variables[0], lower=np.zeros(0), upper=np.zeros(0), cost=np.zeros(0), integer=True)
-    assert replace(made, variables=(*made.variables, none)).features() == LINEAR
+    p = plain()
+    none = replace(p.variables[0], lower=np.zeros(0), upper=np.zeros(0), cost=np.zeros(0), integer=True)
+    assert replace(p, variables=(*p.variables, none)).features() == LINEAR

@@ -13,28 +13,28 @@ from waybound.formulations.programs.rows import rows
 
 
 def test_entries_of_several_parts_are_sorted_by_row_and_numbers_are_spread() -> None:
-    made = rows(
+    block = rows(
         "r", 3, [(np.array([2, 0]), np.array([4, 1]), 1.5), (np.array([0, 2]), np.array([0, 3]), np.array([-1.0, 7.0]))], upper=[1, 2, 3]
     )
-    assert made.indptr.tolist() == [0, 2, 2, 4]
-    assert list(zip(made.indices.tolist(), made.data.tolist(), strict=True)) == [(1, 1.5), (0, -1.0), (4, 1.5), (3, 7.0)]
-    assert made.lower.tolist() == [-math.inf] * 3 and made.upper.tolist() == [1.0, 2.0, 3.0]
-    assert (made.indptr.dtype, made.indices.dtype, made.data.dtype) == (np.int32, np.int32, np.float64)
+    assert block.indptr.tolist() == [0, 2, 2, 4]
+    assert list(zip(block.indices.tolist(), block.data.tolist(), strict=True)) == [(1, 1.5), (0, -1.0), (4, 1.5), (3, 7.0)]
+    assert block.lower.tolist() == [-math.inf] * 3 and block.upper.tolist() == [1.0, 2.0, 3.0]
+    assert (block.indptr.dtype, block.indices.dtype, block.data.dtype) == (np.int32, np.int32, np.float64)
 
 
 def test_no_parts_are_empty_rows() -> None:
-    made = rows("r", 2, [], lower=0.0)
-    assert (made.indptr.tolist(), len(made.indices), made.lower.tolist()) == ([0, 0, 0], 0, [0.0, 0.0])
+    block = rows("r", 2, [], lower=0.0)
+    assert (block.indptr.tolist(), len(block.indices), block.lower.tolist()) == ([0, 0, 0], 0, [0.0, 0.0])
 
 
 def test_sides_are_the_blocks_own() -> None:
     """Two blocks from one number do not share an array that a caller might change."""
     side = np.array([1.0, 2.0])
-    made = rows("r", 2, [], upper=side)
+    block = rows("r", 2, [], upper=side)
     side[0] = 9.0
-    assert made.upper.tolist() == [1.0, 2.0]
-    made.lower[0] = 5.0
-    assert made.lower.tolist() == [5.0, -math.inf]
+    assert block.upper.tolist() == [1.0, 2.0]
+    block.lower[0] = 5.0
+    assert block.lower.tolist() == [5.0, -math.inf]
 
 
 @given(st.data())
@@ -49,5 +49,5 @@ def test_the_block_is_the_matrix_of_its_entries(data: st.DataObject) -> None:
         value = np.arange(len(group)) + 10.0 * number
         dense[row, column] = value
         parts.append((row, column, value))
-    made = rows("r", size, parts)
-    assert np.array_equal(sp.csr_matrix((made.data, made.indices, made.indptr), shape=dense.shape).toarray(), dense)
+    block = rows("r", size, parts)
+    assert np.array_equal(sp.csr_matrix((block.data, block.indices, block.indptr), shape=dense.shape).toarray(), dense)

@@ -55,16 +55,16 @@ FILES = {
 
 
 def read(text: str) -> SolverFile:
-    found = solver_file(text)
-    assert found is not None
-    return found
+    values = solver_file(text)
+    assert values is not None
+    return values
 
 
 @pytest.mark.parametrize("name", FILES)
 def test_every_solver_is_read(name: str) -> None:
-    found = read(FILES[name])
-    assert found.stated == 9.0
-    assert vector_of(MADE, found).tolist() == [0, 1, 1, 1]
+    values = read(FILES[name])
+    assert values.stated == 9.0
+    assert vector_of(MADE, values).tolist() == [0, 1, 1, 1]
 
 
 def test_names_are_those_of_every_export() -> None:
@@ -142,11 +142,11 @@ def write_highs(model: Path, out: Path, style: int) -> None:
 
 
 def write_scip(model: Path, out: Path, zeros: bool) -> None:
-    made = pytest.importorskip("pyscipopt").Model()
-    made.hideOutput()
-    made.readProblem(str(model))
-    made.optimize()
-    made.writeBestSol(str(out), write_zeros=zeros)
+    scip_model = pytest.importorskip("pyscipopt").Model()
+    scip_model.hideOutput()
+    scip_model.readProblem(str(model))
+    scip_model.optimize()
+    scip_model.writeBestSol(str(out), write_zeros=zeros)
 
 
 def write_cbc(model: Path, out: Path, *options: str) -> None:
@@ -169,11 +169,11 @@ WRITERS: dict[str, Callable[[Path, Path], None]] = {
 @pytest.mark.parametrize("suffix", [".mps", ".lp"])
 @pytest.mark.parametrize("name", WRITERS)
 def test_what_solvers_write_of_an_exported_model_is_read(name: str, suffix: str, tmp_path: Path) -> None:
-    made = knapsack(29.0)
-    write_program(made, tmp_path / f"m{suffix}")
+    p = knapsack(29.0)
+    write_program(p, tmp_path / f"m{suffix}")
     WRITERS[name](tmp_path / f"m{suffix}", tmp_path / "s.sol")
-    x = vector_of(made, read((tmp_path / "s.sol").read_text()))
-    assert made.value(x) == 23.5 and x @ [2.0, 4.0, 1.0] >= 29.0
+    x = vector_of(p, read((tmp_path / "s.sol").read_text()))
+    assert p.value(x) == 23.5 and x @ [2.0, 4.0, 1.0] >= 29.0
 
 
 @pytest.mark.filterwarnings("ignore:PULP_CBC_CMD")
@@ -196,5 +196,5 @@ def test_other_texts_are_none() -> None:
 
 
 def test_names_of_all_blocks_differ() -> None:
-    made = everything("min")
-    assert len(set(column_names(made))) == made.num_variables
+    p = everything("min")
+    assert len(set(column_names(p))) == p.num_variables

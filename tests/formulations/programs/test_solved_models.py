@@ -21,9 +21,9 @@ def model() -> Compiled:
 
 @pytest.fixture(scope="module")
 def solved(model: Compiled) -> Any:
-    made = model.to_highs()
-    made.run()
-    return made
+    highs_model = model.to_highs()
+    highs_model.run()
+    return highs_model
 
 
 def test_each_package_hands_its_solution_back_under_the_names_of_the_export(model: Compiled, solved: Any, tmp_path: Path) -> None:
@@ -61,9 +61,9 @@ def test_each_package_hands_its_solution_back_under_the_names_of_the_export(mode
         assert verdict.feasible and verdict.objective == pytest.approx(best), type(way)
     begun = wb.solve(problem, "pyvrp", start=pulp_model, iterations=1, bound_time=0)
     assert begun.objective <= best * (1 + 1e-9) and begun.statistics["start"] == "used"
-    for made in models:  # the problem finds the form, or is told it
+    for solver_model in models:  # the problem finds the form, or is told it
         for form in (None, "two-index-load-flow"):
-            assert wb.judge(problem, made, form=form).objective == pytest.approx(best), type(made)
+            assert wb.judge(problem, solver_model, form=form).objective == pytest.approx(best), type(solver_model)
 
 
 @pytest.mark.parametrize(
@@ -112,34 +112,34 @@ def test_a_solved_model_of_the_same_size_is_told_by_its_objective(package: str, 
         import pyscipopt
 
         compiled.write(tmp_path / "model.mps")
-        made = pyscipopt.Model()
-        made.hideOutput()
-        made.readProblem(str(tmp_path / "model.mps"))
+        model = pyscipopt.Model()
+        model.hideOutput()
+        model.readProblem(str(tmp_path / "model.mps"))
     else:
-        made = getattr(compiled, f"to_{package}")()
-    _solve(package, made)
-    assert wb.judge(own, made, form="two-index-mtz").feasible
+        model = getattr(compiled, f"to_{package}")()
+    _solve(package, model)
+    assert wb.judge(own, model, form="two-index-mtz").feasible
     with pytest.raises(InputError, match=r"has the objective .* by its values; expected the objective that it states"):
-        wb.judge(other, made, form="two-index-mtz")
+        wb.judge(other, model, form="two-index-mtz")
 
 
 def test_what_cbc_leaves_behind_of_an_infeasible_model_is_no_solution(model: Compiled) -> None:
     import pulp
 
-    made = model.to_pulp()
-    made += pulp.lpSum(made.variables()) <= -1
-    _solve("pulp", made)
+    pulp_model = model.to_pulp()
+    pulp_model += pulp.lpSum(pulp_model.variables()) <= -1
+    _solve("pulp", pulp_model)
     with pytest.raises(InputError, match="the model holds no solution"):
-        model.answer(made)
+        model.answer(pulp_model)
 
 
 def test_a_model_of_scip_without_a_problem_is_refused(model: Compiled) -> None:
     import pyscipopt
 
-    made = pyscipopt.Model()
-    made.freeProb()
+    scip_model = pyscipopt.Model()
+    scip_model.freeProb()
     with pytest.raises(InputError, match="the model holds no solution"):
-        model.answer(made)
+        model.answer(scip_model)
 
 
 def test_what_is_no_result_of_mathopt_is_refused(model: Compiled) -> None:

@@ -15,11 +15,11 @@ from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 def test_the_stalling_problem_in_cvxpy() -> None:
     x = cp.Variable(2, name="x", nonneg=True)
     p = RiskAllocation.from_cvxpy(cp.Problem(cp.Maximize(x[0] + 3 * x[1]), [cp.sum(x) <= 7]), x, np.eye(2), [5, 5], total=0.1)
-    found = run(ConvexAllocation, p)
-    assert (p.sense, found.status) == ("max", "optimal")
-    assert found.objective == pytest.approx(13.731143, abs=1e-6)
+    result = run(ConvexAllocation, p)
+    assert (p.sense, result.status) == ("max", "optimal")
+    assert result.objective == pytest.approx(13.731143, abs=1e-6)
     # Where 1 / density(z1) = 3 / density(z2); the optimum is flat.
-    assert p.values(found.answer)["x"] == pytest.approx([2.955491, 3.591884], abs=1e-4)
+    assert p.values(result.answer)["x"] == pytest.approx([2.955491, 3.591884], abs=1e-4)
 
 
 def test_squares_norms_and_cones_keep_their_value() -> None:
@@ -31,12 +31,12 @@ def test_squares_norms_and_cones_keep_their_value() -> None:
         cp.Problem(cp.Minimize(cost), [cp.norm(u[:, 1]) <= 1]), means, covariance, limits, total=0.1, names=["a", "b"]
     )
     assert p.features() >= {"quadratic-cost", "cones"}
-    found = run(ConvexAllocation, p)
-    assert found.answer is not None and p.evaluate(found.answer).feasible
-    u.value = p.values(found.answer)["u"]
-    assert float(cost.value) == pytest.approx(found.objective, rel=1e-7)
+    result = run(ConvexAllocation, p)
+    assert result.answer is not None and p.evaluate(result.answer).feasible
+    u.value = p.values(result.answer)["u"]
+    assert float(cost.value) == pytest.approx(result.objective, rel=1e-7)
     assert float(cp.norm(u[:, 1]).value) <= 1 + 1e-7
-    assert found.bound == pytest.approx(found.objective, rel=1e-6)
+    assert result.bound == pytest.approx(result.objective, rel=1e-6)
 
 
 def test_what_cannot_be_declared_is_refused() -> None:

@@ -15,9 +15,9 @@ from waybound.formulations.risk.joint_normal import CONFIDENCE, _mean_between, a
 )
 def test_two_events_of_one_twentieth(correlation: float, union: float) -> None:
     covariance = np.array([[1.0, correlation], [correlation, 1.0]])
-    found = any_fails(np.full(2, norm.isf(0.05)), covariance)
-    assert found.value == pytest.approx(union, abs=6e-6)
-    assert found.low <= found.value <= found.high <= found.low + 1e-4
+    chance = any_fails(np.full(2, norm.isf(0.05)), covariance)
+    assert chance.value == pytest.approx(union, abs=6e-6)
+    assert chance.low <= chance.value <= chance.high <= chance.low + 1e-4
 
 
 def _by_slices(a: float, b: float, correlation: float) -> float:
@@ -36,8 +36,8 @@ def _by_slices(a: float, b: float, correlation: float) -> float:
 @pytest.mark.parametrize(("a", "b"), [(-0.9375854, -0.9375865), (2.0, 2.0), (1.0, 3.0), (3.0, -2.9), (-1.0, 1.0), (5.0, 5.1)])
 def test_two_that_are_nearly_the_same_or_opposite(correlation: float, sign: float, a: float, b: float) -> None:
     r = sign * correlation
-    found = any_fails(np.array([a, b]), np.array([[1.0, r], [r, 1.0]]))
-    assert found.value == pytest.approx(_by_slices(a, b, r), rel=1e-10)
+    chance = any_fails(np.array([a, b]), np.array([[1.0, r], [r, 1.0]]))
+    assert chance.value == pytest.approx(_by_slices(a, b, r), rel=1e-10)
 
 
 @pytest.mark.share(2)
@@ -47,14 +47,14 @@ def test_it_agrees_with_scipy(size: int) -> None:
     root = rng.normal(size=(size, size))
     covariance, slack = root @ root.T, rng.uniform(1.0, 4.0, size) * 2.0
     known = 1.0 - multivariate_normal.cdf(slack, cov=covariance, abseps=5e-7, releps=0.0, maxpts=2_000_000, rng=1)
-    found = any_fails(slack, covariance)
-    assert found.low - 2e-6 <= known <= found.high + 2e-6
-    assert found.high - found.low < 0.02 * known
+    chance = any_fails(slack, covariance)
+    assert chance.low - 2e-6 <= known <= chance.high + 2e-6
+    assert chance.high - chance.low < 0.02 * known
 
 
 def test_small_risks_keep_their_digits() -> None:
-    found = any_fails(np.array([7.0, 7.0]), np.array([[1.0, 0.3], [0.3, 1.0]]))
-    assert found.value == pytest.approx(2.0 * norm.sf(7.0), rel=1e-4)
+    chance = any_fails(np.array([7.0, 7.0]), np.array([[1.0, 0.3], [0.3, 1.0]]))
+    assert chance.value == pytest.approx(2.0 * norm.sf(7.0), rel=1e-4)
 
 
 def test_singular_covariances_are_integrated() -> None:
@@ -70,8 +70,8 @@ def test_two_alternatives_fail_as_often_as_both_do() -> None:
     slack, rho = np.array([1.0, 1.0]), 0.5
     covariance = np.array([[1.0, rho], [rho, 1.0]])
     both = 2.0 * norm.sf(1.0) - any_fails(slack, covariance).value
-    found = any_fails(slack, covariance, np.array([0, 0]))
-    assert found.exact and found.value == pytest.approx(both, rel=1e-12)
+    chance = any_fails(slack, covariance, np.array([0, 0]))
+    assert chance.exact and chance.value == pytest.approx(both, rel=1e-12)
 
 
 @pytest.mark.parametrize("z", [1.0, 3.0, 4.5])
@@ -82,8 +82,8 @@ def test_rare_failures_of_constraints_with_alternatives_are_met(z: float) -> Non
     f = np.linspace(-12.0, 12.0, 200_001)
     each = norm.sf((z - f) / own) ** 3
     truth = float(np.trapezoid((1.0 - (1.0 - each) ** 3) * norm.pdf(f), f))
-    found = any_fails(np.full(9, z), covariance, constraint)
-    assert found.low <= truth <= found.high <= found.low + 0.05 * found.most
+    chance = any_fails(np.full(9, z), covariance, constraint)
+    assert chance.low <= truth <= chance.high <= chance.low + 0.05 * chance.most
 
 
 def test_rows_without_variance_have_no_noise_among_alternatives() -> None:
@@ -109,18 +109,18 @@ def test_failures_that_come_together_are_met_however_rare() -> None:
     b, s = np.array([1.0, -1.0, 1.0]), np.full(3, 0.01)
     for z in (2.0, 4.3, 5.0, 7.0):
         slack = np.array([z, z - 0.1, z]) * np.hypot(b, s)
-        truth, found = any_fails_by_quadrature(slack, b, s), any_fails(slack, np.outer(b, b) + np.diag(s * s))
-        assert found.low * (1.0 - 1e-10) <= truth <= found.high * (1.0 + 1e-10)
-        assert found.high <= 1.001 * truth
+        truth, chance = any_fails_by_quadrature(slack, b, s), any_fails(slack, np.outer(b, b) + np.diag(s * s))
+        assert chance.low * (1.0 - 1e-10) <= truth <= chance.high * (1.0 + 1e-10)
+        assert chance.high <= 1.001 * truth
 
 
 def test_limits_hold_of_random_constraints_from_a_risk_of_1e_12_on() -> None:
     rng = np.random.default_rng(6)
     for _ in range(40):
         slack, covariance, truth = drawn(rng)
-        found = any_fails(slack, covariance)
-        assert found.low <= truth * (1.0 + 1e-10) and truth * (1.0 - 1e-10) <= min(found.high, found.most)
-        assert found.high - found.low <= 0.3 * truth
+        chance = any_fails(slack, covariance)
+        assert chance.low <= truth * (1.0 + 1e-10) and truth * (1.0 - 1e-10) <= min(chance.high, chance.most)
+        assert chance.high - chance.low <= 0.3 * truth
 
 
 def test_no_interval_is_narrower_than_its_samples_see() -> None:
@@ -134,17 +134,17 @@ def test_no_interval_is_narrower_than_its_samples_see() -> None:
 def test_the_limits_of_a_mean_are_kept_as_often_as_they_say(p: float) -> None:
     rng, doubt, missed = np.random.default_rng(8), 0.2, 0
     for _ in range(400):
-        pilot, found = (
+        pilot, counts = (
             (np.array([0.0, 1.0]), np.array([n - k, k], dtype=float)) for n, k in ((100, rng.binomial(100, p)), (800, rng.binomial(800, p)))
         )
-        _, low, high = _mean_between(pilot, found, np.log(2.0 / doubt))
+        _, low, high = _mean_between(pilot, counts, np.log(2.0 / doubt))
         missed += not low <= p <= high
     assert missed <= 400 * doubt
 
 
 def test_independent_parts_are_exact() -> None:
-    found = any_fails(np.full(50, 3.0), np.eye(50))
-    assert found.value == pytest.approx(-np.expm1(50 * np.log1p(-norm.sf(3.0))), rel=1e-13) and found.confidence == 1.0
+    chance = any_fails(np.full(50, 3.0), np.eye(50))
+    assert chance.value == pytest.approx(-np.expm1(50 * np.log1p(-norm.sf(3.0))), rel=1e-13) and chance.confidence == 1.0
     pair, apart = np.array([[1.0, 0.9], [0.9, 1.0]]), np.array([0, 2, 1, 3])
     twice = np.kron(np.eye(2), pair)[np.ix_(apart, apart)]
     one = any_fails(np.full(2, 4.0), pair).value
@@ -159,6 +159,6 @@ def test_alike_constraints_count_once() -> None:
 
 
 def test_what_is_kept_is_proved_or_said_with_its_confidence() -> None:
-    found = any_fails(np.full(5, 3.0), np.full((5, 5), 0.9) + 0.1 * np.eye(5))
-    assert found.low < found.value < found.high < found.most
-    assert found.kept(found.most) == 1.0 and found.kept(found.high) == CONFIDENCE and found.kept(found.value) == 0.0
+    chance = any_fails(np.full(5, 3.0), np.full((5, 5), 0.9) + 0.1 * np.eye(5))
+    assert chance.low < chance.value < chance.high < chance.most
+    assert chance.kept(chance.most) == 1.0 and chance.kept(chance.high) == CONFIDENCE and chance.kept(chance.value) == 0.0

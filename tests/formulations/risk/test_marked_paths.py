@@ -67,13 +67,13 @@ def test_a_problem_is_refused_where_a_path_has_a_reward_without_risk_and_else_so
         best = max((reward / risk for risk, reward in able if risk > 0.0), default=None)
         zero += best == 0.0
         for method in ({"solver": "risk-labels"}, {"solver": "path-enumeration"}, {"heuristic": "two-stage"}):
-            found = wb.solve(problem, bound_time=0, **method)
-            assert (found.answer is None) == (best is None), (case, method)
+            solution = wb.solve(problem, bound_time=0, **method)
+            assert (solution.answer is None) == (best is None), (case, method)
             if best is not None and method != {"heuristic": "two-stage"}:
-                assert found.objective == pytest.approx(best), (case, method)
-                assert found.status == "optimal"
+                assert solution.objective == pytest.approx(best), (case, method)
+                assert solution.status == "optimal"
             elif best is None and "solver" in method:
-                assert found.status == "infeasible"
+                assert solution.status == "infeasible"
     assert refused > 10
 
 
@@ -81,8 +81,8 @@ def test_the_best_value_may_be_nothing() -> None:
     moves = MoveRisk([0], [1], [2], [0.3])
     graph = cases.graph([(0, 1), (1, 2), (0, 2)], [moves], goals=(2,), rewards=[0, 1, 0], discount=0.0, objective="reward-per-risk")
     for given in ({}, {"solver": "path-enumeration"}, {"heuristic": "two-stage"}):
-        found = wb.solve(RiskyPath(graph), **given)
-        assert (found.status, found.objective, found.answer, found.bound_kind) == ("optimal", 0.0, (0, 1, 2), "verified")
+        solution = wb.solve(RiskyPath(graph), **given)
+        assert (solution.status, solution.objective, solution.answer, solution.bound_kind) == ("optimal", 0.0, (0, 1, 2), "verified")
 
 
 def test_what_cannot_be_decided_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

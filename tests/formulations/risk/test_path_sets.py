@@ -111,8 +111,8 @@ def test_the_distribution_of_the_least_of_a_set_is_that_of_the_figure():
         (twenty, (20, 100)): (0.177796, 0.418242, 0.75, 0.951049),
     }
     for paths, values in rows.items():
-        found = [probability(list(paths), [(x, 0)]) for x in (10, 15, 20, 25)]
-        assert found == pytest.approx(values, abs=6e-7)
+        probabilities = [probability(list(paths), [(x, 0)]) for x in (10, 15, 20, 25)]
+        assert probabilities == pytest.approx(values, abs=6e-7)
 
 
 def test_observed_first_edges_decide():
@@ -194,10 +194,10 @@ def test_first_edges_agree_with_sampling(first_edges, seed):
         PathSet(rng.normal(0, 2, k), rng.uniform(0.1, 4, k) * (rng.random(k) < 0.8), rng.normal(), rng.uniform(0, 6)) for k in (3, 1, 4)
     ]
     sets.append(PathSet.of([(0.3, 0.0), (0.5, 1.0)], (0.2, 0.0)))  # observed, and a path that is known to the end
-    found = cheapest_set_probabilities(sets, first_edges)
-    assert found.sum() == pytest.approx(1.0)
+    probabilities = cheapest_set_probabilities(sets, first_edges)
+    assert probabilities.sum() == pytest.approx(1.0)
     sampled = _sampled(sets, first_edges == "shared", 200_000, seed)
-    assert (np.abs(found - sampled) <= 4.0 * np.sqrt(found * (1 - found) / 200_000) + 1e-9).all()
+    assert (np.abs(probabilities - sampled) <= 4.0 * np.sqrt(probabilities * (1 - probabilities) / 200_000) + 1e-9).all()
 
 
 def test_a_narrow_path_beyond_a_shared_first_edge_is_not_missed():

@@ -42,8 +42,8 @@ def test_answers_are_written_by_name_and_read_again() -> None:
 
 
 def test_what_is_left_of_the_total_is_shared_out() -> None:
-    made = problem(constraints=None).allocated(np.array([3.0, 3.0]))
-    assert made.risks is not None and made.risks.sum() == pytest.approx(0.1, rel=1e-12) and made.risks.sum() <= 0.1
+    allocation = problem(constraints=None).allocated(np.array([3.0, 3.0]))
+    assert allocation.risks is not None and allocation.risks.sum() == pytest.approx(0.1, rel=1e-12) and allocation.risks.sum() <= 0.1
 
 
 def test_the_joint_risk_is_that_of_a_simulation() -> None:
@@ -55,10 +55,10 @@ def test_the_joint_risk_is_that_of_a_simulation() -> None:
         state = state @ d.state.T + d.input[:, 0] * u + rng.standard_normal((many, 2)) * np.sqrt(np.diag(d.noise))
         failed |= state[:, 0] < floor[t]
     share = failed.mean()
-    found = p.joint_risk(answer.decision)["total"]
+    risk = p.joint_risk(answer.decision)["total"]
     error = np.sqrt(share * (1.0 - share) / many)
-    assert abs(found.value - share) < 4.0 * error + (found.high - found.low) / 2.0
-    assert found.high < p.risk.total / 3.0
+    assert abs(risk.value - share) < 4.0 * error + (risk.high - risk.low) / 2.0
+    assert risk.high < p.risk.total / 3.0
 
 
 @pytest.mark.parametrize(
@@ -125,17 +125,17 @@ def test_the_other_problem_stays_as_it_was(change: Any) -> None:
 
 def test_each_residual_widens_the_limits_of_its_check() -> None:
     p = mixed()
-    made = p.widened({"constraints": 0.5, "chance": 0.25, "cones": 2.0})
-    assert (made.row_lower.tolist(), made.row_upper.tolist()) == ([-np.inf], [7.5])
-    assert made.limits.tolist() == [5.25, 1.25, 2.25, 8.25] and made.cones[0][3] == 8.0
-    assert made.caps.tolist() == [0.04, 0.02, 0.03] and [b.risk for b in made.budgets] == [0.1, 0.04, 0.06]
+    changed = p.widened({"constraints": 0.5, "chance": 0.25, "cones": 2.0})
+    assert (changed.row_lower.tolist(), changed.row_upper.tolist()) == ([-np.inf], [7.5])
+    assert changed.limits.tolist() == [5.25, 1.25, 2.25, 8.25] and changed.cones[0][3] == 8.0
+    assert changed.caps.tolist() == [0.04, 0.02, 0.03] and [b.risk for b in changed.budgets] == [0.1, 0.04, 0.06]
     assert entries(p.widened({})) == entries(p.widened({"bounds": 1.0})) == entries(p)
 
 
 @pytest.mark.parametrize("check", ["budgets", "joint-risk"])
 def test_wider_budgets_let_each_constraint_have_more_but_never_more_than_half(check: str) -> None:
-    made = mixed().widened({check: 0.01})
-    assert [b.risk for b in made.budgets] == pytest.approx([0.11, 0.05, 0.07]) and made.caps == pytest.approx([0.05, 0.03, 0.04])
+    changed = mixed().widened({check: 0.01})
+    assert [b.risk for b in changed.budgets] == pytest.approx([0.11, 0.05, 0.07]) and changed.caps == pytest.approx([0.05, 0.03, 0.04])
     assert mixed().widened({check: 0.01, "risks": 0.02}).caps == pytest.approx([0.07, 0.05, 0.06])
     assert mixed().widened({check: 0.48}).caps.tolist() == [0.5, 0.5, 0.5]
 
@@ -149,22 +149,22 @@ def test_an_answer_off_its_limits_is_within_those_that_its_residuals_widen() -> 
 
 
 def test_rows_that_are_chosen_keep_their_data_and_budgets_their_constraints() -> None:
-    made = mixed().choosing(np.array([2, 3]))
-    assert made.chance.tolist() == [[0, 1], [1, 1]] and made.limits.tolist() == [2, 8]
+    changed = mixed().choosing(np.array([2, 3]))
+    assert changed.chance.tolist() == [[0, 1], [1, 1]] and changed.limits.tolist() == [2, 8]
     # Of q1, and of q0 + q1: variances 4 and 1 + 4 + 2 * 0.5, covariance 0.5 + 4.
-    assert made.covariance == pytest.approx(np.array([[4.0, 4.5], [4.5, 6.0]])) and made.deviation == pytest.approx([2.0, 6.0**0.5])
-    assert (made.names, made.constraint.tolist(), made.open.tolist()) == (("b", "c"), [0, 1], [True, True])
-    assert made.caps.tolist() == [0.02, 0.03] and made.risk.each.tolist() == [0.02, 0.03]
-    assert [(b.name, b.constraints.tolist(), b.risk) for b in made.budgets] == [
+    assert changed.covariance == pytest.approx(np.array([[4.0, 4.5], [4.5, 6.0]])) and changed.deviation == pytest.approx([2.0, 6.0**0.5])
+    assert (changed.names, changed.constraint.tolist(), changed.open.tolist()) == (("b", "c"), [0, 1], [True, True])
+    assert changed.caps.tolist() == [0.02, 0.03] and changed.risk.each.tolist() == [0.02, 0.03]
+    assert [(b.name, b.constraints.tolist(), b.risk) for b in changed.budgets] == [
         ("total", [0, 1], 0.1), ("early", [0], 0.04), ("late", [1], 0.06),
     ]  # fmt: skip
-    assert not made.disjunctive
+    assert not changed.disjunctive
 
 
 def test_a_budget_without_constraints_is_dropped() -> None:
-    made = mixed().choosing(np.array([0, 1, 2]))
-    assert [(b.name, b.constraints.tolist()) for b in made.budgets] == [("total", [0, 1]), ("early", [0, 1])]
-    assert made.constraint.tolist() == [0, 1, 1] and made.disjunctive
+    changed = mixed().choosing(np.array([0, 1, 2]))
+    assert [(b.name, b.constraints.tolist()) for b in changed.budgets] == [("total", [0, 1]), ("early", [0, 1])]
+    assert changed.constraint.tolist() == [0, 1, 1] and changed.disjunctive
 
 
 def test_what_is_told_of_joint_risks_is_not_taken_over() -> None:
@@ -175,12 +175,12 @@ def test_what_is_told_of_joint_risks_is_not_taken_over() -> None:
 
 def test_allocated_risk_in_place_of_a_joint_one_is_a_restriction() -> None:
     p = mixed(risk__kind="joint")
-    made = p.by_allocation()
-    assert (made.risk.kind, made.risk.total, made.risk.each.tolist()) == ("allocated", 0.1, p.risk.each.tolist())
-    assert made.budgets == p.budgets and made.caps.tolist() == p.caps.tolist()
+    changed = p.by_allocation()
+    assert (changed.risk.kind, changed.risk.total, changed.risk.each.tolist()) == ("allocated", 0.1, p.risk.each.tolist())
+    assert changed.budgets == p.budgets and changed.caps.tolist() == p.caps.tolist()
     # Both constraints fail together now and then, so that their risks add up to more than the probability that any fails.
     x = np.array([2.5, 1.0])
-    assert float(made.risks(x).sum()) > p.joint_risk(x)["total"].value
+    assert float(changed.risks(x).sum()) > p.joint_risk(x)["total"].value
 
 
 def test_the_convex_part_has_the_rows_that_are_sure_to_count() -> None:

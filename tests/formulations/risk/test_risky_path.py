@@ -157,11 +157,11 @@ def test_risk_never_falls_along_a_path(seed):
     "problem", [cases.mud(), cases.loop(), cases.two_ways(), cases.ring(objective="hazard")], ids=lambda p: p.objective
 )
 def test_an_answer_at_hand_passes_or_there_is_none(problem):
-    found = problem.answer_at_hand()
-    assert found is None or problem.evaluate(found).feasible
-    assert (found is None) == (problem.graph.state_name(1) == "v")  # the best walk of the loop comes to it twice
+    answer = problem.answer_at_hand()
+    assert answer is None or problem.evaluate(answer).feasible
+    assert (answer is None) == (problem.graph.state_name(1) == "v")  # the best walk of the loop comes to it twice
 
 
 def test_there_is_nothing_to_explain_of_a_goal_that_can_be_reached():
-    made = wb.explain(cases.mud(), time_limit=60.0)
-    assert (made.verdict, made.according_to) == ("feasible", "the data")
+    explanation = wb.explain(cases.mud(), time_limit=60.0)
+    assert (explanation.verdict, explanation.according_to) == ("feasible", "the data")

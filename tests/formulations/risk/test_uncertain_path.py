@@ -52,8 +52,8 @@ def test_paths_that_break_a_rule_are_told(problem, names, check, message):
 
 def test_a_vertex_twice_is_told():
     problem = UncertainPath(graph_of([*WORKED, ("C", "B", 1, 1)]), 0.05)
-    found = problem.evaluate(path(problem, "S", "B", "C", "B", "G"))
-    assert [v.message for v in found.violations] == ["the path goes through B twice"]
+    verdict = problem.evaluate(path(problem, "S", "B", "C", "B", "G"))
+    assert [v.message for v in verdict.violations] == ["the path goes through B twice"]
 
 
 @pytest.mark.parametrize("answer", [(), [0, 1], (0, 99), (0, True), (0.0, 1.0), "S"])
@@ -98,12 +98,12 @@ def test_the_digest_tells_risks_apart():
 
 
 def test_a_path_of_the_fewest_edges_is_at_hand_and_refutes_whoever_says_that_there_is_none(problem):
-    found = problem.answer_at_hand()
-    assert problem.evaluate(found).feasible and len(found) == 3
+    answer = problem.answer_at_hand()
+    assert problem.evaluate(answer).feasible and len(answer) == 3
     back = UncertainPath(graph_of([("S", "G", 0, 0), ("G", "S", 0, 0)]))
     assert back.answer_at_hand() == (0, 1)
 
 
 def test_there_is_nothing_to_explain(problem):
-    made = explain(problem, time_limit=60.0)
-    assert (made.verdict, made.according_to) == ("feasible", "the data")
+    explanation = explain(problem, time_limit=60.0)
+    assert (explanation.verdict, explanation.according_to) == ("feasible", "the data")

@@ -81,7 +81,7 @@ def test_each_step_is_that_of_a_search_from_scratch(seed, least):
 def test_the_first_search_looks_no_farther_than_the_start():
     g = generate("prm-graph", 3)
     left = g.costs_to(g.goal, g.mean)
-    found = DStarLite(g)._distance
-    reached = np.isfinite(found)
-    assert np.allclose(found[reached], left[reached])
+    distances = DStarLite(g)._distance
+    reached = np.isfinite(distances)
+    assert np.allclose(distances[reached], left[reached])
     assert left[reached].max() <= left[g.start] + 1e-9

@@ -14,14 +14,14 @@ from waybound.instances.risk.elements import LocaleRisk
 
 def test_the_start_has_its_own_risk_and_unreachable_states_have_no_label():
     problem = cases.table_3_1()
-    found = look_back(problem, 2, NEVER)
-    assert found[0] == (pytest.approx(-np.log(0.99)), (0,)) and len(found) == 12
+    result = look_back(problem, 2, NEVER)
+    assert result[0] == (pytest.approx(-np.log(0.99)), (0,)) and len(result) == 12
 
 
 def test_more_states_never_cost_more_on_the_way_to_exactness():
     problem = cases.mud_costs()
-    found = {steps: look_back(problem, steps, NEVER)[6][0] for steps in (1, 2, 3, 7)}
-    assert found == pytest.approx({1: 13, 2: 13, 3: 5, 7: 5})
+    result = {steps: look_back(problem, steps, NEVER)[6][0] for steps in (1, 2, 3, 7)}
+    assert result == pytest.approx({1: 13, 2: 13, 3: 5, 7: 5})
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -108,10 +108,10 @@ def test_unknown_options_are_refused(graph, options):
 
 def test_it_takes_the_route_of_the_source_which_no_risk_asks_for():
     problem = UncertainPath(graph_of(WORKED), 0.05)
-    found = wb.solve(problem, heuristic="rags")
-    assert named(problem.graph, found.answer) == "S-B-C-G"
-    assert found.objective > found.bound
-    assert found.certificate.guarantee is None
+    solution = wb.solve(problem, heuristic="rags")
+    assert named(problem.graph, solution.answer) == "S-B-C-G"
+    assert solution.objective > solution.bound
+    assert solution.certificate.guarantee is None
 
 
 @pytest.mark.parametrize("options", [{"comparison": "joint"}, {"rule": "scan"}, {"dominance": "strict"}, {"first_edges": "shared"}])

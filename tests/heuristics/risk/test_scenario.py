@@ -22,16 +22,16 @@ def test_no_fewer_samples_are_enough(risk: float, confidence: float, support: in
 def test_plans_keep_the_joint_risk() -> None:
     p = problem(risk__kind="joint")
     for seed in range(5):
-        found = scenario(p, context(seed))
-        assert p.evaluate(found.answer).feasible
-        assert found.statistics == {"samples": enough_samples(0.1, 0.999, 2), "confidence": 0.999, "support": 2}
+        result = scenario(p, context(seed))
+        assert p.evaluate(result.answer).feasible
+        assert result.statistics == {"samples": enough_samples(0.1, 0.999, 2), "confidence": 0.999, "support": 2}
 
 
 def test_fewer_samples_promise_nothing() -> None:
     p = problem(risk__kind="joint")
-    found = scenario(p, context(), samples=3)
-    assert math.isnan(found.statistics["confidence"])
-    assert not p.evaluate(found.answer).feasible
+    result = scenario(p, context(), samples=3)
+    assert math.isnan(result.statistics["confidence"])
+    assert not p.evaluate(result.answer).feasible
 
 
 def test_what_it_cannot_do_is_said() -> None:

@@ -60,9 +60,9 @@ def test_an_optimum_that_presolve_loses_is_found() -> None:
     sites = Sites.of("oabc", coordinates=xy, ready=[0.0, 10.0, 16.0, 24.0], due=[np.inf, 41.0, 45.0, 50.0])
     travel = Travel("euclidean", coordinates=xy, convention="trunc1")
     problem = RoutingProblem(sites, travel, [VehicleType()], LongestRoute() + 0.5 * Vehicles())
-    made = problem.compile("three-index").program
-    found = Highs().run(made, Options(time_limit=20.0), Control())
-    assert (found.status, found.objective) == ("optimal", pytest.approx(40.4))
+    compiled = problem.compile("three-index").program
+    result = Highs().run(compiled, Options(time_limit=20.0), Control())
+    assert (result.status, result.objective) == ("optimal", pytest.approx(40.4))
 
 
 @pytest.mark.parametrize(

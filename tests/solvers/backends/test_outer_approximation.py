@@ -38,9 +38,9 @@ def ball(cost, radius: float, centre=(0.0, 0.0), sense: str = "max") -> Program:
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_whole_points_of_a_disc(variant: str) -> None:
-    found = OuterApproximation(variant).run(ball([3.0, 2.0], 5.0), Options(time_limit=20.0), Control())
-    assert (found.status, found.objective, found.bound) == ("optimal", pytest.approx(18.0), pytest.approx(18.0))
-    assert found.answer == pytest.approx([4.0, 3.0]) and found.statistics["rows_added"] > 0
+    result = OuterApproximation(variant).run(ball([3.0, 2.0], 5.0), Options(time_limit=20.0), Control())
+    assert (result.status, result.objective, result.bound) == ("optimal", pytest.approx(18.0), pytest.approx(18.0))
+    assert result.answer == pytest.approx([4.0, 3.0]) and result.statistics["rows_added"] > 0
 
 
 @settings(max_examples=draws(30), deadline=None)
@@ -49,19 +49,19 @@ def test_the_best_point_of_all(cost, radius, centre) -> None:
     """Radii between those of whole points, for what lies on the rim is a matter of tolerances."""
     size, middle = math.sqrt(radius + 0.37), (centre[0] / 4.0, centre[1] / 4.0)
     points = [p for p in itertools.product(range(-20, 21), repeat=2) if (p[0] - middle[0]) ** 2 + (p[1] - middle[1]) ** 2 <= size**2]
-    found = OuterApproximation().run(ball([float(c) for c in cost], size, middle), Options(time_limit=20.0), Control())
+    result = OuterApproximation().run(ball([float(c) for c in cost], size, middle), Options(time_limit=20.0), Control())
     if not points:
-        assert found.status == "infeasible"
+        assert result.status == "infeasible"
         return
-    assert (found.status, found.objective) == ("optimal", pytest.approx(max(cost[0] * x + cost[1] * y for x, y in points), abs=1e-6))
+    assert (result.status, result.objective) == ("optimal", pytest.approx(max(cost[0] * x + cost[1] * y for x, y in points), abs=1e-6))
 
 
 def test_a_cone_with_a_tip_that_is_a_variable_is_met_at_its_tip() -> None:
     """The least t that is no less than the norm of (x + 1, y), x + y being 3 at least."""
     plain = program([0.0, 0.0, 1.0], [[1.0, 1.0, 0.0]], 3.0, math.inf, 0, [9, 9, 99], integer=(0, 1))
     asked = replace(plain, cones=(cone([[0, 0, 1], [1, 0, 0], [0, 1, 0]], [0, 1, 0]),))
-    found = OuterApproximation().run(asked, Options(time_limit=20.0), Control())
-    assert (found.status, found.objective) == ("optimal", pytest.approx(math.sqrt(8.0), abs=1e-5))
+    result = OuterApproximation().run(asked, Options(time_limit=20.0), Control())
+    assert (result.status, result.objective) == ("optimal", pytest.approx(math.sqrt(8.0), abs=1e-5))
 
 
 def test_bounds_are_published_on_the_way_and_nodes_are_counted_over_all_programs() -> None:
@@ -73,19 +73,19 @@ def test_bounds_are_published_on_the_way_and_nodes_are_counted_over_all_programs
             self.bounds = [*getattr(self, "bounds", []), *([] if bound is None else [bound])]
 
     control = Listening()
-    found = OuterApproximation().run(ball([7.0, 5.0], 9.31), Options(time_limit=20.0), control)
-    assert found.status == "optimal" and control.bounds[-1] == pytest.approx(found.objective)
-    assert all(bound >= found.objective - 1e-6 for bound in control.bounds)
+    result = OuterApproximation().run(ball([7.0, 5.0], 9.31), Options(time_limit=20.0), control)
+    assert result.status == "optimal" and control.bounds[-1] == pytest.approx(result.objective)
+    assert all(bound >= result.objective - 1e-6 for bound in control.bounds)
     few = OuterApproximation().run(ball([7.0, 5.0], 9.31), Options(time_limit=20.0, iterations=1), Control())
-    assert few.status in ("unknown", "feasible", "optimal") and (few.bound is None or few.bound >= found.objective - 1e-6)
+    assert few.status in ("unknown", "feasible", "optimal") and (few.bound is None or few.bound >= result.objective - 1e-6)
 
 
 def test_no_point_is_infeasible_and_a_wish_to_stop_ends_it() -> None:
     assert OuterApproximation().run(ball([1.0, 1.0], 0.3, (0.5, 0.5)), Options(time_limit=20.0), Control()).status == "infeasible"
     control = Control()
     control.stop()
-    found = OuterApproximation().run(ball([1.0, 1.0], 5.0), Options(time_limit=20.0), control)
-    assert found.status in ("unknown", "optimal", "feasible")
+    result = OuterApproximation().run(ball([1.0, 1.0], 5.0), Options(time_limit=20.0), control)
+    assert result.status in ("unknown", "optimal", "feasible")
 
 
 def test_what_it_refuses() -> None:

@@ -48,28 +48,28 @@ def optimum(problem) -> tuple[float | None, np.ndarray | None]:
     p = problem.program
     sign = 1.0 if p.sense == "min" else -1.0
     if p.integer.any():
-        found = milp(
+        reference = milp(
             sign * p.cost,
             constraints=LinearConstraint(p.matrix, p.row_lower, p.row_upper),
             bounds=Bounds(p.lower, p.upper),
             integrality=p.integer,
         )
-        return (sign * found.fun + p.offset, None) if found.status == 0 else (None, None)
+        return (sign * reference.fun + p.offset, None) if reference.status == 0 else (None, None)
     up, down = np.isfinite(p.row_upper), np.isfinite(p.row_lower)
     dense = p.matrix.toarray()
-    found = linprog(
+    reference = linprog(
         sign * p.cost,
         A_ub=np.vstack([dense[up], -dense[down], np.zeros((1, len(p.cost)))]),
         b_ub=np.concatenate([p.row_upper[up], -p.row_lower[down], [0.0]]),
         bounds=np.column_stack([p.lower, p.upper]),
     )
-    if found.status != 0:
+    if reference.status != 0:
         return None, None
     y = np.zeros(p.num_rows)
-    marginals = found.ineqlin.marginals
+    marginals = reference.ineqlin.marginals
     y[up] += marginals[: up.sum()]
     y[down] -= marginals[up.sum() : up.sum() + down.sum()]
-    return sign * found.fun + p.offset, sign * y
+    return sign * reference.fun + p.offset, sign * y
 
 
 def no_better(problem, bound: float, value: float) -> bool:
@@ -149,11 +149,11 @@ def test_huge_duals_prove_nothing():
 def test_a_ray_proves_that_there_is_no_point_only_where_there_is_none(seed, free, scale):
     problem = random_arrays(seed, free=free)
     p, rng = problem.program, np.random.default_rng(seed)
-    found = linprog(
+    reference = linprog(
         np.zeros(p.num_variables), A_ub=np.vstack([p.matrix.toarray(), -p.matrix.toarray()]),
         b_ub=np.nan_to_num(np.concatenate([p.row_upper, -p.row_lower]), posinf=1e9), bounds=np.column_stack([p.lower, p.upper]),
     )  # fmt: skip
-    assert found.status == 0, "a point inside was drawn first"
+    assert reference.status == 0, "a point inside was drawn first"
     for _ in range(6):
         ray = scale * rng.normal(size=p.num_rows) * (rng.random(p.num_rows) < 0.7)
         assert math.isinf(check_lp_dual(problem, {"ray": ray.tolist()}))

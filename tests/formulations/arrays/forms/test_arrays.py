@@ -19,8 +19,8 @@ def test_arrays_from_text_to_text() -> None:
         cost=[3, 2, -1], matrix=[[2, 3, 0], [1, 0, -1]], low=[-INF, 1], high=[10.5, 4], lower=[0, 0, -2], upper=[4, 1, INF],
         integer=[0, 1], sense="max", offset=7, quadratic=[[-2, 1, 0], [1, 0, 0], [0, 0, 0]],
     )  # fmt: skip
-    made = ArrayProblem(given).compile("arrays")
-    assert program_text(made.program) == expected(
+    compiled = ArrayProblem(given).compile("arrays")
+    assert program_text(compiled.program) == expected(
         """
         max 3 x0 + 2 x1 - x2 - x0^2 + x0 x1 + 7
         row[0]: 2 x0 + 3 x1 <= 10.5
@@ -34,18 +34,18 @@ def test_arrays_from_text_to_text() -> None:
 
 def test_the_form_gives_the_program_its_name_and_changes_no_number() -> None:
     given = program([3, 2], [[2, 3]], -INF, 10.5, 0, [4, 5], integer=[0, 1], sense="max")
-    made = ArrayProblem(given).compile("arrays").program
-    assert made.name == "arrays"
-    assert program_text(made) == program_text(given)
+    compiled = ArrayProblem(given).compile("arrays").program
+    assert compiled.name == "arrays"
+    assert program_text(compiled) == program_text(given)
 
 
 def test_row_duals_of_either_sign_prove_the_relaxation() -> None:
     """max 3 x0 + 2 x1 with 2 x0 + 3 x1 <= 10.5 in [0,4] x [0,5]: 12 + 2 (2.5 / 3) with the price 2/3."""
     problem = ArrayProblem(program([3, 2], [[2, 3]], -INF, 10.5, 0, [4, 5], sense="max"))
-    made = problem.compile("arrays")
-    assert made.dual_evidence is not None
+    compiled = problem.compile("arrays")
+    assert compiled.dual_evidence is not None
     for duals in (np.array([2 / 3]), np.array([-2 / 3])):
-        evidence = made.dual_evidence(duals)
+        evidence = compiled.dual_evidence(duals)
         assert evidence.kind == "lp-dual"
         assert verified_bound(problem, evidence) == pytest.approx(12 + 5 / 3)
 
@@ -55,11 +55,11 @@ def test_duals_of_a_quadratic_program_are_no_evidence() -> None:
 
 
 def test_a_start_of_another_shape_is_refused() -> None:
-    made = ArrayProblem(program([1, 1], [[1, 1]], 0, 1)).compile("arrays")
-    assert made.encode is not None
-    assert made.encode([0, 1]).tolist() == [0.0, 1.0]
+    compiled = ArrayProblem(program([1, 1], [[1, 1]], 0, 1)).compile("arrays")
+    assert compiled.encode is not None
+    assert compiled.encode([0, 1]).tolist() == [0.0, 1.0]
     with pytest.raises(InputError, match="one number a variable"):
-        made.encode([1, 2, 3])
+        compiled.encode([1, 2, 3])
 
 
 GIVEN = ArrayProblem(program([1, 2], [[1, 1]], -INF, 3, [0, -1], [1, 2], integer=[0], sense="max", offset=4, quadratic=[[6, 3], [3, 0]]))
@@ -79,12 +79,12 @@ def test_linear_products_from_text_to_text() -> None:
 
 
 def test_answers_are_vectors_of_the_program_itself() -> None:
-    made = GIVEN.compile("linear-products")
-    assert made.encode is not None
-    x = made.encode(np.array([1.0, 2.0]))
+    compiled = GIVEN.compile("linear-products")
+    assert compiled.encode is not None
+    x = compiled.encode(np.array([1.0, 2.0]))
     assert x.tolist() == [1.0, 2.0, 2.0]
-    assert made.program.value(x) == GIVEN.program.value(np.array([1.0, 2.0]))
-    assert made.decode(x).tolist() == [1.0, 2.0]
+    assert compiled.program.value(x) == GIVEN.program.value(np.array([1.0, 2.0]))
+    assert compiled.decode(x).tolist() == [1.0, 2.0]
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -93,11 +93,11 @@ def test_duals_of_the_relaxation_prove_all_of_its_value_and_no_more_than_the_opt
     known = truth(problem)
     if known.value is None or "linear-products" not in problem.forms():
         return
-    made = problem.compile("linear-products")
-    relaxed = made.relaxed().program
+    compiled = problem.compile("linear-products")
+    relaxed = compiled.relaxed().program
     result = LinearSession(relaxed).solve(NEVER)
-    assert made.dual_evidence is not None
-    evidence = made.dual_evidence(result.duals)
+    assert compiled.dual_evidence is not None
+    evidence = compiled.dual_evidence(result.duals)
     bound, sign = verified_bound(problem, evidence), 1.0 if problem.sense == "min" else -1.0
     size = max(abs(result.value), float(np.abs(relaxed.cost).sum()))
     assert sign * bound >= sign * result.value - 1e-6 * size

@@ -23,8 +23,8 @@ def finite_box(p):
 
 
 def box(*args, **options):
-    made = finite_box(program(*args, **options))
-    return made.lower.tolist(), made.upper.tolist()
+    bounded = finite_box(program(*args, **options))
+    return bounded.lower.tolist(), bounded.upper.tolist()
 
 
 def test_given_bounds_stay():
@@ -77,10 +77,10 @@ def test_the_optimum_stays_where_bounds_are_added(seed):
     upper = np.where(rng.random(n) < 0.5, inside + rng.integers(0, 3, n), INF)
     given_ = {"lower": lower, "upper": upper}
     p = program(rng.integers(-2, 4, n), a, low, high, **given_, integer=range(n))
-    made = finite_box(p)
+    bounded = finite_box(p)
     before = BACKENDS["highs"]().run(p, Options(), Control())
     if before.status != "optimal":
         return
-    after = BACKENDS["highs"]().run(program(p.cost, a, low, high, made.lower, made.upper, integer=range(n)), Options(), Control())
+    after = BACKENDS["highs"]().run(program(p.cost, a, low, high, bounded.lower, bounded.upper, integer=range(n)), Options(), Control())
     assert after.status == "optimal"
     assert after.objective == pytest.approx(before.objective)

@@ -82,18 +82,18 @@ def test_answers_values_and_duals_come_back_in_the_units_of_the_data(unit, worth
 
 @given(st.integers(-200, 200), st.integers(-200, 200))
 def test_vectors_survive_the_way_there_and_back(unit, worth):
-    made = scaled(knapsack(2.0**unit, 2.0**worth))
+    scaling = scaled(knapsack(2.0**unit, 2.0**worth))
     x = np.array([1.0, 0.0, 2.0**unit])
-    assert np.array_equal(made.vector(made.encoded(x)), x)
-    assert made.residual(x) == 0.0
+    assert np.array_equal(scaling.vector(scaling.encoded(x)), x)
+    assert scaling.residual(x) == 0.0
 
 
 def test_cones_stay_cones():
     starts, columns, entries = np.array([0, 1, 2], np.int32), np.array([2, 0], np.int32), np.array([1.0, 1e-30])
     program = replace(knapsack(2.0**-40), cones=(Cones("norm", "second-order", 2, starts, columns, entries, np.zeros(2)),))
-    made = scaled(program)
+    scaling = scaled(program)
     for x in (np.array([1.0, 0.0, 2.0**-40]), np.array([0.0, 0.0, -(2.0**-40)])):
-        assert (made.program.cones[0].excess(made.encoded(x)) <= 0) == (program.cones[0].excess(x) <= 0)
+        assert (scaling.program.cones[0].excess(scaling.encoded(x)) <= 0) == (program.cones[0].excess(x) <= 0)
 
 
 @pytest.mark.parametrize("power", [-60, -30, 30, 60])
@@ -122,8 +122,8 @@ def test_numbers_too_far_apart_for_any_unit_are_left_alone():
     row = Rows("row", indptr=np.array([0, 1], np.int32), indices=np.array([0], np.int32), data=np.array([1e-300]),
                lower=np.array([1e100]), upper=np.array([INF]))  # fmt: skip
     program = Program("far", "min", (x,), (row,))
-    made = scaled(program).program
-    assert made is program or all(np.isfinite(part).all() for part in (made.cost, made.row_lower, made.data))
+    result = scaled(program).program
+    assert result is program or all(np.isfinite(part).all() for part in (result.cost, result.row_lower, result.data))
 
 
 @pytest.mark.parametrize("bound", [100.0, 9e5, 1e9])
@@ -144,5 +144,5 @@ def test_one_number_far_above_the_others_leaves_them_their_digits():
     rng = np.random.default_rng(1)
     costs = np.append(50.0 + 0.05 * rng.random(6), 1e6 / 3)
     x = Variables("x", lower=np.zeros(7), upper=np.ones(7), cost=costs, integer=True)
-    made = scaled(Program("costs", "min", (x,), ())).program
-    assert made.cost.min() >= 1.0 and made.cost.max() < 2.0**LARGEST
+    scaled_program = scaled(Program("costs", "min", (x,), ())).program
+    assert scaled_program.cost.min() >= 1.0 and scaled_program.cost.max() < 2.0**LARGEST

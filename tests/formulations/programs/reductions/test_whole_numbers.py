@@ -26,9 +26,9 @@ def integer_program(p) -> IntegerProgram:
 def activity(counted, z) -> np.ndarray:
     """Row sums in exact integers."""
     rows = np.repeat(np.arange(len(counted.row_lower)), np.diff(counted.indptr))
-    made = np.zeros(len(counted.row_lower), dtype=object)
-    np.add.at(made, rows, counted.data.astype(object) * np.asarray(z, dtype=object)[counted.indices])
-    return made
+    sums = np.zeros(len(counted.row_lower), dtype=object)
+    np.add.at(sums, rows, counted.data.astype(object) * np.asarray(z, dtype=object)[counted.indices])
+    return sums
 
 
 def test_whole_data_are_taken_as_they_are():
@@ -48,8 +48,8 @@ def test_coefficients_of_continuous_variables_that_no_steps_make_alike_are_none_
 
 def test_a_network_may_count_its_variables_in_several_units():
     """b in units of 4, c in units of 2: a - 4 b, a - 2 c and 4 b - 2 c with whole sides are differences."""
-    made = program([1, 4, 2], [[1, -4, 0], [1, 0, -2], [0, 4, -2]], [-3, 1, 2], INF, 0, [9, 2, 4])
-    counted = integer_program(made)
+    differences = program([1, 4, 2], [[1, -4, 0], [1, 0, -2], [0, 4, -2]], [-3, 1, 2], INF, 0, [9, 2, 4])
+    counted = integer_program(differences)
     assert counted.exact and (counted.unit / counted.unit[0]).tolist() == [1.0, 0.25, 0.5]
 
 
@@ -173,15 +173,15 @@ def test_every_point_of_the_program_is_one_of_the_integer_program(seed):
     low = a @ point - rng.uniform(0, 2, m) * (rng.random(m) < 0.7)
     p = program(rng.normal(size=n + 1), a, low, low + 5, 0, [*[3] * n, 4], integer=range(n), sense=str(rng.choice(["min", "max"])))
     counted = integer_program(p)
-    found = False
+    contained = False
     around = point[-1] / counted.unit[-1]
     for steps in range(math.floor(around) - 2, math.ceil(around) + 3):
         whole = [*[int(v) for v in x], steps]
         sums = activity(counted, whole)
-        found |= bool(
+        contained |= bool(
             (sums >= counted.row_lower).all() and (sums <= counted.row_upper).all() and counted.lower[-1] <= steps <= counted.upper[-1]
         )
-    assert found
+    assert contained
 
 
 def test_points_of_the_integer_program_break_a_row_by_no_more_than_stated():

@@ -28,9 +28,9 @@ from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 
 
 def proved(p: RiskAllocation) -> tuple[Any, float, dict[str, Any]]:
-    found = run(ConvexAllocation, p)
-    (evidence,) = found.evidence
-    return found, verified_bound(p, evidence), evidence.data
+    result = run(ConvexAllocation, p)
+    (evidence,) = result.evidence
+    return result, verified_bound(p, evidence), evidence.data
 
 
 def exact_tail(z: float) -> tuple[Decimal, Decimal]:
@@ -71,28 +71,28 @@ def test_the_least_margin_is_below_every_point(seed: int) -> None:
 
         best = minimize_scalar(value, bounds=(floor, floor + 12.0), method="bounded", options={"xatol": 1e-10}).fun
         best = min(best, value(float(floor)))
-        found = _least_margin(slope, price, float(floor))
-        assert best * (1.0 - 1e-9) <= found <= best
+        margin = _least_margin(slope, price, float(floor))
+        assert best * (1.0 - 1e-9) <= margin <= best
 
 
 @pytest.mark.parametrize("p", [problem(), margins([1.0, 2.0, 5.0], 0.1)], ids=["max", "min"])
 def test_prices_prove_the_optimum(p: RiskAllocation) -> None:
-    found, bound, _ = proved(p)
-    assert p.sign * bound <= p.sign * found.objective
-    assert bound == pytest.approx(found.objective, rel=1e-8)
+    result, bound, _ = proved(p)
+    assert p.sign * bound <= p.sign * result.objective
+    assert bound == pytest.approx(result.objective, rel=1e-8)
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_no_prices_prove_too_much(seed: int) -> None:
     rng = np.random.default_rng(seed)
     p = random_problem(rng)
-    found, _, data = proved(p)
+    result, _, data = proved(p)
     for _ in range(30):
         wild = {key: rng.normal(size=n) * 10.0 ** rng.uniform(-3, 2) for key, n in (("rows", 1), ("chance", len(p.limits)), ("budgets", 1))}
         bound = check_risk_allocation_duals(p, {key: v.tolist() for key, v in wild.items()} | {"terms": [], "cones": []})
-        assert bound >= found.objective
+        assert bound >= result.objective
         near = {key: v * rng.uniform(0.5, 1.5, len(v)) for key, v in _dense(p, data).items()}
-        assert check_risk_allocation_duals(p, {key: v.tolist() for key, v in near.items()}) >= found.objective
+        assert check_risk_allocation_duals(p, {key: v.tolist() for key, v in near.items()}) >= result.objective
 
 
 @pytest.mark.parametrize("price", [0.999, 2.0, 1000.0])
@@ -107,12 +107,12 @@ def test_margins_cost_what_the_rows_do_where_a_decision_has_no_bound(price: floa
 
 def _dense(p: RiskAllocation, data: dict[str, Any]) -> dict[str, np.ndarray]:
     sizes = {"rows": len(p.row_lower), "chance": len(p.limits), "budgets": len(p.budgets), "terms": 0, "cones": 0}
-    made = {}
+    dense = {}
     for key, size in sizes.items():
         given = data[key]
-        made[key] = np.zeros(size)
-        made[key][given["at"] if isinstance(given, dict) else slice(None)] = given["values"] if isinstance(given, dict) else given
-    return made
+        dense[key] = np.zeros(size)
+        dense[key][given["at"] if isinstance(given, dict) else slice(None)] = given["values"] if isinstance(given, dict) else given
+    return dense
 
 
 @pytest.mark.parametrize("scale", [2.0**-40, 2.0**40])
@@ -121,9 +121,9 @@ def test_data_in_other_units_have_the_same_proof(scale: float) -> None:
         cost__decisions=[scale, 3 * scale], quantities__covariance=[scale**2, scale**2], constraints__upper=7 * scale,
         chance__limits=[5 * scale, 5 * scale],
     )  # fmt: skip
-    found, bound, _ = proved(p)
-    assert found.objective == pytest.approx(13.731143 * scale**2, rel=1e-6)
-    assert found.objective <= bound <= found.objective * (1.0 + 1e-7)
+    result, bound, _ = proved(p)
+    assert result.objective == pytest.approx(13.731143 * scale**2, rel=1e-6)
+    assert result.objective <= bound <= result.objective * (1.0 + 1e-7)
 
 
 def test_prices_of_budgets_do_not_count_where_risk_is_joint() -> None:
@@ -146,12 +146,13 @@ def test_alternatives_have_no_price_until_they_are_decided() -> None:
 
 def test_prices_prove_that_there_is_no_answer() -> None:
     p = problem(constraints={"decisions": [[1, 1]], "lower": 9})
-    found = run(ConvexAllocation, p)
-    assert found.status == "infeasible"
-    assert verified_bound(p, found.evidence[0]) == -math.inf  # a reward below all
-    assert p.why_none(found.evidence[0].kind, found.evidence[0].data).startswith("no decision keeps the risks of chance constraints 1, 2 ")
+    result = run(ConvexAllocation, p)
+    assert result.status == "infeasible"
+    (evidence,) = result.evidence
+    assert verified_bound(p, evidence) == -math.inf  # a reward below all
+    assert p.why_none(evidence.kind, evidence.data).startswith("no decision keeps the risks of chance constraints 1, 2 ")
     feasible = problem(constraints={"decisions": [[1, 1]], "lower": 6})
-    assert check_risk_allocation_duals(feasible, found.evidence[0].data) == math.inf
+    assert check_risk_allocation_duals(feasible, evidence.data) == math.inf
 
 
 @pytest.mark.parametrize("data", [{}, {"rows": [0.0], "chance": [0.0], "budgets": [0.0], "terms": [], "cones": []}])

@@ -28,12 +28,12 @@ def test_all_pairs_with_the_hazard_of_the_second_move(seed):
         for b, (k, z) in enumerate(moves):
             if j == k and z != i and 0 not in (j, z):
                 expected[a, b] = i, j, z
-    found = following_moves(graph)
-    assert set(zip(found.earlier.tolist(), found.later.tolist(), strict=True)) == set(expected)
-    for a, b, hazard in zip(found.earlier.tolist(), found.later.tolist(), found.hazard.tolist(), strict=True):
+    pairs = following_moves(graph)
+    assert set(zip(pairs.earlier.tolist(), pairs.later.tolist(), strict=True)) == set(expected)
+    for a, b, hazard in zip(pairs.earlier.tolist(), pairs.later.tolist(), pairs.hazard.tolist(), strict=True):
         last = [column[-1] for column in problem.risks(expected[a, b]).values()]
         assert hazard == pytest.approx(hazard_of(last))
-    assert found.start_hazard == pytest.approx(hazard_of([column[0] for column in problem.risks((0,)).values()]))
+    assert pairs.start_hazard == pytest.approx(hazard_of([column[0] for column in problem.risks((0,)).values()]))
 
 
 def test_a_choice_of_elements_and_too_many_pairs(monkeypatch):

@@ -28,14 +28,14 @@ def test_convex_terms_have_the_value_of_the_problem() -> None:
 
 
 def test_a_row_of_a_matrix_keeps_its_name() -> None:
-    made = dense_rows("chance", np.array([[0.0, 2.0], [1.0, 0.0]]), -np.inf, 1.0, keys=(np.arange(2),), labels=(("a", "b"),))
-    assert (made.label(1), made.indices.tolist(), made.data.tolist()) == ("chance[b]", [1, 0], [2.0, 1.0])
+    block = dense_rows("chance", np.array([[0.0, 2.0], [1.0, 0.0]]), -np.inf, 1.0, keys=(np.arange(2),), labels=(("a", "b"),))
+    assert (block.label(1), block.indices.tolist(), block.data.tolist()) == ("chance[b]", [1, 0], [2.0, 1.0])
 
 
 def test_prices_have_the_signs_of_a_minimisation() -> None:
     p = problem()
     blocks = Blocks(p)
     blocks.rows.append(dense_rows("chance", p.chance, -np.inf, p.limits))
-    found = prices(p, blocks.program("it"), np.zeros(2), np.array([2.0, 0.5, 0.0]))  # a reward grows with its right sides
-    assert found["rows"].tolist() == [-2.0] and found["chance"].tolist() == [0.5, 0.0]
-    assert evidence_of(found, 1.0, "it").data["chance"] == {"at": [0], "values": [0.5]}
+    dual = prices(p, blocks.program("it"), np.zeros(2), np.array([2.0, 0.5, 0.0]))  # a reward grows with its right sides
+    assert dual["rows"].tolist() == [-2.0] and dual["chance"].tolist() == [0.5, 0.0]
+    assert evidence_of(dual, 1.0, "it").data["chance"] == {"at": [0], "values": [0.5]}

@@ -28,32 +28,32 @@ def test_random_maps(seed):
 
 def test_a_path_is_a_point_of_its_own_value_and_comes_back():
     problem = cases.ring(objective="hazard")
-    made = problem.compile("consecutive-moves")
+    compiled = problem.compile("consecutive-moves")
     for path in cases.all_paths(problem):
         if problem.evaluate(path).feasible:
-            x = made.encode(path)
-            assert made.program.residual(x) == 0.0 and made.decode(x) == path
-            assert made.program.value(x) == pytest.approx(problem.evaluate(path).values[0])
+            x = compiled.encode(path)
+            assert compiled.program.residual(x) == 0.0 and compiled.decode(x) == path
+            assert compiled.program.value(x) == pytest.approx(problem.evaluate(path).values[0])
     with pytest.raises(InputError, match="no move leads along"):
-        made.encode((0, 7))
+        compiled.encode((0, 7))
 
 
 def test_a_loop_apart_is_left_out():
     problem = cases.loop()
-    made, moves = problem.compile("consecutive-moves"), problem.moves
-    x = made.encode((0, 1, 2))
+    compiled, moves = problem.compile("consecutive-moves"), problem.moves
+    x = compiled.encode((0, 1, 2))
     tail, head = problem.graph.tail, problem.graph.head
     around = np.isin(tail[moves.first], (1, 3, 4)) & np.isin(head[moves.second], (1, 3, 4)) & np.isin(head[moves.first], (3, 4))
     x[len(moves.begin) : len(moves.begin) + len(moves.first)][around] = 1.0
-    assert made.decode(x) == (0, 1, 2)
+    assert compiled.decode(x) == (0, 1, 2)
 
 
 def test_duals_prove_what_walks_do_not():
     for make, walks, best in ((cases.loop, 5, 12), (cases.refusal, 5, 6)):
         problem = make()
-        made = problem.compile("consecutive-moves")
-        found = LinearPrograms().solve(made.relaxed().program)
-        evidence = made.dual_evidence(found.row_duals)
+        compiled = problem.compile("consecutive-moves")
+        solution = LinearPrograms().solve(compiled.relaxed().program)
+        evidence = compiled.dual_evidence(solution.row_duals)
         assert walks + 0.5 < verified_bound(problem, evidence) <= best + 1e-9
         assert evidence.value == pytest.approx(verified_bound(problem, evidence))
 

@@ -46,8 +46,8 @@ def test_one_alternative_is_chosen() -> None:
     p = around_a_box()
     assert makes(p) == {"integers"} and not refuses(p)
     assert largest(p).tolist() == [3.0] * 4
-    made = open_session(fixed_margins_program(p, "it", margins(p, np.array([1.0])))).solve(Stop())
-    x, choice = made.x[:2], made.x[-4:]
+    solution = open_session(fixed_margins_program(p, "it", margins(p, np.array([1.0])))).solve(Stop())
+    x, choice = solution.x[:2], solution.x[-4:]
     assert choice.sum() == pytest.approx(1.0) and choice[0] == pytest.approx(1.0)
     assert x == pytest.approx([-1.2, 0.0], abs=1e-6)
     assert refuses(around_a_box(lower=None)) == {"alternatives of decisions without bounds"}
@@ -71,16 +71,16 @@ def test_answers_of_restrictions_keep_their_risks_at_any_scale(
         quantities__covariance=((unit * deviations) ** 2).tolist(),
         risk={"total": total, "kind": "joint" if form == "ellipsoid" else "allocated"},
     )  # fmt: skip
-    made = p.compile(form)
-    judged = p.evaluate(made.decode(solver_named(solver).run(made.program, Options(), Control()).answer))
+    compiled = p.compile(form)
+    judged = p.evaluate(compiled.decode(solver_named(solver).run(compiled.program, Options(), Control()).answer))
     assert judged.feasible, judged.violations
     assert -1e-12 <= 2.0 - judged.values[0] / unit <= 6.0 * deviations.sum() + 3.0 * (ROUNDED + NEGLIGIBLE)
 
 
 def test_equal_risks_of_the_stalling_problem() -> None:
-    found = solve(problem(), "highs", form="uniform", bound_time=60.0)
-    assert found.objective == pytest.approx(13.420585, abs=1e-6)
-    assert found.bound_kind == "verified" and found.bound == pytest.approx(13.731143, abs=1e-6)
+    solution = solve(problem(), "highs", form="uniform", bound_time=60.0)
+    assert solution.objective == pytest.approx(13.420585, abs=1e-6)
+    assert solution.bound_kind == "verified" and solution.bound == pytest.approx(13.731143, abs=1e-6)
     assert problem().compile("uniform").exactness is Exactness.RESTRICTION
 
 
@@ -143,9 +143,9 @@ def test_the_radius_is_that_of_the_noise_there_is() -> None:
 
 def test_it_allows_a_plan_between_none_and_equal_risks() -> None:
     p = wb.generate("risk-allocation")
-    found, even = (wb.solve(p, "highs", form=form, bound_time=0) for form in ("ellipsoid", "uniform"))
-    assert found.objective > even.objective
-    assert p.evaluate(found.answer).feasible
+    solution, even = (wb.solve(p, "highs", form=form, bound_time=0) for form in ("ellipsoid", "uniform"))
+    assert solution.objective > even.objective
+    assert p.evaluate(solution.answer).feasible
 
 
 def test_many_constraints_in_few_dimensions_are_of_joint_risk_alone() -> None:

@@ -20,55 +20,55 @@ from waybound.solvers.engines.risk.convex_allocation_steps.session import open_s
 @pytest.mark.parametrize("above", [False, True])
 def test_pieces_lie_on_their_side_of_the_tail(above: bool) -> None:
     p = problem()
-    made = piecewise_program(p, "it", points(p, mean_risk(p), 12), above=above)
+    piecewise = piecewise_program(p, "it", points(p, mean_risk(p), 12), above=above)
     for z in np.linspace(-ndtri(0.1), 7.0, 200):
-        x = np.zeros(made.program.num_variables)
-        x[made.z : made.z + 2] = z
-        x[made.risk : made.risk + 2] = ndtr(-z) / made.unit
-        rows = made.program.matrix @ x
-        pieces = slice(made.budget + 1, None)
-        short = (made.program.row_lower - rows)[pieces].max()
+        x = np.zeros(piecewise.program.num_variables)
+        x[piecewise.z : piecewise.z + 2] = z
+        x[piecewise.risk : piecewise.risk + 2] = ndtr(-z) / piecewise.unit
+        rows = piecewise.program.matrix @ x
+        pieces = slice(piecewise.budget + 1, None)
+        short = (piecewise.program.row_lower - rows)[pieces].max()
         if above:
-            assert short >= -1e-12 or x[made.risk] < made.program.lower[made.risk]
+            assert short >= -1e-12 or x[piecewise.risk] < piecewise.program.lower[piecewise.risk]
         else:
             assert short <= 1e-12
 
 
 def test_points_begin_at_the_largest_risk() -> None:
     p = problem(risk={"total": 0.1, "each": [0.1, 0.02]})
-    made = points(p, mean_risk(p), 5)
-    assert ndtr(-made[:, 0]) == pytest.approx([0.1, 0.02])
-    assert (np.diff(made, axis=1) > 0).all()
-    slope, constant = tangents(made, 1.0)
-    assert constant - slope * made == pytest.approx(ndtr(-made))
-    assert slope == pytest.approx(density(made))
+    deviations = points(p, mean_risk(p), 5)
+    assert ndtr(-deviations[:, 0]) == pytest.approx([0.1, 0.02])
+    assert (np.diff(deviations, axis=1) > 0).all()
+    slope, constant = tangents(deviations, 1.0)
+    assert constant - slope * deviations == pytest.approx(ndtr(-deviations))
+    assert slope == pytest.approx(density(deviations))
 
 
 def test_a_tangent_program_of_alternatives_holds_far_decisions() -> None:
     p = around_a_box()
-    made = piecewise_program(p, "it", points(p, mean_risk(p), 6), above=False)
-    x = np.zeros(made.program.num_variables)
+    piecewise = piecewise_program(p, "it", points(p, mean_risk(p), 6), above=False)
+    x = np.zeros(piecewise.program.num_variables)
     x[:4] = [-3.0, 0.0, 3.0, 0.0]
-    x[made.choice] = 1.0
-    x[made.z] = made.program.upper[made.z]
-    assert made.program.residual(x) <= 1e-9  # no risk is needed as far away as this
+    x[piecewise.choice] = 1.0
+    x[piecewise.z] = piecewise.program.upper[piecewise.z]
+    assert piecewise.program.residual(x) <= 1e-9  # no risk is needed as far away as this
 
 
 @pytest.mark.parametrize(("p", "best"), [(problem(), 13.731143), (margins([1.0, 2.0, 5.0], 0.1), 13.808752)], ids=["max", "min"])
 def test_its_optimum_and_duals_bound_the_problem(p, best) -> None:
-    made = p.compile("tangents")
-    assert made.exactness is Exactness.RELAXATION
-    found = open_session(made.program).solve(Stop())
-    assert p.sign * found.value <= p.sign * best + 1e-6
-    assert found.value == pytest.approx(best, rel=2e-3)
-    assert made.dual_evidence is not None
-    bound = verified_bound(p, made.dual_evidence(found.duals))
-    assert p.sign * found.value - 1e-7 <= p.sign * bound <= p.sign * best + 1e-6
+    compiled = p.compile("tangents")
+    assert compiled.exactness is Exactness.RELAXATION
+    solution = open_session(compiled.program).solve(Stop())
+    assert p.sign * solution.value <= p.sign * best + 1e-6
+    assert solution.value == pytest.approx(best, rel=2e-3)
+    assert compiled.dual_evidence is not None
+    bound = verified_bound(p, compiled.dual_evidence(solution.duals))
+    assert p.sign * solution.value - 1e-7 <= p.sign * bound <= p.sign * best + 1e-6
 
 
 def test_it_says_nothing_of_joint_risk() -> None:
-    made = problem(risk__kind="joint").compile("tangents")
-    assert made.exactness is Exactness.NEITHER and made.dual_evidence is None
+    compiled = problem(risk__kind="joint").compile("tangents")
+    assert compiled.exactness is Exactness.NEITHER and compiled.dual_evidence is None
 
 
 TWO = """
@@ -116,16 +116,16 @@ def test_tangents_from_text_to_text(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     ("p", "best"), [(problem(), 13.731143), (margins([1.0, 3.0], 0.1), 6.268857), (margins([1.0, 2.0, 5.0], 0.1), 13.808752)]
 )
 def test_its_answers_are_near_the_optimum(p, best) -> None:
-    found = solve(p, "highs", form="secants", bound_time=0)
+    solution = solve(p, "highs", form="secants", bound_time=0)
     assert p.compile("secants").exactness is Exactness.RESTRICTION
-    assert p.sign * best - 1e-6 <= p.sign * found.objective
-    assert found.objective == pytest.approx(best, rel=2e-3)
+    assert p.sign * best - 1e-6 <= p.sign * solution.objective
+    assert solution.objective == pytest.approx(best, rel=2e-3)
 
 
 def test_alternatives_are_chosen_by_integers() -> None:
-    found = solve(around_a_box(), "highs", form="secants", bound_time=0)
-    assert found.answer.decision == pytest.approx([-1.328971, 0.0], abs=1e-3)
-    assert found.objective == pytest.approx(1.328971, rel=1e-3)
+    solution = solve(around_a_box(), "highs", form="secants", bound_time=0)
+    assert solution.answer.decision == pytest.approx([-1.328971, 0.0], abs=1e-3)
+    assert solution.objective == pytest.approx(1.328971, rel=1e-3)
 
 
 CORNER = """

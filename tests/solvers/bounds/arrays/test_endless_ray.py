@@ -28,11 +28,11 @@ def test_endless_programs_are_proved_to_be_so(kind: str) -> None:
     for seed in range(40):
         problem = KINDS[kind](np.random.default_rng([seed, 17]))
         method = BOUNDS["endless-ray"]
-        found = None if method.missing(problem) else endless_ray(problem, Stop(20.0))  # type: ignore[arg-type]
-        assert (found is not None) is (truth(problem).status == "unbounded")
-        if found is not None:
+        proof = None if method.missing(problem) else endless_ray(problem, Stop(20.0))  # type: ignore[arg-type]
+        assert (proof is not None) is (truth(problem).status == "unbounded")
+        if proof is not None:
             told += 1
-            assert proves_unbounded(problem, found)
+            assert proves_unbounded(problem, proof)
     assert told >= 2
 
 
@@ -50,13 +50,13 @@ def test_no_time_finds_nothing() -> None:
 
 
 def test_solve_states_and_certifies_it() -> None:
-    found = wb.solve(ENDLESS, "highs", bound_time=10.0)
-    assert (found.status, found.answer, found.bound, found.certificate.unbounded) == ("unbounded", None, None, True)
-    assert status_line(found).text.startswith("unbounded, verified: ")
-    data = found.certificate.to_json(with_evidence=True)
+    solution = wb.solve(ENDLESS, "highs", bound_time=10.0)
+    assert (solution.status, solution.answer, solution.bound, solution.certificate.unbounded) == ("unbounded", None, None, True)
+    assert status_line(solution).text.startswith("unbounded, verified: ")
+    data = solution.certificate.to_json(with_evidence=True)
     assert data["unbounded"] is True
     assert check_certificate(ENDLESS, data, None).unbounded
-    assert "there is no best solution, verified" in str(found.certificate) + repr(found.certificate)
+    assert "there is no best solution, verified" in str(solution.certificate) + repr(solution.certificate)
     data["evidence"][0]["data"]["ray"][0] = 1.0
     with pytest.raises(CheckFailedError, match="no best answer"):
         check_certificate(ENDLESS, data, None)

@@ -20,9 +20,9 @@ from waybound.solvers.bounds.arrays.tangent import tangent_bound
 @pytest.mark.parametrize("seed", range(30))
 def test_the_optimum_is_proved_or_that_there_is_none(seed: int) -> None:
     problem = KINDS["squares"](np.random.default_rng([seed, 23]))
-    known, found = truth(problem), tangent_bound(problem, Stop(20.0))  # type: ignore[arg-type]
-    assert found is not None
-    bound, sign = verified_bound(problem, found), 1.0 if problem.sense == "min" else -1.0
+    known, proof = truth(problem), tangent_bound(problem, Stop(20.0))  # type: ignore[arg-type]
+    assert proof is not None
+    bound, sign = verified_bound(problem, proof), 1.0 if problem.sense == "min" else -1.0
     if known.value is None:
         assert bound == sign * INF
     else:
@@ -34,9 +34,9 @@ def test_the_optimum_is_proved_or_that_there_is_none(seed: int) -> None:
 
 def test_solve_shows_a_convex_optimum_as_verified() -> None:
     given = program([-4.0, -6.0], [[1.0, 1.0]], -INF, 3.0, 0.0, INF, quadratic=[[2, 0], [0, 2]])
-    found = wb.solve(given, "highs")
-    assert (found.status, found.bound_kind) == ("optimal", "verified")
-    assert found.objective == pytest.approx(-11.0)
+    solution = wb.solve(given, "highs")
+    assert (solution.status, solution.bound_kind) == ("optimal", "verified")
+    assert solution.objective == pytest.approx(-11.0)
 
 
 def test_what_is_not_convex_and_what_has_no_time_gets_no_evidence() -> None:

@@ -19,8 +19,8 @@ from waybound.solvers.bounds import BOUNDS
     ids=["allocated", "joint", "alternatives"],
 )
 def test_it_is_verified(p, bound: float) -> None:
-    made = wb.bound(p, bound_time=60.0)
-    assert made.bound == pytest.approx(bound, abs=1e-5)
+    solution = wb.bound(p, bound_time=60.0)
+    assert solution.bound == pytest.approx(bound, abs=1e-5)
 
 
 def test_it_stands_for_the_linear_relaxation() -> None:

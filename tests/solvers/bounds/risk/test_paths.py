@@ -35,10 +35,10 @@ def test_it_proves_the_value_of_a_best_path():
 def test_it_bounds_heuristics():
     problem = UncertainPath(graph_of(WORKED), 1e-6)
     best = wb.solve(problem).objective
-    found = wb.solve(problem, heuristic="least-mean")
-    assert found.objective > best
-    assert found.bound == pytest.approx(best)
-    assert (found.bound_kind, found.status) == ("verified", "feasible")
+    solution = wb.solve(problem, heuristic="least-mean")
+    assert solution.objective > best
+    assert solution.bound == pytest.approx(best)
+    assert (solution.bound_kind, solution.status) == ("verified", "feasible")
 
 
 def test_the_bound_alone():

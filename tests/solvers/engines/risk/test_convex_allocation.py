@@ -20,9 +20,9 @@ from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents i
 
 
 def test_it_is_better_than_where_the_iterative_method_stalls() -> None:
-    found = solve(problem(), bound_time=0)
-    assert (found.solver, found.status, found.bound_kind) == ("convex-allocation", "optimal", "verified")
-    assert found.objective == pytest.approx(13.731143, abs=1e-6)
+    solution = solve(problem(), bound_time=0)
+    assert (solution.solver, solution.status, solution.bound_kind) == ("convex-allocation", "optimal", "verified")
+    assert solution.objective == pytest.approx(13.731143, abs=1e-6)
     assert solve(problem(), heuristic="iterative", bound_time=0).objective == pytest.approx(13.420585, abs=1e-6)
 
 
@@ -37,9 +37,9 @@ def test_it_is_better_than_where_the_iterative_method_stalls() -> None:
     ],
 )
 def test_known_allocations(p, value: float, risks: list[float]) -> None:
-    found = run(ConvexAllocation, p)
-    assert found.objective == pytest.approx(value, abs=1e-5)
-    assert found.answer.risks == pytest.approx(risks, abs=1e-5)
+    result = run(ConvexAllocation, p)
+    assert result.objective == pytest.approx(value, abs=1e-5)
+    assert result.answer.risks == pytest.approx(risks, abs=1e-5)
 
 
 @pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
@@ -54,10 +54,10 @@ def test_norms_have_the_same_optimum_at_any_scale(scale: float, weight: float) -
         },
         chance__limits=[1.589585834684558 * scale, 2.4537047295429587 * scale],
     )  # fmt: skip
-    found = run(ConvexAllocation, p)
-    assert found.status == "optimal"
-    assert found.objective == pytest.approx(1.1215169746 * scale * weight, rel=1e-7)
-    assert verified_bound(p, found.evidence[0]) == pytest.approx(found.objective, rel=1e-7)
+    result = run(ConvexAllocation, p)
+    assert result.status == "optimal"
+    assert result.objective == pytest.approx(1.1215169746 * scale * weight, rel=1e-7)
+    assert verified_bound(p, result.evidence[0]) == pytest.approx(result.objective, rel=1e-7)
 
 
 @pytest.mark.parametrize("part", [1e-9, 1e-11, 1e-14])
@@ -65,18 +65,18 @@ def test_norms_have_the_same_optimum_at_any_scale(scale: float, weight: float) -
 def test_deviations_beyond_what_solvers_see_leave_an_answer_and_its_proof(part: float, unit: float) -> None:
     limit = 5 * unit
     p = problem(lower=0, upper=9 * unit, constraints=None, chance__limits=[limit] * 2, quantities__covariance=[(limit * part) ** 2] * 2)
-    found = solve(p, bound_time=0)
-    assert found.status == "optimal" and found.bound_kind == "verified" and not found.faults
-    assert 20 * unit * (1 - 1e-7) < found.objective < 20 * unit
+    solution = solve(p, bound_time=0)
+    assert solution.status == "optimal" and solution.bound_kind == "verified" and not solution.faults
+    assert 20 * unit * (1 - 1e-7) < solution.objective < 20 * unit
 
 
 def test_what_its_prices_do_not_prove_is_no_optimum() -> None:
     p = margins([1.0, 3.0], 0.1)
-    found = SuccessiveTangents(p).run(Stop())
-    assert not _unproved(p, found, 0.0) and found.status == "optimal"
-    found.prices = {**found.prices, "chance": 0.5 * found.prices["chance"]}
-    assert _unproved(p, found, 0.0)
-    assert found.status == "feasible" and found.bound < 0.9 * found.value
+    interval = SuccessiveTangents(p).run(Stop())
+    assert not _unproved(p, interval, 0.0) and interval.status == "optimal"
+    interval.prices = {**interval.prices, "chance": 0.5 * interval.prices["chance"]}
+    assert _unproved(p, interval, 0.0)
+    assert interval.status == "feasible" and interval.bound < 0.9 * interval.value
 
 
 def test_an_open_interval_claims_what_its_prices_prove() -> None:
@@ -93,19 +93,19 @@ def test_an_open_interval_claims_what_its_prices_prove() -> None:
         chance={"quantities": np.eye(3).tolist(), "limits": [1, 0, 2]}, constraints={"decisions": [[0, -1]], "upper": 7, "lower": -2},
         risk={"total": 1e-9},
     )  # fmt: skip
-    found = run(ConvexAllocation, p)
-    assert found.bound is not None and found.objective is not None and found.bound >= found.objective - 1e-6 * abs(found.objective)
+    result = run(ConvexAllocation, p)
+    assert result.bound is not None and result.objective is not None and result.bound >= result.objective - 1e-6 * abs(result.objective)
     assert not solve(p, bound_time=0).faults
-    found = SuccessiveTangents(p).run(Stop())
-    found.status, found.bound = "feasible", found.value + 1.0
-    _unproved(p, found, 0.0)
-    assert found.bound == p.sign * verified_bound(p, found.evidence(p.sign)[0])
+    interval = SuccessiveTangents(p).run(Stop())
+    interval.status, interval.bound = "feasible", interval.value + 1.0
+    _unproved(p, interval, 0.0)
+    assert interval.bound == p.sign * verified_bound(p, interval.evidence(p.sign)[0])
 
 
 def test_the_gap_asked_for_ends_it() -> None:
-    found = solve(wb.generate("risk-allocation"), gap=1e-3, bound_time=0)
-    assert (found.status, found.limit) == ("feasible", "gap")
-    assert found.gap is not None and 1e-9 < found.gap <= 1e-3
+    solution = solve(wb.generate("risk-allocation"), gap=1e-3, bound_time=0)
+    assert (solution.status, solution.limit) == ("feasible", "gap")
+    assert solution.gap is not None and 1e-9 < solution.gap <= 1e-3
 
 
 def test_squares_cones_and_norms_by_clarabel() -> None:
@@ -114,23 +114,23 @@ def test_squares_cones_and_norms_by_clarabel() -> None:
         sense="min", lower=-9, upper=9, constraints=None, cost={"decisions": [0, 0.5], "terms": [square]}, chance__limits=[5, 50],
         cones=[{"decisions": [[1, 0], [0, 1]], "limit": 5.0}],
     )  # fmt: skip
-    found = solve(p, bound_time=0)
-    assert found.bound_kind == "verified" and found.gap is not None and found.gap < 1e-6
-    x = found.answer.decision
+    solution = solve(p, bound_time=0)
+    assert solution.bound_kind == "verified" and solution.gap is not None and solution.gap < 1e-6
+    x = solution.answer.decision
     assert x @ x == pytest.approx(25.0, rel=1e-5)
-    assert solve(p, "cvxpy", form="secants", bound_time=0).objective == pytest.approx(found.objective, rel=1e-3)
+    assert solve(p, "cvxpy", form="secants", bound_time=0).objective == pytest.approx(solution.objective, rel=1e-3)
 
 
 def test_where_there_is_no_answer_the_constraints_are_named() -> None:
-    found = solve(problem(constraints={"decisions": [[1, 1]], "lower": 9}), bound_time=0)
-    assert found.status == "infeasible" and found.answer is None
-    assert "no decision keeps the risks of chance constraints 1, 2 within" in found.message
+    solution = solve(problem(constraints={"decisions": [[1, 1]], "lower": 9}), bound_time=0)
+    assert solution.status == "infeasible" and solution.answer is None
+    assert "no decision keeps the risks of chance constraints 1, 2 within" in solution.message
 
 
 def test_joint_risk_gets_an_answer_and_no_bound() -> None:
-    found = run(ConvexAllocation, problem(risk__kind="joint"))
-    assert found.objective == pytest.approx(13.731143, abs=1e-6)
-    assert not found.evidence and found.answer.risks is None and found.holds.value == "restriction"
+    result = run(ConvexAllocation, problem(risk__kind="joint"))
+    assert result.objective == pytest.approx(13.731143, abs=1e-6)
+    assert not result.evidence and result.answer.risks is None and result.holds.value == "restriction"
 
 
 def test_what_it_lacks_is_said() -> None:
@@ -166,14 +166,14 @@ def test_budgets_of_parts_are_worth_no_more_than_the_whole_and_as_much_where_the
     for groups in (parts(rng, len(own)), [[k] for k in range(len(own))]):
         for shares in (np.full(len(groups), total / len(groups)), total * rng.dirichlet(np.full(len(groups), 9.0))):
             split = with_budgets(p, groups, shares.tolist())
-            found = run(ConvexAllocation, split)
-            assert found.objective <= best.objective + size  # a reward
-            assert verified_bound(split, found.evidence[0]) >= found.objective - size
-            assert split.evaluate(found.answer).feasible and p.evaluate(found.answer).feasible
+            result = run(ConvexAllocation, split)
+            assert result.objective <= best.objective + size  # a reward
+            assert verified_bound(split, result.evidence[0]) >= result.objective - size
+            assert split.evaluate(result.answer).feasible and p.evaluate(result.answer).feasible
             for form in ("uniform", "secants"):
                 kept = by_program(split, form)
                 assert kept is not None and split.evaluate(kept).feasible
-                assert split.value(kept.decision)[0] <= found.objective + size
+                assert split.value(kept.decision)[0] <= result.objective + size
         same = with_budgets(p, groups, [max(float(own[g].sum()), 1e-12 * total) for g in groups])
         assert run(ConvexAllocation, same).objective == pytest.approx(best.objective, rel=1e-6)
         assert run(ConvexAllocation, with_budgets(p, groups, [total] * len(groups), total=total)).objective == pytest.approx(
@@ -188,9 +188,9 @@ def test_joint_budgets_of_parts_are_worth_no_more_than_the_whole(solver: str) ->
     own = p.risks(whole.answer.decision)
     for groups, shares in (([[0], [1, 2]], [0.03, 0.07]), ([[0, 1], [2]], [0.05, 0.05]), ([[0], [1], [2]], (own * 0.999).tolist())):
         split = with_budgets(p, groups, shares, total=0.1)
-        found = solve(split, solver, bound_time=0, gap=1e-5)
-        assert found.certificate.feasible and found.objective >= whole.objective * (1.0 - 2e-5)
-    assert found.objective == pytest.approx(whole.objective, rel=1e-3)
+        solution = solve(split, solver, bound_time=0, gap=1e-5)
+        assert solution.certificate.feasible and solution.objective >= whole.objective * (1.0 - 2e-5)
+    assert solution.objective == pytest.approx(whole.objective, rel=1e-3)
 
 
 @pytest.mark.parametrize(("total", "limit"), [(2e-5, 4.3), (6.5e-7, 5.0), (1e-3, 3.3)])
@@ -199,15 +199,15 @@ def test_a_plan_is_found_where_no_allocation_is(total: float, limit: float) -> N
     assert run(ConvexAllocation, p.by_allocation()).answer is None
     x = beyond_boole(p, 1, Stop())
     assert x is not None and room(p, x, 1) >= 0.0 and risk_of_two_sensors(float(x[0]), limit) <= total
-    found = run(ConvexAllocation, p)
-    assert found.status == "feasible" and found.bound is None and found.message == BEYOND
-    assert p.evaluate(found.answer).feasible
+    result = run(ConvexAllocation, p)
+    assert result.status == "feasible" and result.bound is None and result.message == BEYOND
+    assert p.evaluate(result.answer).feasible
 
 
 def test_none_is_found_where_there_is_none() -> None:
     assert beyond_boole(two_sensors(1.5e-5, 4.3), 1, Stop()) is None
-    found = solve(two_sensors(1.5e-5, 4.3), "convex-allocation", bound_time=0)
-    assert found.answer is None and found.status == "unknown"
+    solution = solve(two_sensors(1.5e-5, 4.3), "convex-allocation", bound_time=0)
+    assert solution.answer is None and solution.status == "unknown"
 
 
 def test_room_is_counted_in_deviations() -> None:

@@ -16,49 +16,49 @@ from waybound.solvers.engines.risk.disjunctive_allocation import DisjunctiveAllo
 
 
 def test_the_best_side_of_a_box() -> None:
-    found = solve(around_a_box(), bound_time=0)
-    assert (found.solver, found.status, found.bound_kind) == ("disjunctive-allocation", "optimal", "verified")
-    assert found.objective == pytest.approx(1.0 + 0.2 * 1.644854, abs=1e-5)
-    assert found.answer.decision == pytest.approx([-1.328971, 0.0], abs=1e-5)
+    solution = solve(around_a_box(), bound_time=0)
+    assert (solution.solver, solution.status, solution.bound_kind) == ("disjunctive-allocation", "optimal", "verified")
+    assert solution.objective == pytest.approx(1.0 + 0.2 * 1.644854, abs=1e-5)
+    assert solution.answer.decision == pytest.approx([-1.328971, 0.0], abs=1e-5)
 
 
 @pytest.mark.slow
 def test_it_is_the_best_of_all_choices() -> None:
     p = wb.generate("risk-allocation", family="obstacles", steps=4, obstacles=1, seed=2)
-    found = run(DisjunctiveAllocation, p)
+    result = run(DisjunctiveAllocation, p)
     best = np.inf
     for choice in itertools.product(range(4), repeat=4):
-        made = run(ConvexAllocation, p.choosing(np.arange(4) * 4 + np.array(choice)), gap=1e-6)
-        best = min(best, np.inf if made.answer is None else made.objective)
-    assert found.objective == pytest.approx(best, rel=3e-6)
-    assert found.status == "optimal"
-    assert best * (1.0 - 3e-6) <= verified_bound(p, found.evidence[0]) <= best * (1.0 + 1e-9)
+        alternative = run(ConvexAllocation, p.choosing(np.arange(4) * 4 + np.array(choice)), gap=1e-6)
+        best = min(best, np.inf if alternative.answer is None else alternative.objective)
+    assert result.objective == pytest.approx(best, rel=3e-6)
+    assert result.status == "optimal"
+    assert best * (1.0 - 3e-6) <= verified_bound(p, result.evidence[0]) <= best * (1.0 + 1e-9)
 
 
 def test_limits_of_work_leave_what_is_proved() -> None:
     p = wb.generate("risk-allocation", family="obstacles", steps=8, obstacles=1)
-    found = run(DisjunctiveAllocation, p, iterations=3)
-    assert found.limit == "iterations" and found.statistics["nodes"] <= 5
-    assert verified_bound(p, found.evidence[0]) <= 1.6912511
-    assert found.bound == pytest.approx(verified_bound(p, found.evidence[0]), rel=1e-6)
+    result = run(DisjunctiveAllocation, p, iterations=3)
+    assert result.limit == "iterations" and result.statistics["nodes"] <= 5
+    assert verified_bound(p, result.evidence[0]) <= 1.6912511
+    assert result.bound == pytest.approx(verified_bound(p, result.evidence[0]), rel=1e-6)
 
 
 def test_around_two_boxes_the_tree_closes() -> None:
     p = wb.generate("risk-allocation", family="obstacles", seed=1)
-    found = run(DisjunctiveAllocation, p)
-    assert found.status == "optimal" and found.objective == pytest.approx(1.13328197, rel=2e-6)
-    assert found.bound == pytest.approx(found.objective, rel=2e-6)
+    result = run(DisjunctiveAllocation, p)
+    assert result.status == "optimal" and result.objective == pytest.approx(1.13328197, rel=2e-6)
+    assert result.bound == pytest.approx(result.objective, rel=2e-6)
 
 
 def test_no_side_that_can_be_kept_is_no_answer() -> None:
     p = around_a_box(lower=-1, upper=1)
-    found = solve(p, bound_time=0)
-    assert found.status == "infeasible" and found.answer is None
+    solution = solve(p, bound_time=0)
+    assert solution.status == "infeasible" and solution.answer is None
 
 
 def test_joint_risk_is_kept_by_the_best_allocation() -> None:
-    found = run(DisjunctiveAllocation, around_a_box(risk__kind="joint"))
-    assert found.objective == pytest.approx(1.328971, abs=1e-5) and not found.evidence
+    result = run(DisjunctiveAllocation, around_a_box(risk__kind="joint"))
+    assert result.objective == pytest.approx(1.328971, abs=1e-5) and not result.evidence
 
 
 @pytest.mark.parametrize("least", [-1e9, -2e9, -3e9])
@@ -72,10 +72,10 @@ def test_no_optimum_is_claimed_that_its_own_proof_refutes(least: float, kind: st
         chance={"quantities": np.eye(4).tolist(), "limits": [3e9, 1e9, 2e9, 3e9], "names": ["a", "b"], "constraint": [0, 0, 1, 1]},
         risk={"total": 1e-100, "each": [0.01, 1e-100], "kind": kind},
     )  # fmt: skip
-    found = solve(p, "disjunctive-allocation", bound_time=0)
-    assert not found.faults and found.answer is not None
-    size, bound = found.evaluation.size, found.certificate.bound
-    assert found.status != "optimal" or bound is None or found.objective >= bound - 1e-6 * size
+    solution = solve(p, "disjunctive-allocation", bound_time=0)
+    assert not solution.faults and solution.answer is not None
+    size, bound = solution.evaluation.size, solution.certificate.bound
+    assert solution.status != "optimal" or bound is None or solution.objective >= bound - 1e-6 * size
     raw = run(DisjunctiveAllocation, p)
     if kind == "allocated":
         proved = verified_bound(p, raw.evidence[0])

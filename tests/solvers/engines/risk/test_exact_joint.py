@@ -19,15 +19,15 @@ def test_it_is_that_of_finite_differences(many: int, z: float, scale: float) -> 
     b, s = np.array([1.0, -0.8, 1.2, 0.5, -1.0])[:many], np.array([0.3, 0.4, 0.5, 1.0, 0.2])[:many]
     deviation = np.hypot(b, s)
     slack, step = z * deviation * np.linspace(1.0, 1.1, many), 1e-4
-    made = gradient(scale * slack, scale**2 * (np.outer(b, b) + np.diag(s * s))) * scale
+    slopes = gradient(scale * slack, scale**2 * (np.outer(b, b) + np.diag(s * s))) * scale
     for k in range(many):
         up, down = (any_fails_by_quadrature(slack + sign * step * np.eye(many)[k], b, s) for sign in (1.0, -1.0))
-        assert made[k] == pytest.approx((up - down) / (2.0 * step), rel=2e-3)
+        assert slopes[k] == pytest.approx((up - down) / (2.0 * step), rel=2e-3)
 
 
 def test_a_constraint_that_another_one_covers_changes_nothing() -> None:
-    made = gradient(np.array([2.0, 3.0]), np.ones((2, 2)))
-    assert made.tolist() == pytest.approx([-norm.pdf(2.0), 0.0])
+    slopes = gradient(np.array([2.0, 3.0]), np.ones((2, 2)))
+    assert slopes.tolist() == pytest.approx([-norm.pdf(2.0), 0.0])
 
 
 @pytest.mark.share(3)
@@ -40,10 +40,10 @@ def test_a_constraint_that_another_one_covers_changes_nothing() -> None:
     ],
 )
 def test_independent_noise_has_its_known_optimum(p, value: float) -> None:
-    found = run(ExactJoint, p, gap=1e-5)
-    assert found.objective == pytest.approx(value, rel=2e-5)
-    assert p.evaluate(found.answer).feasible
-    risk = p.joint_risk(found.answer.decision)["total"]
+    result = run(ExactJoint, p, gap=1e-5)
+    assert result.objective == pytest.approx(value, rel=2e-5)
+    assert p.evaluate(result.answer).feasible
+    risk = p.joint_risk(result.answer.decision)["total"]
     assert 0.0999 < risk.value <= risk.high <= 0.1
 
 
@@ -74,43 +74,43 @@ def test_bounds_hold_at_any_scale(scale: float, weight: float) -> None:
         risk={"total": 0.1, "kind": "joint"},
         cones=[{"decisions": [[1.0, 0.0], [0.0, 1.0]], "limit": 4 * scale}],
     )  # fmt: skip
-    found = run(ExactJoint, p)
-    assert found.status == "optimal"
-    assert p.evaluate(found.answer).feasible
-    assert found.objective <= found.bound + 1e-9 * abs(found.objective)
-    assert found.objective == pytest.approx(-1.5 * scale * weight, rel=2e-6)
+    result = run(ExactJoint, p)
+    assert result.status == "optimal"
+    assert p.evaluate(result.answer).feasible
+    assert result.objective <= result.bound + 1e-9 * abs(result.objective)
+    assert result.objective == pytest.approx(-1.5 * scale * weight, rel=2e-6)
 
 
 @pytest.mark.parametrize(("total", "limit"), [(1e-6, 5.0), (9e-7, 5.0), (2e-5, 4.3), (1e-4, 4.0), (0.05, 2.1)])
 def test_a_plan_keeps_its_true_risk_where_failures_come_together(total: float, limit: float) -> None:
     """With and without a plan whose risks add up to the total."""
     p = two_sensors(total, limit)
-    found = run(ExactJoint, p, gap=1e-5)
-    x = float(found.answer.decision[0])
-    assert p.evaluate(found.answer).feasible
+    result = run(ExactJoint, p, gap=1e-5)
+    x = float(result.answer.decision[0])
+    assert p.evaluate(result.answer).feasible
     assert 0.9999 * total <= risk_of_two_sensors(x, limit) <= total * (1.0 + 1e-9)
-    assert x <= found.bound + 1e-9 and risk_of_two_sensors(found.bound, limit) >= total * (1.0 - 1e-7)
+    assert x <= result.bound + 1e-9 and risk_of_two_sensors(result.bound, limit) >= total * (1.0 - 1e-7)
 
 
 @pytest.mark.parametrize("total", [1.5e-5, 1.723e-5])
 def test_a_total_that_no_position_keeps_is_kept_by_none(total: float) -> None:
     least = min(risk_of_two_sensors(x, 4.3) for x in np.linspace(-0.01, 0.01, 41))
     assert total < least
-    found = run(ExactJoint, two_sensors(total, 4.3))
-    assert found.answer is None and found.status == "infeasible"
+    result = run(ExactJoint, two_sensors(total, 4.3))
+    assert result.answer is None and result.status == "infeasible"
 
 
 def test_planes_lead_to_the_few_positions_that_keep_it() -> None:
-    found = run(ExactJoint, two_sensors(7.5e-7, 4.95))  # from -0.0045 to 0.0004
-    assert found.answer is not None and risk_of_two_sensors(float(found.answer.decision[0]), 4.95) <= 7.5e-7 * (1.0 + 1e-9)
+    result = run(ExactJoint, two_sensors(7.5e-7, 4.95))  # from -0.0045 to 0.0004
+    assert result.answer is not None and risk_of_two_sensors(float(result.answer.decision[0]), 4.95) <= 7.5e-7 * (1.0 + 1e-9)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("total", [1e-6, 1e-3])
 def test_a_generated_plan_keeps_its_risk_by_an_independent_sampler(total: float) -> None:
     p = wb.generate("risk-allocation", family="auv", total=total, risk="joint")
-    found = solve(p, time_limit=5, bound_time=1)
-    slack, s = p.limits - p.chance @ found.answer.decision, p.covariance
+    solution = solve(p, time_limit=5, bound_time=1)
+    slack, s = p.limits - p.chance @ solution.answer.decision, p.covariance
     deviation, rng, many = np.sqrt(np.diag(s)), np.random.default_rng(77), 400_000
     tails = norm.sf(slack / deviation)
     row = rng.choice(len(tails), many, p=tails / tails.sum())

@@ -39,11 +39,11 @@ def test_sets_of_whole_moments_are_those_of_enumeration(dominance):
     rng = np.random.default_rng(5)
     for _ in range(80):
         g = random_graph(rng, int(rng.integers(2, 8)), whole=True)
-        found = non_dominated_paths(g, dominance)
-        assert moments(found) == by_enumeration(g, dominance)
+        result = non_dominated_paths(g, dominance)
+        assert moments(result) == by_enumeration(g, dominance)
         every = all_paths(g)
-        assert [every[path] for path in found.paths] == list(zip(found.means, found.variances, strict=True))
-        assert len(set(found.paths)) == len(found.paths)
+        assert [every[path] for path in result.paths] == list(zip(result.means, result.variances, strict=True))
+        assert len(set(result.paths)) == len(result.paths)
 
 
 def test_sets_of_continuous_moments_are_one_whatever_the_rule():
@@ -67,9 +67,9 @@ def test_the_reference_cases():
 def test_without_variances_one_path_is_left_that_of_the_least_mean():
     g = random_graph(np.random.default_rng(2), 30)
     plain = g.seen_from(g.start, g.mean, np.zeros(g.num_edges))
-    found = non_dominated_paths(plain)
-    assert len(found.paths) == 1
-    assert found.means[0] == pytest.approx(g.costs_to(g.goal, g.mean)[g.start])
+    result = non_dominated_paths(plain)
+    assert len(result.paths) == 1
+    assert result.means[0] == pytest.approx(g.costs_to(g.goal, g.mean)[g.start])
 
 
 def test_without_variances_nothing_is_strictly_dominated():
@@ -80,19 +80,19 @@ def test_without_variances_nothing_is_strictly_dominated():
 def test_roadmaps_have_about_twenty_paths():
     sizes = []
     for seed in range(20):
-        found = non_dominated_paths(generate("prm-graph", seed))
-        sizes.append(len(found.paths))
-        assert (np.diff(found.means) > 0).all()
-        assert (np.diff(found.variances) < 0).all()
+        result = non_dominated_paths(generate("prm-graph", seed))
+        sizes.append(len(result.paths))
+        assert (np.diff(result.means) > 0).all()
+        assert (np.diff(result.variances) < 0).all()
     assert 15 < np.mean(sizes) < 28
 
 
 def test_cut_short_it_says_so():
     stop = Stop()
     stop.ask()
-    found = non_dominated_paths(generate("prm-graph", 1), "weak", stop)
-    assert not found.complete
-    assert math.isfinite(found.labels)
+    result = non_dominated_paths(generate("prm-graph", 1), "weak", stop)
+    assert not result.complete
+    assert math.isfinite(result.labels)
 
 
 def test_an_unknown_rule_is_refused():
@@ -101,14 +101,14 @@ def test_an_unknown_rule_is_refused():
 
 
 def test_its_optimum_is_verified_by_potentials():
-    found = wb.solve(UncertainPath(graph_of(WORKED), 0.05), "non-dominated-paths")
-    assert (found.status, found.bound_kind) == ("optimal", "verified")
-    assert named(found.problem.graph, found.answer) == "S-A-G"
+    solution = wb.solve(UncertainPath(graph_of(WORKED), 0.05), "non-dominated-paths")
+    assert (solution.status, solution.bound_kind) == ("optimal", "verified")
+    assert named(solution.problem.graph, solution.answer) == "S-A-G"
 
 
 def test_without_bounds_it_is_its_own_word():
-    found = wb.solve(UncertainPath(graph_of(WORKED), 0.05), "non-dominated-paths", bound_time=0)
-    assert (found.status, found.bound_kind) == ("optimal", "claimed")
+    solution = wb.solve(UncertainPath(graph_of(WORKED), 0.05), "non-dominated-paths", bound_time=0)
+    assert (solution.status, solution.bound_kind) == ("optimal", "claimed")
 
 
 def test_asked_to_stop_it_hands_over_what_it_has():

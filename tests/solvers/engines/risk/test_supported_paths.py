@@ -17,17 +17,17 @@ def test_its_best_is_that_of_all_paths(whole):
     rng = np.random.default_rng(11)
     for _ in range(60):
         problem = UncertainPath(random_graph(rng, int(rng.integers(2, 8)), whole=whole), float(rng.uniform(1e-9, 0.5)))
-        made = supported_paths(problem, NEVER)
+        result = supported_paths(problem, NEVER)
         best = min(problem.value(*moments) for moments in all_paths(problem.graph).values())
-        assert made.complete
-        assert problem.evaluate(made.best.path).feasible
-        assert problem.evaluate(made.best.path).values[0] == pytest.approx(best, rel=1e-12, abs=1e-12)
+        assert result.complete
+        assert problem.evaluate(result.best.path).feasible
+        assert problem.evaluate(result.best.path).values[0] == pytest.approx(best, rel=1e-12, abs=1e-12)
 
 
 def test_the_answer_changes_with_the_risk():
     g = graph_of(WORKED)
-    found = {risk: named(g, supported_paths(UncertainPath(g, risk), NEVER).best.path) for risk in (0.5, 0.05, 1e-6, 1e-12)}
-    assert found == {0.5: "S-A-G", 0.05: "S-A-G", 1e-6: "S-B-C-D-G", 1e-12: "S-B-C-D-E-G"}
+    result = {risk: named(g, supported_paths(UncertainPath(g, risk), NEVER).best.path) for risk in (0.5, 0.05, 1e-6, 1e-12)}
+    assert result == {0.5: "S-A-G", 0.05: "S-A-G", 1e-6: "S-B-C-D-G", 1e-12: "S-B-C-D-E-G"}
 
 
 def test_edges_of_no_cost_are_edges():
@@ -40,17 +40,17 @@ def test_cut_short_it_says_so_and_what_it_has_holds():
     problem = UncertainPath(graph_of(WORKED), 1e-6)
     stop = Stop()
     stop.ask()
-    made = supported_paths(problem, stop)
-    assert not made.complete
-    assert problem.evaluate(made.best.path).feasible
+    result = supported_paths(problem, stop)
+    assert not result.complete
+    assert problem.evaluate(result.best.path).feasible
 
 
 def test_it_proves_its_optimum():
-    found = wb.solve(UncertainPath(graph_of(WORKED), 1e-6))
-    assert (found.solver, found.status, found.bound_kind) == ("supported-paths", "optimal", "verified")
-    assert found.gap == pytest.approx(0.0, abs=1e-9)
-    assert named(found.problem.graph, found.answer) == "S-B-C-D-G"
-    assert found.certificate.bound == pytest.approx(found.objective)
+    solution = wb.solve(UncertainPath(graph_of(WORKED), 1e-6))
+    assert (solution.solver, solution.status, solution.bound_kind) == ("supported-paths", "optimal", "verified")
+    assert solution.gap == pytest.approx(0.0, abs=1e-9)
+    assert named(solution.problem.graph, solution.answer) == "S-B-C-D-G"
+    assert solution.certificate.bound == pytest.approx(solution.objective)
 
 
 def test_both_engines_agree():

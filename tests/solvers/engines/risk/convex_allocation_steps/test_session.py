@@ -25,11 +25,11 @@ def program(sense: str = "max", integer: bool = False) -> Program:
 @pytest.mark.parametrize("sense", ["max", "min"])
 def test_value_and_duals_before_and_after_changes(kind, sense: str) -> None:
     session, sign = kind(program(sense)), 1.0 if sense == "max" else -1.0
-    found = session.solve(Stop())
+    solution = session.solve(Stop())
     offset = 1.0
-    assert (found.status, found.value) == ("optimal", pytest.approx(sign * 5.0 + offset))
-    assert found.x == pytest.approx([3.0, 1.0], abs=1e-6)
-    assert found.duals[0] * 4 + found.duals[1] * 6 + sign * (1 - sign * (found.duals[0] + found.duals[1])) * 3 == pytest.approx(
+    assert (solution.status, solution.value) == ("optimal", pytest.approx(sign * 5.0 + offset))
+    assert solution.x == pytest.approx([3.0, 1.0], abs=1e-6)
+    assert solution.duals[0] * 4 + solution.duals[1] * 6 + sign * (1 - sign * (solution.duals[0] + solution.duals[1])) * 3 == pytest.approx(
         sign * 5.0, abs=1e-6
     )
     session.change_upper(0, np.array([4.0, 3.0]))
@@ -48,8 +48,8 @@ def test_columns_are_added_and_shortened(kind) -> None:
     assert session.solve(Stop()).value == pytest.approx(6.0)
     # u takes from the first row and w from both: max x + 2 y, x + y - u - w <= 4, x + 3 y - 2 w <= 6, u <= 1, w <= 0.5.
     session.add_columns(np.array([1.0, 0.5]), np.array([0, 1, 1]), np.array([0, 0, 1]), np.array([-1.0, -1.0, -2.0]))
-    found = session.solve(Stop())
-    assert found.value == pytest.approx(1.0 + 3.0 + 2.0 * 4.0 / 3.0) and found.x[[0, 1, 3]] == pytest.approx(
+    solution = session.solve(Stop())
+    assert solution.value == pytest.approx(1.0 + 3.0 + 2.0 * 4.0 / 3.0) and solution.x[[0, 1, 3]] == pytest.approx(
         [3.0, 4.0 / 3.0, 0.5], abs=1e-6
     )
     session.change_column_upper(np.array([3]), np.array([0.0]))
@@ -57,20 +57,20 @@ def test_columns_are_added_and_shortened(kind) -> None:
 
 
 def test_whole_numbers_come_with_a_bound() -> None:
-    found = open_session(program(integer=True)).solve(Stop())
-    assert found.value == pytest.approx(6.0) and found.bound == pytest.approx(6.0) and not len(found.duals)
+    solution = open_session(program(integer=True)).solve(Stop())
+    assert solution.value == pytest.approx(6.0) and solution.bound == pytest.approx(6.0) and not len(solution.duals)
 
 
 def test_cones_are_clarabels() -> None:
-    made = program("min")
+    p = program("min")
     cone = Cones(
         "c", "second-order", 3, np.array([0, 0, 1, 2], np.int32), np.array([0, 1], np.int32), np.ones(2), np.array([1.0, 0.0, 0.0])
     )
-    session = open_session(Program("it", "min", made.variables, made.rows, cones=(cone,)))
+    session = open_session(Program("it", "min", p.variables, p.rows, cones=(cone,)))
     assert isinstance(session, ClarabelSession)
-    found = session.solve(Stop())
-    assert found.value == pytest.approx(-np.sqrt(5.0), abs=1e-6)
-    assert found.cone_duals[0] == pytest.approx(np.hypot(*found.cone_duals[1:]), abs=1e-6)
+    solution = session.solve(Stop())
+    assert solution.value == pytest.approx(-np.sqrt(5.0), abs=1e-6)
+    assert solution.cone_duals[0] == pytest.approx(np.hypot(*solution.cone_duals[1:]), abs=1e-6)
 
 
 @pytest.mark.parametrize("kind", [HighsSession, ClarabelSession])

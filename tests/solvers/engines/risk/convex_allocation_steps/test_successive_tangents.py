@@ -71,16 +71,16 @@ def test_the_two_problems_of_the_literature(family: str, value: float) -> None:
 
 def test_what_is_told_on_the_way_only_improves() -> None:
     told = []
-    SuccessiveTangents(reference("auv"), publish=lambda found: told.append((found.bound, found.value))).run(Stop())
+    SuccessiveTangents(reference("auv"), publish=lambda interval: told.append((interval.bound, interval.value))).run(Stop())
     assert all(a[0] <= b[0] and a[1] >= b[1] for a, b in itertools.pairwise(told))
     assert len(told) > 3
 
 
 def test_a_constraint_far_from_its_limit_costs_nothing() -> None:
     p = problem(chance__limits=[5, 500], constraints__upper=20, upper=20)
-    found = SuccessiveTangents(p).run(Stop())
-    assert found.status == "optimal" and found.gap < 1e-8
-    assert found.answer is not None and found.answer.risks is not None and found.answer.risks[0] == pytest.approx(0.1, rel=1e-6)
+    interval = SuccessiveTangents(p).run(Stop())
+    assert interval.status == "optimal" and interval.gap < 1e-8
+    assert interval.answer is not None and interval.answer.risks is not None and interval.answer.risks[0] == pytest.approx(0.1, rel=1e-6)
 
 
 def test_a_constraint_whose_budget_is_its_own_is_closed_whatever_is_rounded() -> None:
@@ -89,9 +89,9 @@ def test_a_constraint_whose_budget_is_its_own_is_closed_whatever_is_rounded() ->
         row, total = rng.uniform(0.1, 3.0, 2).tolist(), float(10.0 ** rng.uniform(-4.0, -1.0))
         quantities = {"map": [row], "covariance": [float(rng.uniform(0.01, 2.0))]}
         p = problem(quantities=quantities, chance={"quantities": [[1.0]], "limits": [float(rng.uniform(2.0, 9.0))]}, risk={"total": total})
-        found = SuccessiveTangents(p).run(Stop())
-        assert found.answer is not None and found.gap < 1e-8, (row, total)
-        assert p.evaluate(found.answer).feasible
+        interval = SuccessiveTangents(p).run(Stop())
+        assert interval.answer is not None and interval.gap < 1e-8, (row, total)
+        assert p.evaluate(interval.answer).feasible
 
 
 def test_budgets_of_parts_are_kept() -> None:
@@ -110,8 +110,8 @@ def test_an_unbounded_reward_is_said_to_be_so() -> None:
 
 
 def test_without_time_nothing_is_known() -> None:
-    found = SuccessiveTangents(problem()).run(Stop(0.0))
-    assert (found.status, found.answer, found.evidence(1.0)) == ("unknown", None, ())
+    interval = SuccessiveTangents(problem()).run(Stop(0.0))
+    assert (interval.status, interval.answer, interval.evidence(1.0)) == ("unknown", None, ())
 
 
 def test_the_least_margin_is_a_minimum() -> None:
@@ -119,5 +119,5 @@ def test_the_least_margin_is_a_minimum() -> None:
     from scipy.special import ndtr
 
     for slope, price in ((0.1, 1.0), (1.0, 0.1), (1e-9, 1.0), (0.0, 1.0), (1.0, 0.0)):
-        found = float(least_margin(np.array([slope]), np.array([price]), np.array([1.5]))[0])
-        assert found == pytest.approx((slope * z + price * ndtr(-z)).min(), rel=1e-6, abs=1e-9)
+        margin = float(least_margin(np.array([slope]), np.array([price]), np.array([1.5]))[0])
+        assert margin == pytest.approx((slope * z + price * ndtr(-z)).min(), rel=1e-6, abs=1e-9)

@@ -19,9 +19,9 @@ from waybound.solvers.engines.risk.risky_path_steps.least_hazard import least_ha
 @pytest.mark.parametrize("seed", range(5))
 def test_the_best_of_all_paths_is_found_and_proved(seed):
     problem = cases.random_map(np.random.default_rng(seed), muddy=True, objective="hazard")
-    found = least_hazard(problem, problem.graph.goals, NEVER)
-    assert problem.evaluate(found.path).values[0] == pytest.approx(found.hazard) == pytest.approx(cases.best(problem))
-    assert verified_bound(problem, found.evidence()) == pytest.approx(found.hazard)
+    result = least_hazard(problem, problem.graph.goals, NEVER)
+    assert problem.evaluate(result.path).values[0] == pytest.approx(result.hazard) == pytest.approx(cases.best(problem))
+    assert verified_bound(problem, result.evidence()) == pytest.approx(result.hazard)
 
 
 def test_tethers_ways_and_functions_are_remembered():
@@ -35,15 +35,15 @@ def test_tethers_ways_and_functions_are_remembered():
     for elements in ((tether,), (TravelledRisk(0.1, 2.0), tether), (own, tether)):
         graph = RiskyGraph(n, tail, head, elements, grid.state((0, 0)), True, (grid.state((3, 3)),), positions=grid.positions)
         problem = RiskyPath(graph, "hazard")
-        found = least_hazard(problem, problem.graph.goals, NEVER)
-        assert found.hazard == pytest.approx(cases.best(problem)) == pytest.approx(problem.evaluate(found.path).values[0])
+        result = least_hazard(problem, problem.graph.goals, NEVER)
+        assert result.hazard == pytest.approx(cases.best(problem)) == pytest.approx(problem.evaluate(result.path).values[0])
 
 
 def test_states_are_guarded_only_where_a_walk_would_repeat_them():
     assert least_hazard(cases.ring(), cases.ring().graph.goals, NEVER).labels == 0
     problem = cases.loop()
-    found = least_hazard(problem, problem.graph.goals, NEVER)
-    assert (found.hazard, found.guarded) == (pytest.approx(12), {1})
+    result = least_hazard(problem, problem.graph.goals, NEVER)
+    assert (result.hazard, result.guarded) == (pytest.approx(12), {1})
 
 
 def test_limits():
