@@ -151,17 +151,17 @@ class SensingGraph(Declared):
         cls, edges: pd.DataFrame, actions: pd.DataFrame | None = None, *, duplicates: str = "error", order: str = "names",
         name: str = "sensing-graph",
     ) -> SensingGraph:  # fmt: skip
-        """A graph from pandas frames, with the frames' own names; see ``sensing_sources.graph_from_frames``."""
-        from .sensing_sources import graph_from_frames
+        """A graph from pandas frames, with the frames' own names; see ``sensing_sources.edges_from_frames``."""
+        from .sensing_sources import edges_from_frames
 
-        return _warned(graph_from_frames(edges, actions, duplicates=duplicates, order=order, name=name))
+        return _warned(graph_of_edges(**edges_from_frames(edges, actions, duplicates=duplicates, order=order, name=name)))
 
     @classmethod
     def from_networkx(cls, graph: Any, *, duplicates: str = "error", name: str | None = None) -> SensingGraph:
-        """A graph from a networkx graph of robots, actions and targets; see ``sensing_sources.graph_from_networkx``."""
-        from .sensing_sources import graph_from_networkx
+        """A graph from a networkx graph of robots, actions and targets; see ``sensing_sources.edges_from_networkx``."""
+        from .sensing_sources import edges_from_networkx
 
-        return _warned(graph_from_networkx(graph, duplicates=duplicates, name=name))
+        return _warned(graph_of_edges(**edges_from_networkx(graph, duplicates=duplicates, name=name)))
 
     @classmethod
     def from_positions(
@@ -169,15 +169,14 @@ class SensingGraph(Declared):
         weight: str = "binary", closest: float = 0.01, robots: int | Iterable[str] | None = None, targets: Iterable[str] | None = None,
         action_names: Iterable[str] | None = None, name: str = "sensing-graph",
     ) -> SensingGraph:  # fmt: skip
-        """A graph of what lies within a sensing range; see ``sensing_sources.graph_from_positions``."""
-        from .sensing_sources import graph_from_positions
+        """A graph of what lies within a sensing range; see ``sensing_sources.edges_from_positions``."""
+        from .sensing_sources import edges_from_positions
 
-        return _warned(
-            graph_from_positions(
-                action_positions, robot_of_action, target_positions, sensing_range, weight=weight, closest=closest, robots=robots,
-                targets=targets, action_names=action_names, name=name,
-            )
+        edges = edges_from_positions(
+            action_positions, robot_of_action, target_positions, sensing_range, weight=weight, closest=closest, robots=robots,
+            targets=targets, action_names=action_names, name=name,
         )  # fmt: skip
+        return _warned(graph_of_edges(**edges))
 
     def to_frame(self) -> pd.DataFrame:
         """One row an edge: robot, action, target, weight; see ``sensing_sources.graph_to_frame``."""

@@ -12,14 +12,16 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, UsageError
 from ..number_arrays import row_starts
-from .sensing_graph import SensingGraph, graph_of_edges
+
+if TYPE_CHECKING:
+    from .sensing_graph import SensingGraph
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.int64]
@@ -55,11 +57,11 @@ def reading_order(labels: Sequence[str], order: str) -> list[int]:
     return list(range(len(labels)))
 
 
-def graph_of_rows(
+def edges_of_rows(
     robot: Named, action: Named, target: Named, weight: Floats | None, *, lines: Sequence[int] = (), place: Callable[[int], str] = str,
     order: str = "names", duplicates: str = "error", **further: Any,
-) -> SensingGraph:  # fmt: skip
-    """The graph that a table of names stands for.
+) -> dict[str, Any]:  # fmt: skip
+    """The arguments of ``graph_of_edges`` for the graph that a table of names stands for.
 
     ``weight`` has the shape (rows,), NaN where a row has none; without it every edge weighs 1. Messages name a row by its line, or by
     ``place`` from its number. Edges that stand twice are an ``error`` or a ``sum``; for ``order`` see ``ORDERS``.
@@ -101,10 +103,10 @@ def graph_of_rows(
             earlier, later = int(at[ranked[first]]), int(at[ranked[first + 1]])
             where = f"line {lines[earlier]}" if lines else place(earlier)
             raise fault(later, f'the edge stands already in {where}; duplicates "sum" would add them up')
-    return graph_of_edges(
-        owner, a, t, weight[at], robots=unless_counted(robots), targets=unless_counted(targets), duplicates=duplicates,
-        action_names=unless_usual(actions, owner, robots), **further,
-    )  # fmt: skip
+    return {
+        "robot_of_action": owner, "action": a, "target": t, "weight": weight[at], "robots": unless_counted(robots),
+        "targets": unless_counted(targets), "duplicates": duplicates, "action_names": unless_usual(actions, owner, robots), **further,
+    }  # fmt: skip
 
 
 def _numbered(labels: list[str], order: str) -> tuple[list[str], Codes]:

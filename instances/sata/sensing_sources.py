@@ -12,11 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from .. import number_arrays as arrays
 from ..errors import InputError, UsageError
 from ..frames import columns_of, name_of, numbers_of
-from .sensing_graph import SensingGraph, graph_of_edges
-from .sensing_rows import COLUMNS, Named, graph_of_rows, rows_of_graph, unless_counted, unless_usual
+from .sensing_rows import COLUMNS, Named, edges_of_rows, rows_of_graph, unless_counted, unless_usual
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from .sensing_graph import SensingGraph
 
 Floats = NDArray[np.float64]
 
@@ -27,11 +28,11 @@ KINDS = ("robot", "action", "target")
 # -- pandas ----------------------------------------------------------------------------------------------------------------
 
 
-def graph_from_frames(
+def edges_from_frames(
     edges: pd.DataFrame, actions: pd.DataFrame | None = None, *, duplicates: str = "error", order: str = "names",
     name: str = "sensing-graph",
-) -> SensingGraph:  # fmt: skip
-    """A graph with the frames' own names; see ``sensing_rows`` for what rows with empty cells mean.
+) -> dict[str, Any]:  # fmt: skip
+    """The arguments of ``graph_of_edges`` for a graph with the frames' own names; see ``sensing_rows`` for what rows with empty cells mean.
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ def graph_from_frames(
         above = parts[0][2] if len(parts) > 1 else 0
         return f"row {k + 1} of {parts[0][0]}" if k < parts[0][2] else f"row {k - above + 1} of {parts[-1][0]}"
 
-    return graph_of_rows(
+    return edges_of_rows(
         columns[0], columns[1], columns[2], weight, place=place, order=order, duplicates=duplicates, name=name, format="frame"
     )  # fmt: skip
 
@@ -96,8 +97,8 @@ def graph_to_frame(graph: SensingGraph) -> pd.DataFrame:
 # -- networkx --------------------------------------------------------------------------------------------------------------
 
 
-def graph_from_networkx(graph: Any, *, duplicates: str = "error", name: str | None = None) -> SensingGraph:
-    """A graph from one of networkx, directed or not; robots, actions and targets come in the order of its nodes.
+def edges_from_networkx(graph: Any, *, duplicates: str = "error", name: str | None = None) -> dict[str, Any]:
+    """The arguments of ``graph_of_edges`` for a graph of networkx, directed or not; all come in the order of its nodes.
 
     Parameters
     ----------
@@ -148,12 +149,13 @@ def graph_from_networkx(graph: Any, *, duplicates: str = "error", name: str | No
     actions = labels["action"]
     if len(set(actions)) < len(actions):
         actions = [f"{labels['robot'][r]}.{label}" for r, label in zip(owner.tolist(), actions, strict=True)]
-    return graph_of_edges(
-        owner, [a for a, _ in seen], [t for _, t in seen], list(seen.values()), robots=unless_counted(labels["robot"]),
-        targets=unless_counted(labels["target"]), action_names=unless_usual(actions, owner, labels["robot"]),
-        action_positions=_pos(graph, "action", nodes["action"]), target_positions=_pos(graph, "target", nodes["target"]),
-        name=name or str(graph.name) or "sensing-graph", format="networkx",
-    )  # fmt: skip
+    return {
+        "robot_of_action": owner, "action": [a for a, _ in seen], "target": [t for _, t in seen], "weight": list(seen.values()),
+        "robots": unless_counted(labels["robot"]), "targets": unless_counted(labels["target"]),
+        "action_names": unless_usual(actions, owner, labels["robot"]), "action_positions": _pos(graph, "action", nodes["action"]),
+        "target_positions": _pos(graph, "target", nodes["target"]), "name": name or str(graph.name) or "sensing-graph",
+        "format": "networkx",
+    }  # fmt: skip
 
 
 def _weight(value: Any, edge: str) -> float:
@@ -205,7 +207,7 @@ def graph_to_networkx(graph: SensingGraph) -> Any:
 # -- positions -------------------------------------------------------------------------------------------------------------
 
 
-def graph_from_positions(
+def edges_from_positions(
     action_positions: ArrayLike,
     robot_of_action: ArrayLike,
     target_positions: ArrayLike,
@@ -217,8 +219,8 @@ def graph_from_positions(
     targets: Iterable[str] | None = None,
     action_names: Iterable[str] | None = None,
     name: str = "sensing-graph",
-) -> SensingGraph:
-    """A graph in which an action sees the targets within a distance.
+) -> dict[str, Any]:
+    """The arguments of ``graph_of_edges`` for a graph in which an action sees the targets within a distance.
 
     Parameters
     ----------
@@ -260,10 +262,11 @@ def graph_from_positions(
     if len(here) and len(there):
         pairs = cKDTree(here).sparse_distance_matrix(cKDTree(there), float(sensing_range), output_type="ndarray")
     shares = np.ones(len(pairs)) if weight == "binary" else 1.0 / np.maximum(pairs["v"], float(closest))
-    return graph_of_edges(
-        owner, pairs["i"], pairs["j"], shares, robots=robots, targets=len(there) if targets is None else targets,
-        action_names=action_names, action_positions=here, target_positions=there, name=name, format="positions",
-    )  # fmt: skip
+    return {
+        "robot_of_action": owner, "action": pairs["i"], "target": pairs["j"], "weight": shares, "robots": robots,
+        "targets": len(there) if targets is None else targets, "action_names": action_names, "action_positions": here,
+        "target_positions": there, "name": name, "format": "positions",
+    }  # fmt: skip
 
 
 def _points(what: str, points: ArrayLike, count: int | None) -> Floats:

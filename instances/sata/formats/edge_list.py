@@ -17,8 +17,8 @@ from ...formats import Format, add_format
 from ...formats.table import Table, name_of, settings_of, table_of, titles_of, written
 from ...number_arrays import Floats
 from ...text import number, plain
-from ..sensing_graph import PROBLEMS, SensingGraph
-from ..sensing_rows import COLUMNS, ORDERS, Named, exact_rows, graph_of_rows
+from ..sensing_graph import PROBLEMS, SensingGraph, graph_of_edges
+from ..sensing_rows import COLUMNS, ORDERS, Named, edges_of_rows, exact_rows
 
 CHOICES = {"problem": PROBLEMS, "duplicates": ("error", "sum"), "order": ORDERS}
 KEYS = ("name", *CHOICES)
@@ -43,10 +43,11 @@ def read(text: str, path: Path) -> SensingGraph:
                 raise InputError(f"{title} cannot be printed", line=line, expected="a name", found=ascii(name)[:40])
     usual = {"problem": PROBLEMS[0], "duplicates": "error", "order": ORDERS[0]}
     chosen = {key: settings[key][1] if key in settings else value for key, value in usual.items()}
-    return graph_of_rows(
+    edges = edges_of_rows(
         robot, action, target, _weights(table, cells), lines=table.at, order=chosen["order"], duplicates=chosen["duplicates"],
         name=name_of(settings, path), format="edges", problem=chosen["problem"],
     )  # fmt: skip
+    return graph_of_edges(**edges)
 
 
 def _weights(table: Table, cells: list[list[str]]) -> Floats | None:

@@ -11,14 +11,15 @@ from hypothesis import strategies as st
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
-from waybound.instances.sata.sensing_rows import Named, exact_rows, graph_of_rows, reading_order, rows_of_graph
+from waybound.instances.sata.sensing_rows import Named, edges_of_rows, exact_rows, reading_order, rows_of_graph
 
 
 def graph(*rows: str, weights: list[float] | None = None, **options: Any) -> SensingGraph:
     """From rows such as "r1 p1 t1", with - for an empty cell."""
     cells = [["" if cell == "-" else cell for cell in row.split()] for row in rows]
     columns = [Named.of(cell[k] for cell in cells) for k in range(3)]
-    return graph_of_rows(*columns, None if weights is None else np.array(weights, float), place="row {}".format, **options)  # type: ignore[arg-type]
+    listed = None if weights is None else np.array(weights, float)
+    return graph_of_edges(**edges_of_rows(*columns, listed, place="row {}".format, **options))  # type: ignore[arg-type]
 
 
 def edges(g: SensingGraph) -> set[tuple[str, str, str, float]]:
@@ -122,7 +123,7 @@ def test_exact_rows_read_back_as_the_same_graph(g: SensingGraph) -> None:
         [("" if code < 0 else name(code)) for code in codes.tolist()]
         for codes, name in ((rows.robot, g.robot_name), (rows.action, g.action_name), (rows.target, g.target_name))
     ]
-    h = graph_of_rows(*map(Named.of, cells), rows.weight, order=rows.order)  # type: ignore[arg-type]
+    h = graph_of_edges(**edges_of_rows(*map(Named.of, cells), rows.weight, order=rows.order))  # type: ignore[arg-type]
     assert h.digest() == g.digest()
     assert [h.robot_name(k) for k in range(3)] == [g.robot_name(k) for k in range(3)]
     assert [h.target_name(k) for k in range(3)] == [g.target_name(k) for k in range(3)]
