@@ -1,7 +1,5 @@
 """The default solver of assignments against other libraries on the same costs, in turn in one process: CPU seconds, dense and sparse.
 
-``python -m waybound.reports.benchmarks.assignment [--sizes 1000,3000] [--sparse 10000,30000,100000] [--repeats 3]``
-
 The default's seconds are for all of ``solve(from_matrix(costs))``: reading, auction, judging the answer, and multiplying out its prices;
 those of the auction and its prices alone stand apart. Others return no prices: ``linear_sum_assignment`` and
 ``min_weight_full_bipartite_matching`` of scipy, and, where they are installed, ``lapjv`` of the packages lap and lapjv.
@@ -9,13 +7,11 @@ those of the auction and its prices alone stand apart. Others return no prices: 
 
 from __future__ import annotations
 
-import argparse
 import statistics
 import sys
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -29,21 +25,15 @@ from ...instances.generating import generate
 from ...solvers.engines.auctions.assignment_steps.auction import auction
 from ...solvers.packages import is_installed
 from ...solving.solve import solve
+from ._harness import Option, command, timed
 
 ARCS = 21
 
 
-def timed(work: Callable[[], Any]) -> tuple[float, Any]:
-    """CPU seconds and what came of it."""
-    began = time.process_time()
-    made = work()
-    return time.process_time() - began, made
-
-
 def proved(problem: BinAssignment) -> tuple[tuple[int, ...], Evidence]:
     """Answer and prices of the auction."""
-    found = auction(problem, NEVER)
-    return found.answer, found.evidence(problem, "auction prices")
+    outcome = auction(problem, NEVER)
+    return outcome.answer, outcome.evidence(problem, "auction prices")
 
 
 def scipy_dense(costs: Any) -> float:
@@ -90,7 +80,7 @@ def compare(label: str, costs: Any, peers: dict[str, Callable[[Any], float]], re
     checked, bound = timed(lambda: verified_bound(problem, evidence))
     judged = problem.evaluate(answer)
     value = judged.values[0]
-    others = [solution.objective, solution.bound, bound, *optima.values()]
+    others: list[Any] = [solution.objective, solution.bound, bound, *optima.values()]
     good = judged.feasible and solution.bound_kind == "verified" and all(same(value, other, judged.size) for other in others)
     medians = {name: statistics.median(spent) for name, spent in seconds.items()}
     told = "   ".join(f"{name} {spent:7.3f}" for name, spent in medians.items())
@@ -98,29 +88,29 @@ def compare(label: str, costs: Any, peers: dict[str, Callable[[Any], float]], re
     return good
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0] if __doc__ else "")
-    parser.add_argument("--sizes", default="1000,3000")
-    parser.add_argument("--sparse", default="10000,30000")
-    parser.add_argument("--alone", default="", help="sparse sizes at which no other library runs")
-    parser.add_argument("--repeats", type=int, default=3)
-    asked = parser.parse_args(arguments)
-    sizes, many, alone = ([int(k) for k in text.split(",") if k] for text in (asked.sizes, asked.sparse, asked.alone))
+@command
+def main(
+    sizes: str = "1000,3000",
+    sparse: str = "10000,30000",
+    alone: Annotated[str, Option(help="sparse sizes at which no other library runs")] = "",
+    repeats: int = 3,
+) -> bool:
+    dense, many, unmatched = ([int(k) for k in text.split(",") if k] for text in (sizes, sparse, alone))
     for robots, bins, arcs in ((30, 30, 0), (30, 40, 0), (30, 30, 2), (30, 40, 2), (3000, 3000, ARCS)):  # compiles all loops
-        solve(_made(robots=robots, bins=bins, arcs=arcs))
+        solve(_generated(robots=robots, bins=bins, arcs=arcs))
     peers = {name: peer for name, peer in DENSE.items() if is_installed(name)}
     good = True
-    for n in sizes:
+    for n in dense:
         for kind, drawn in (("whole", {"largest": 999}), ("uniform", {}), ("euclidean", {})):
-            good &= compare(f"{n} x {n} {kind}", _made(robots=n, bins=n, costs=kind, **drawn).matrix(), peers, asked.repeats)
-    for n in many + alone:
+            good &= compare(f"{n} x {n} {kind}", _generated(robots=n, bins=n, costs=kind, **drawn).matrix(), peers, repeats)
+    for n in many + unmatched:
         for kind in ("whole", "uniform"):
-            costs = _shifted(_made(robots=n, bins=n, costs=kind, arcs=ARCS))  # a stored 0 is no pair to scipy
-            good &= compare(f"{n} sparse x {ARCS} {kind}", costs, {} if n in alone else SPARSE, 1)
-    return 0 if good else 1
+            costs = _shifted(_generated(robots=n, bins=n, costs=kind, arcs=ARCS))  # a stored 0 is no pair to scipy
+            good &= compare(f"{n} sparse x {ARCS} {kind}", costs, {} if n in unmatched else SPARSE, 1)
+    return good
 
 
-def _made(**settings: Any) -> BinAssignment:
+def _generated(**settings: Any) -> BinAssignment:
     problem = problem_from_instance(generate("assignment", 1, **settings))
     assert isinstance(problem, BinAssignment)
     return problem

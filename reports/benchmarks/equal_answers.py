@@ -1,9 +1,8 @@
 """Every solver and form against enumeration on random problems of the whole routing family.
 
-Run as ``python -m waybound.reports.benchmarks.equal_answers [--instances 3000] [--first 0] [--seed 1] [--risky] [--out FILE]``. With
-``--out`` each problem is a line of JSON there as soon as it is done, those that are there already are not done again, and the tables are of
-all of them. With ``--risky`` durations are uncertain, with risks of overrunning limits.
-Exits with 1 where an exact solver disagrees beyond 1e-6 of the optimum, a certificate does not hold, or the judge refuses an answer.
+With ``--out`` each problem is a line of JSON there as soon as it is done, those that are there already are not done again, and the tables
+are of all of them. With ``--risky`` durations are uncertain, with risks of overrunning limits. Exits with 1 where an exact solver disagrees
+beyond 1e-6 of the optimum, a certificate does not hold, or the judge refuses an answer.
 
 Problems of up to seven customers are drawn by ``routing_variants``; which solvers and forms take one, their declarations say. Engines and
 heuristics are run once, for few iterations: they may miss the optimum, but never beat it nor break a limit.
@@ -11,7 +10,6 @@ heuristics are run once, for few iterations: they may miss the optimum, but neve
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 import time
@@ -19,7 +17,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from ...formulations.certificate import Certificate, certify, check_certificate
 from ...formulations.evaluation import Evaluation
@@ -34,8 +32,13 @@ from ...solving.bounding import find_bounds
 from ...solving.method import missing_features
 from ...solving.request import Request
 from ...solving.solve import solve
-from .exact_routing import RoutingTruth
-from .routing_variants import drawn, features_of, risky
+from ._harness import Option, command, find_tests, markdown
+from .routing_variants import drawn, features_of
+from .routing_variants import risky as at_risk
+
+find_tests()
+
+from truth.routing import RoutingTruth  # noqa: E402
 
 AGREE = 1e-6
 """Share of the optimum by which an exact solver's value may differ."""
@@ -271,17 +274,13 @@ def records(
         yield made
 
 
-def _markdown(header: Sequence[str], rows: Sequence[Sequence[object]]) -> list[str]:
-    return ["| " + " | ".join(map(str, row)) + " |" for row in (header, ["---"] * len(header), *rows)]
-
-
 def tables(found: Sequence[Record]) -> list[str]:
     """Lines of Markdown: features, exact solvers through each form, engines and heuristics."""
     none = sum(r.optimum is None for r in found)
     sizes = [r.customers for r in found]
     lines = [f"{len(found)} problems of {min(sizes)} to {max(sizes)} customers, {none} without an answer", ""]
     counts = Counter(name for r in found for name in r.features)
-    lines += [*_markdown(("feature", "problems"), sorted(counts.items(), key=lambda item: (item[1], item[0]))), ""]
+    lines += [*markdown(("feature", "problems"), sorted(counts.items(), key=lambda item: (item[1], item[0]))), ""]
     by: dict[tuple[str, str], list[tuple[str, float]]] = defaultdict(list)
     for record in found:
         for who, form, verdict, seconds in record.outcomes:
@@ -296,30 +295,29 @@ def tables(found: Sequence[Record]) -> list[str]:
                 made.append([who, *([form] if form else []), len(outcomes), *(told[v] for v in verdicts), spent])
         return made
 
-    lines += [*_markdown(("solver", "form", "problems", *EXACT, "seconds"), rows(EXACT, True)), ""]
-    lines += [*_markdown(("engine or heuristic", "problems", *FREE, "seconds"), rows(FREE, False)), ""]
+    lines += [*markdown(("solver", "form", "problems", *EXACT, "seconds"), rows(EXACT, True)), ""]
+    lines += [*markdown(("engine or heuristic", "problems", *FREE, "seconds"), rows(FREE, False)), ""]
     through = sum(any(form and verdict == AGREES for _, form, verdict, _ in r.outcomes) for r in found)
     wrong = sum(bool(r.faults) for r in found)
     return [*lines, f"{through} problems on which an exact solver agrees, {wrong} on which anything said was false"]
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--instances", type=int, default=3000)
-    parser.add_argument("--first", type=int, default=0, help="number of the first problem")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--risky", action="store_true", help="with uncertain durations, and risks")
-    parser.add_argument("--out", type=Path, help="a file of JSON lines, for runs in parts")
-    chosen = parser.parse_args(arguments)
+@command
+def main(
+    instances: int = 3000,
+    first: Annotated[int, Option(help="number of the first problem")] = 0,
+    seed: int = 1,
+    risky: Annotated[bool, Option(help="with uncertain durations, and risks")] = False,
+    out: Annotated[Path | None, Option(type=Path, help="a file of JSON lines, for runs in parts")] = None,
+) -> bool:
     found = []
-    numbers = range(chosen.first, chosen.first + chosen.instances)
-    for record in records(chosen.seed, numbers, chosen.out, risky if chosen.risky else drawn):
+    for record in records(seed, range(first, first + instances), out, at_risk if risky else drawn):
         found.append(record)
         for fault in record.faults:
             print(f"{record.number} {record.name}: {fault}", file=sys.stderr, flush=True)
     print("\n".join(tables(found)))
-    return 1 if any(record.faults for record in found) else 0
+    return not any(record.faults for record in found)
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(main())

@@ -1,19 +1,19 @@
 """What is proved, and how fast: the battery's programs, winner takes all, covers, and Solomon's files cut to 25 customers.
 
-Run as ``python -m waybound.reports.benchmarks.proofs [--battery 3000] [--seconds 1] [--solomon FOLDER] [--files C101 R101 ...]``. Exits
-with 1 if anything that is verified of the battery is not true.
+Exits with 1 if anything that is verified of the battery is not true.
 """
 
 from __future__ import annotations
 
-import argparse
 import itertools
 import math
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from functools import partial
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
@@ -38,6 +38,8 @@ from waybound.solving.bounding import find_bounds
 from waybound.solving.request import Request
 from waybound.solving.solve import solve
 
+from ._harness import Option, command, timed
+
 FIRST_CLASS = (*(f"C10{k}" for k in range(1, 10)), *(f"R1{k:02d}" for k in range(1, 13)), *(f"RC10{k}" for k in range(1, 9)))
 
 
@@ -59,27 +61,26 @@ def proof(problem: Problem, value: float | None, seconds: float) -> tuple[float 
     return (None, took, None) if best[0] == -math.inf else (sign * best[0], took, found[best[1]])
 
 
-def battery(count: int, seconds: float, seed: int) -> int:
+def verified_of_battery(count: int, seconds: float, seed: int) -> int:
     """What is verified of the battery's programs, whose optima are known; how many verdicts are false."""
-    told, left, spent = Counter[tuple[str, str, str]](), list[str](), list[tuple[float, float, int]]()
+    counts, unverified, spent = Counter[tuple[str, str, str]](), list[str](), list[tuple[float, float, int]]()
     for case in cases(Draw(count, seed)):
-        made = case.problem.compile(case.form)
-        began = time.process_time()
-        able = (name for name in ("highs", *takers(made.program.features())) if not solver_named(name).missing(made.program))  # type: ignore[attr-defined]
-        found = solve(made, Request(solver=next(able), time_limit=60.0, bound_time=seconds))
-        spent.append((time.process_time() - began, found.seconds["bound"], case.number))
-        verdict = _verdict(found, case.truth)
-        told[case.kind, case.truth.status, verdict] += 1
+        model = case.problem.compile(case.form)
+        able = (name for name in ("highs", *takers(model.program.features())) if not solver_named(name).missing(model.program))  # type: ignore[attr-defined]
+        cpu_seconds, solution = timed(partial(solve, model, Request(solver=next(able), time_limit=60.0, bound_time=seconds)))
+        spent.append((cpu_seconds, solution.seconds["bound"], case.number))
+        verdict = _verdict(solution, case.truth)
+        counts[case.kind, case.truth.status, verdict] += 1
         if verdict != VERIFIED:
-            left.append(f"case {case.number}, {case.kind}, {case.form}, {case.truth}: {verdict}; {found!r}")
-    kinds = list(dict.fromkeys(kind for kind, *_ in told))
+            unverified.append(f"case {case.number}, {case.kind}, {case.form}, {case.truth}: {verdict}; {solution!r}")
+    kinds = list(dict.fromkeys(kind for kind, *_ in counts))
     print(f"{'kind':20s}" + "".join(f"{word:>22s}" for word in STATUSES))
     for kind in kinds:
-        row = [(told[kind, word, VERIFIED], sum(told[kind, word, v] for v in (VERIFIED, FALSE, OPEN))) for word in STATUSES]
+        row = [(counts[kind, word, VERIFIED], sum(counts[kind, word, v] for v in (VERIFIED, FALSE, OPEN))) for word in STATUSES]
         print(f"{kind:20s}" + "".join(f"{f'{good} of {of}' if of else '-':>22s}" for good, of in row))
-    print("\n".join(left))
-    false = sum(n for (*_, verdict), n in told.items() if verdict == FALSE)
-    verified = sum(n for (*_, verdict), n in told.items() if verdict == VERIFIED)
+    print("\n".join(unverified))
+    false = sum(n for (*_, verdict), n in counts.items() if verdict == FALSE)
+    verified = sum(n for (*_, verdict), n in counts.items() if verdict == VERIFIED)
     (cpu, _, slow), wall = max(spent), max(bounding for _, bounding, _ in spent)
     within = sum(used <= 1.0 for used, *_ in spent)
     print(f"{verified} of {count} verified, {false} false; CPU seconds with the search: {within} within 1, at most {cpu:.2f} (case {slow})")
@@ -104,7 +105,7 @@ def _verdict(found: Solution, truth: Truth) -> str:
     return VERIFIED if closed and same(e.values[0], best, size, e.precision) else OPEN  # type: ignore[union-attr]
 
 
-def winner_takes_all(seeds: int) -> None:
+def winners(seeds: int) -> None:
     """20 robots of 2 actions and 150 targets."""
     problems = (
         (f"{seed}", WinnerTakesAllSATA(sensing(seed, robots=20, actions=2, targets=150, phi=15, weights="uniform")))
@@ -113,7 +114,7 @@ def winner_takes_all(seeds: int) -> None:
     beside_highs("winner takes all", problems)
 
 
-def covers(seeds: int) -> None:
+def set_covers(seeds: int) -> None:
     """The bundled cover of 30 elements, and set covers of 200 rows and 2,000 columns, density 2 %, costs of 1 to 100."""
     cover = read("cover-30")
     random = ((f"200x2000-{seed}", set_cover(seed)) for seed in range(1, seeds + 1))
@@ -140,12 +141,9 @@ def beside_highs(title: str, problems: Iterable[tuple[str, Problem]]) -> None:
     """CPU seconds of HiGHS' own search, of the proof that its answer is optimal, and what that proves in 60 s."""
     print(f"{title:18s}  answer        bound         highs s  proof s  ratio  leaves  proved")
     for name, problem in problems:
-        began = time.process_time()
-        answer = solve(problem, Request(solver="highs", bound_time=0))
-        searched = time.process_time()
+        own, answer = timed(partial(solve, problem, Request(solver="highs", bound_time=0)))
         assert isinstance(answer.objective, float)
-        bound, _, evidence = proof(problem, answer.objective, 60.0)
-        own, took = searched - began, time.process_time() - searched
+        took, (bound, _, evidence) = timed(partial(proof, problem, answer.objective, 60.0))
         proved = bound is not None and same(bound, answer.objective)
         shown = "-" if bound is None else f"{bound:.8g}"
         print(
@@ -173,12 +171,11 @@ def checking(leaves: int, rows: int = 100, columns: int = 150) -> None:
         else:
             nodes.append({"kind": "lp-dual", "data": {"duals": rng.random(rows).tolist()}})
     evidence = Evidence("branching-tree", "a tree", math.inf, {"nodes": nodes})
-    began = time.process_time()
-    verified_bound(problem, evidence)
-    print(f"the checker takes {time.process_time() - began:.1f} CPU s for {_leaves(evidence)} leaves of a program of {rows} rows\n")
+    seconds, _ = timed(lambda: verified_bound(problem, evidence))
+    print(f"the checker takes {seconds:.1f} CPU s for {_leaves(evidence)} leaves of a program of {rows} rows\n")
 
 
-def files(folder: Path, names: list[str], seconds: float) -> None:
+def proved_files(folder: Path, names: Sequence[str], seconds: float) -> None:
     """Solomon's files cut to 25 customers: what HiGHS proves in 20 s by its own word, and what is verified."""
     print("file   answer    highs s  (CPU)  bound    proof s  (CPU)  leaves  proved")
     for name in names:
@@ -186,14 +183,10 @@ def files(folder: Path, names: list[str], seconds: float) -> None:
         if not path.exists():
             continue
         problem = RoutingProblem.from_instance(solomon.read(path.read_text(), path), settings={"customers": 25, "convention": "trunc1"})
-        began = time.process_time()
-        word = solve(problem, Request(solver="highs", time_limit=20.0, bound_time=0))
-        searching = time.process_time() - began
+        searching, word = timed(partial(solve, problem, Request(solver="highs", time_limit=20.0, bound_time=0)))
         answer = solve(problem, Request(solver="pyvrp", time_limit=2.0, bound_time=0, start=word.answer))
         assert isinstance(answer.objective, float)
-        began = time.process_time()
-        bound, took, evidence = proof(problem, answer.objective, seconds)
-        proving = time.process_time() - began
+        proving, (bound, took, evidence) = timed(partial(proof, problem, answer.objective, seconds))
         proved = bound is not None and same(bound, answer.objective)
         own = f"{word.seconds['solve']:.1f}" if word.status == "optimal" else "-"
         shown, verdict = "-" if bound is None else f"{bound:.1f}", "yes" if proved else "no"
@@ -205,28 +198,28 @@ def _leaves(evidence: Evidence | None) -> int:
     return 0 if evidence is None else sum("branch" not in node for node in evidence.data.get("nodes", [{}]))
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--battery", type=int, default=3000)
-    parser.add_argument("--seconds", type=float, default=1.0)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--winner-takes-all", type=int, default=10)
-    parser.add_argument("--covers", type=int, default=5)
-    parser.add_argument("--leaves", type=int, default=10_000)
-    parser.add_argument("--solomon", type=Path)
-    parser.add_argument("--files", nargs="*", default=list(FIRST_CLASS))
-    parser.add_argument("--file-seconds", type=float, default=60.0)
-    chosen = parser.parse_args()
-    wrong = battery(chosen.battery, chosen.seconds, chosen.seed) if chosen.battery else 0
-    if chosen.winner_takes_all:
-        winner_takes_all(chosen.winner_takes_all)
-    if chosen.leaves:
-        checking(chosen.leaves)
-    if chosen.covers:
-        covers(chosen.covers)
-    if chosen.solomon is not None:
-        files(chosen.solomon, chosen.files, chosen.file_seconds)
-    return 1 if wrong else 0
+@command
+def main(
+    battery: int = 3000,
+    seconds: float = 1.0,
+    seed: int = 1,
+    winner_takes_all: int = 10,
+    covers: int = 5,
+    leaves: int = 10_000,
+    solomon: Annotated[Path | None, Option(type=Path, help="the folder of Solomon's files")] = None,
+    files: tuple[str, ...] = FIRST_CLASS,
+    file_seconds: float = 60.0,
+) -> bool:
+    false = verified_of_battery(battery, seconds, seed) if battery else 0
+    if winner_takes_all:
+        winners(winner_takes_all)
+    if leaves:
+        checking(leaves)
+    if covers:
+        set_covers(covers)
+    if solomon is not None:
+        proved_files(solomon, files, file_seconds)
+    return not false
 
 
 if __name__ == "__main__":

@@ -1,7 +1,5 @@
 """Risk allocation side by side: equal risks, iterative, one convex program, and what is true of each; then how long they take.
 
-Run as ``python -m waybound.reports.benchmarks.risk_allocation [--random 500] [--repeat 7]``.
-
 Two problems of the literature's kind (a vehicle above a sea floor, one in a corridor), the two-variable problem on which the iterative
 method stalls, random ones, and a hundred steps of four constraints. Milliseconds are CPU time in one process, modules loaded before, the
 best of the repeats. Every answer is judged from the data, every bound is what its checker derives. The loop that `iterative` is compared
@@ -11,11 +9,9 @@ solver takes, so that the two are held against each other where weights that dif
 
 from __future__ import annotations
 
-import argparse
 import copy
 import math
-import time
-from collections.abc import Callable
+import sys
 from functools import partial
 from typing import Any
 
@@ -38,6 +34,8 @@ from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 from waybound.solvers.engines.risk.convex_allocation_steps.interval import Interval
 from waybound.solvers.engines.risk.convex_allocation_steps.session import open_session
 from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents import SuccessiveTangents
+
+from ._harness import best_of, command, met, timed
 
 Floats = NDArray[np.float64]
 
@@ -169,25 +167,14 @@ def rebuilt(problem: RiskAllocation) -> tuple[float, int]:
     return p.sign * values[-1], len(values)
 
 
-def milliseconds(repeat: int, *runs: Callable[[], Any]) -> list[float]:
-    """CPU time of the fastest of so many runs of each, taken in turns, so that whatever else the machine does falls on all of them."""
-    found = [math.inf] * len(runs)
-    for _ in range(repeat):
-        for k, run in enumerate(runs):
-            began = time.process_time()
-            run()
-            found[k] = min(found[k], time.process_time() - began)
-    return [1000.0 * seconds for seconds in found]
-
-
 # -- report --------------------------------------------------------------------------------------------------------------
 
 
 def side_by_side(problem: RiskAllocation, repeat: int) -> tuple[list[str], float, float]:
-    """A line a method, with the risks that are true; the milliseconds of ``iterative`` and of the default."""
+    """A line a method, with the risks that are true; the seconds of ``iterative`` and of the default."""
     lines = [f"{problem.name}: {problem.size} decisions, {len(problem.names)} chance constraints, total risk {problem.risk.total:g}"]
 
-    def told(name: str, answer: Allocation | None, took: float, note: str) -> None:
+    def tell(name: str, answer: Allocation | None, seconds: float, note: str) -> None:
         if answer is None:
             lines.append(f"  {name:18} {'no plan':>12}")
             return
@@ -195,19 +182,19 @@ def side_by_side(problem: RiskAllocation, repeat: int) -> tuple[list[str], float
         assert judged.feasible, judged.violations
         risk = next(iter(problem.joint_risk(answer.decision).values()))
         sums = f"{judged.quantities['sum_of_risks']:.3e}  {risk.value:.3e} [{risk.low:.2e}, {risk.high:.2e}]"
-        lines.append(f"  {name:18} {judged.values[0]:>12.6f} {took:>9.2f}  {sums}  {note}")
+        lines.append(f"  {name:18} {judged.values[0]:>12.6f} {1e3 * seconds:>9.2f}  {sums}  {note}")
 
     lines.append(f"  {'method':18} {'cost':>12} {'CPU ms':>9}  {'sum':9}  any fails (99.9 %)")
     for form in ("uniform", "ellipsoid", "secants"):
-        told(form, by_program(problem, form), milliseconds(repeat, partial(by_program, problem, form))[0], "")
+        tell(form, by_program(problem, form), best_of(repeat, partial(by_program, problem, form))[0], "")
     answer, rounds = by_iterative(problem)
-    slow, *times = milliseconds(repeat, partial(by_iterative, problem), *(partial(by_default, problem, gap) for gap in (GAP, 0.0)))
-    told("iterative", answer, slow, f"{rounds} rounds")
+    slow, *times = best_of(repeat, partial(by_iterative, problem), *(partial(by_default, problem, gap) for gap in (GAP, 0.0)))
+    tell("iterative", answer, slow, f"{rounds} rounds")
     for gap, took in zip((GAP, 0.0), times, strict=True):
-        found = convex(problem, gap)
-        bound = verified_bound(problem, found.evidence(problem.sign)[0])
-        apart = abs(bound - problem.sign * found.value) / abs(found.value)
-        told(f"convex, gap {gap:g}", found.answer, took, f"{found.rounds} rounds, verified bound {bound:.6f}, interval {apart:.1e}")
+        interval = convex(problem, gap)
+        bound = verified_bound(problem, interval.evidence(problem.sign)[0])
+        apart = abs(bound - problem.sign * interval.value) / abs(interval.value)
+        tell(f"convex, gap {gap:g}", interval.answer, took, f"{interval.rounds} rounds, verified bound {bound:.6f}, interval {apart:.1e}")
         assert gap == 0.0 or apart <= GAP
     return lines, slow, times[0]
 
@@ -217,15 +204,15 @@ def compared(count: int) -> list[str]:
     rng, better, worst, stalls = np.random.default_rng(1), 0, 0.0, 0
     for _ in range(count):
         problem = random_problem(rng)
-        found, (plan, _), even = convex(problem, 0.0), by_iterative(problem), by_program(problem, "uniform")
-        assert found.answer is not None and plan is not None and even is not None
-        judged = [problem.evaluate(answer) for answer in (found.answer, plan, even)]
+        interval, (plan, _), even = convex(problem, 0.0), by_iterative(problem), by_program(problem, "uniform")
+        assert interval.answer is not None and plan is not None and even is not None
+        judged = [problem.evaluate(answer) for answer in (interval.answer, plan, even)]
         assert all(e.feasible for e in judged), [e.violations for e in judged]
         assert all(e.quantities["joint_risk_low"] <= problem.budgets[0].risk for e in judged)
         best, middle, equal = (e.values[0] for e in judged)
         size = NO_WORSE * abs(best)
         assert best >= middle - size >= equal - 2.0 * size, (problem.name, best, middle, equal)
-        bound = verified_bound(problem, found.evidence(problem.sign)[0])
+        bound = verified_bound(problem, interval.evidence(problem.sign)[0])
         worst = max(worst, (bound - best) / abs(best))
         assert bound >= best - size
         better += best > middle + 1e-6 * abs(best)
@@ -238,46 +225,40 @@ def compared(count: int) -> list[str]:
 
 def report(count: int, repeat: int, steps: int = 100) -> str:
     """All of it, as text."""
-    lines, met = [], []
+    lines, targets = list[str](), list[tuple[str, bool, str]]()
     for problem in (stalling(), reference("auv"), reference("corridor")):
         told, slow, quick = side_by_side(problem, repeat)
         lines += told
         if problem.name == "stalling":
             continue
         value, rounds = rebuilt(problem)
-        (loop,) = milliseconds(max(1, repeat // 3), partial(rebuilt, problem))
-        lines.append(f"  {'rebuilt loop':18} {value:>12.6f} {loop:>9.2f}  {rounds} rounds, each a new CVXPY model")
+        (loop,) = best_of(max(1, repeat // 3), partial(rebuilt, problem))
+        lines.append(f"  {'rebuilt loop':18} {value:>12.6f} {1e3 * loop:>9.2f}  {rounds} rounds, each a new CVXPY model")
         alike = of_unique_plans(problem)
         (plan, _), (ended, _) = by_iterative(alike), rebuilt(alike)
         assert plan is not None
         apart = abs(alike.evaluate(plan).values[0] - ended) / abs(ended)
-        met.append(
-            (f"{problem.name}: with unique plans, iterative ends where the rebuilt loop does", apart <= NO_WORSE, f"{apart:.0e} apart")
-        )
-        met.append((f"{problem.name}: default to {GAP:g} in less time than iterative", quick < slow, f"{quick:.2f} against {slow:.2f} ms"))
-        met.append(
-            (f"{problem.name}: iterative {FASTER:g} times as fast as the rebuilt loop", loop >= FASTER * slow, f"{loop / slow:.0f} times")
-        )
+        name = problem.name
+        targets += [
+            (f"{name}: with unique plans, iterative ends where the rebuilt loop does", apart <= NO_WORSE, f"{apart:.0e} apart"),
+            (f"{name}: default to {GAP:g} in less time than iterative", quick < slow, f"{1e3 * quick:.2f} against {1e3 * slow:.2f} ms"),
+            (f"{name}: iterative {FASTER:g} times as fast as the rebuilt loop", loop >= FASTER * slow, f"{loop / slow:.0f} times"),
+        ]
     lines += compared(count)
     large = reference("corridor", steps=steps, constraints=4)
-    began = time.process_time()
-    found = convex(large, LARGE_GAP)
-    seconds = time.process_time() - began
-    bound = verified_bound(large, found.evidence(large.sign)[0])
-    apart = abs(bound - found.value) / abs(found.value)
-    lines.append(f"{large.name}: {len(large.names)} chance constraints, {found.value:.6f}, verified bound {bound:.6f}, {seconds:.2f} s")
-    met.append((f"{steps} steps of 4 constraints to {LARGE_GAP:g} in {LARGE_SECONDS:g} s", apart <= LARGE_GAP and seconds < LARGE_SECONDS,
-                f"{apart:.1e} in {seconds:.2f} s"))  # fmt: skip
-    return "\n".join([*lines, *(f"target {what}: {'met' if good else 'MISSED'} ({figures})" for what, good, figures in met)])
+    seconds, interval = timed(partial(convex, large, LARGE_GAP))
+    bound = verified_bound(large, interval.evidence(large.sign)[0])
+    apart = abs(bound - interval.value) / abs(interval.value)
+    lines.append(f"{large.name}: {len(large.names)} chance constraints, {interval.value:.6f}, verified bound {bound:.6f}, {seconds:.2f} s")
+    quickly = apart <= LARGE_GAP and seconds < LARGE_SECONDS
+    targets.append((f"{steps} steps of 4 constraints to {LARGE_GAP:g} in {LARGE_SECONDS:g} s", quickly, f"{apart:.1e} in {seconds:.2f} s"))
+    return "\n".join([*lines, *(f"target {what}: {met(good)} ({figures})" for what, good, figures in targets)])
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--random", type=int, default=500)
-    parser.add_argument("--repeat", type=int, default=7)
-    given = parser.parse_args()
-    print(report(given.random, given.repeat))
+@command
+def main(random: int = 500, repeat: int = 7) -> None:
+    print(report(random, repeat))
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

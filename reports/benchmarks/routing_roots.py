@@ -6,9 +6,9 @@ integer optimum. A dash stands for a form that cannot take the problem; forms wi
 
 from __future__ import annotations
 
-import argparse
+import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from ...formulations.routing.objective import Composable, Makespan, TotalCost
 from ...formulations.routing.problem import RoutingProblem
 from ...instances.routing.instance import Sites, VehicleType
 from ...instances.routing.travel import EXPLICIT, Travel
+from ._harness import Option, command, markdown_row
 
 SQUARE_4 = [(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)]
 GAP_5 = [(5, 5), (0, 7), (1, 6), (2, 10), (0, 2), (1, 8)]
@@ -58,23 +59,20 @@ def table(names: Sequence[str] = tuple(CASES)) -> list[list[str]]:
     """Rows of text, the header first."""
     ordered = sorted((f for f in FORMS.values() if f.family == "routing" and f.exactness is Exactness.EXACT), key=lambda f: f.order)
     forms = [f.name for f in ordered if f.makes(case(next(iter(CASES)))) <= INTEGERS]
-    made = [["instance, vehicles, limit", *forms, "optimum"]]
+    lines = [["instance, vehicles, limit", *forms, "optimum"]]
     for name in names:
         problem = case(name)
         can = problem.forms()
         roots = [f"{optimum(problem, form, relax=True):.6g}" if form in can else "-" for form in forms]
-        made.append([name, *roots, f"{optimum(problem, can[0]):.6g}"])
-    return made
+        lines.append([name, *roots, f"{optimum(problem, can[0]):.6g}"])
+    return lines
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--only", choices=CASES, action="append", help="an instance; all of them without it")
-    chosen = parser.parse_args(arguments).only
-    for row in table(chosen or tuple(CASES)):
-        print("| " + " | ".join(row) + " |")
-    return 0
+@command
+def main(only: Annotated[list[str] | None, Option(choices=CASES, action="append", help="an instance; all by default")] = None) -> None:
+    for row in table(only or tuple(CASES)):
+        print(markdown_row(row))
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(main())

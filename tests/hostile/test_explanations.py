@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from truth.routing import routes as orders
 
 import waybound as wb
 from waybound.formulations.certificate import verified_bound
@@ -22,7 +23,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks import exact_routing
 from waybound.solvers.bounds.routing.fleet_need import fleet_need_evidence
 from waybound.solvers.bounds.routing.infeasible_site import infeasible_site_evidence, too_few_vehicles_evidence
 from waybound.solving.explaining import explain, reasons_from_data
@@ -91,7 +91,7 @@ def draw(seed: int, sites_more: int = 0) -> RoutingProblem:
 
 def routes(problem: RoutingProblem, vehicle: VehicleType) -> set[frozenset[int]]:
     """Sets of sites that one vehicle can serve on a route, by trying every order."""
-    return {frozenset(visits) for visits in exact_routing.routes(problem, vehicle)}
+    return {frozenset(visits) for visits in orders(problem, vehicle)}
 
 
 def has_answer(problem: RoutingProblem, tables: list[set[frozenset[int]]], required: set[int], least: int) -> bool:

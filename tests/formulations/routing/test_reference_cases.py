@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from oracles import OCTO_8, agrees
+from truth.routing import RoutingTruth, best_values
 
 from waybound.formulations.routing import members
 from waybound.formulations.routing.objective import LatestReturn, Makespan, Objective, Reward, TotalCost
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import RoutingTruth, best_values
 
 SQUARE = np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float)
 GAP = np.array([(5, 5), (0, 7), (1, 6), (2, 10), (0, 2), (1, 8)], dtype=float)

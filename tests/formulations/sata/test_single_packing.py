@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from local_oracles import optimum, random_graph
+from truth.local_algorithm import optimum, random_graph
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence

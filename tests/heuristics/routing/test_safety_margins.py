@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from small_routing import varied
+from truth.routing import RoutingTruth
 
 from waybound import generate
 from waybound.api import solve
@@ -21,7 +22,6 @@ from waybound.heuristics.routing import safety_margins
 from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
 from waybound.reports.ratios.judging import run_heuristic
 from waybound.solvers.linear_programs import LinearPrograms
 

@@ -10,6 +10,7 @@ import pytest
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from truth.routing import RoutingTruth
 
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
@@ -17,7 +18,6 @@ from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Context
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
 from waybound.reports.ratios.judging import run_heuristic
 from waybound.solvers.linear_programs import LinearPrograms
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from local_oracles import optimum, random_graph
 from programs import AnsweredBy
 from sata_cases import CASES
+from truth.local_algorithm import optimum, random_graph
 
 from waybound.api import solve
 from waybound.formulations.sata.bottleneck_sata import BottleneckSATA

@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from exact_truth import truth as other_truth
+from truth.families import truth as other_truth
 
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.programs.program import Program, Rows, Variables

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from small_routing import few, small, varied
+from truth.routing import best_values
 
 from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.routing.checking import all_routes
@@ -16,7 +17,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 
 FEATURES = (
     "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "travel", "elapsed",

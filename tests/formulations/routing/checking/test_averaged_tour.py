@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, few, varied
+from truth.routing import best_values
 
 from waybound.formulations.routing.checking.averaged_tour import check_averaged_tour, totals
 from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, Objective, TotalCost
@@ -15,7 +16,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 
 
 @pytest.mark.share(3)

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from small_routing import FEATURES, WHOLE_FAMILY, few, small, varied
+from truth.routing import best_values
 
 from waybound.formulations.routing.checking.cut_multipliers import RESOURCES, check_cut_multipliers
 from waybound.formulations.routing.objective import Reward, TotalCost
@@ -14,7 +15,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 
 
 @pytest.mark.share(3)

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, few, small, varied
+from truth.routing import best_values
 
 from waybound.formulations.routing.checking.knapsack import RESOURCES, check_knapsack
 from waybound.formulations.routing.objective import Makespan, Objective, Penalties, Reward, TotalCost
@@ -15,7 +16,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 
 GOALS = (Reward(), TotalCost() - Reward(), TotalCost() + Penalties(), Reward() - 0.25 * Makespan())
 

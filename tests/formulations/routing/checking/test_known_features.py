@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, few, varied
+from truth.routing import RoutingTruth
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
@@ -17,7 +18,6 @@ from waybound.formulations.routing.fleet_need import none
 from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
 from waybound.formulations.stop import Stop
 from waybound.instances.routing.features import FEATURES
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
 from waybound.solvers.bounds import BOUNDS
 
 INFEASIBLE = (

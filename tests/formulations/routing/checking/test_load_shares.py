@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, few, plane, small, varied
+from truth.routing import best_values
 
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import verified_bound
@@ -29,7 +30,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import METRICS, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 
 GOALS: tuple[Composable, ...] = (
     TotalCost(), TotalCost() + 7.0 * Vehicles(), TotalDuration(), TotalCost() - Reward(), TotalCost() + 2.0 * Penalties(),

@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, few, varied
+from truth.routing import best_values
 
 from waybound.formulations.routing.checking.round_trips import check_farthest_round_trip
 from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, Objective, TotalCost
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 
 TERMS = {"makespan": Makespan(), "longest-route": LongestRoute(), "latest-return": LatestReturn()}
 

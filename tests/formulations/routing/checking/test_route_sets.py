@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import FEATURES, WHOLE_FAMILY, few, small, varied
+from truth.routing import best_values
 
 import waybound as wb
 from waybound.formulations.evidence import Evidence
@@ -19,7 +20,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop, until
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 
 ADDS_UP = ("capacity", "max-distance", "travel", "limited-fleet", "heterogeneous-fleet", "fixed-cost", "multiple-depots", "open-routes",
            "separate-durations", "prizes", "reward")  # fmt: skip

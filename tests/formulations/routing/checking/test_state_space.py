@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import FEATURES, WHOLE_FAMILY, few, plane, small, varied
+from truth.routing import best_values
 
 from waybound.formulations.routing.checking import state_space
 from waybound.formulations.routing.checking.state_space import RESOURCES, check_state_space
@@ -16,7 +17,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 
 
 def excluded(problem, bound, best):

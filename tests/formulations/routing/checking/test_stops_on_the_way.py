@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import plane, varied
+from truth.routing import best_values
 
 from waybound.formulations.routing.checking.stops_on_the_way import without_stops
 from waybound.instances.routing.instance import Energy, VehicleType
-from waybound.reports.benchmarks.exact_routing import best_values
 
 
 @pytest.mark.share(2)

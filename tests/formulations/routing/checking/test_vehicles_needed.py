@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import pytest
 from small_routing import WHOLE_FAMILY, few, plane, varied
+from truth.routing import best_values
 
 from waybound.formulations.routing.checking.vehicles_needed import check_vehicles_needed
 from waybound.formulations.routing.objective import Makespan, Objective, Reward, TotalCost, Vehicles
 from waybound.instances.errors import InputError
-from waybound.reports.benchmarks.exact_routing import best_values
 
 
 @pytest.mark.parametrize("feature", WHOLE_FAMILY)

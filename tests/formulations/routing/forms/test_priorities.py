@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import varied
+from truth.routing import RoutingTruth
 
 from waybound.formulations.routing.objective import (
     Composable,
@@ -20,7 +21,6 @@ from waybound.formulations.routing.objective import (
     TotalDuration,
     Vehicles,
 )
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
 LEVELS: tuple[Composable, ...] = (
     TotalCost() - Reward(),

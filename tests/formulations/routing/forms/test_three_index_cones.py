@@ -14,6 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from oracles import agrees, routing
 from program_text import expected, written
+from truth.routing import RoutingTruth
 
 from waybound.formulations.routing.overrun import quantile
 from waybound.formulations.routing.problem import RoutingProblem
@@ -21,7 +22,6 @@ from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import UnsupportedError
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
 from waybound.reports.benchmarks.routing_variants import risky
 from waybound.solvers.backend import BACKENDS, Control, Options, solver_named
 

@@ -12,6 +12,7 @@ import pytest
 from draws import draws
 from program_text import written
 from small_routing import varied
+from truth.routing import RoutingTruth
 
 from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.routing.forms import three_index_pieces
@@ -21,7 +22,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import UnsupportedError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
 from waybound.solvers.backend import BACKENDS, Control, Options, solver_named
 
 CHORDS, TANGENTS = "three-index-chords", "three-index-tangents"

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import varied
+from truth.routing import routes
 
 from waybound.formulations.routing.overrun import joint_overrun, route_overrun
 from waybound.formulations.routing.problem import RoutingProblem
@@ -18,7 +19,6 @@ from waybound.heuristics.routing.margin_steps.certain import certain, split
 from waybound.instances.routing.features import RISKS
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import routes
 
 LINE = np.abs(np.subtract.outer(*[np.array([0.0, 4, -5, 6, -7])] * 2))
 

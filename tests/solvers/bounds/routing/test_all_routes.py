@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from programs import program
 from small_routing import small
+from truth.routing import best_values
 
 import waybound as wb
 from waybound.formulations.arrays.problem import ArrayProblem
@@ -16,7 +17,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.all_routes import all_routes_bound
 

@@ -11,12 +11,12 @@ import pytest
 from draws import draws
 from hypothesis import assume, given, settings
 from oracles import SQUARE_4, TW_4, optimum, routing, small_problems
+from truth.routing import routes
 
 from waybound.formulations.routing.objective import LongestRoute, Reward, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
 from waybound.instances.routing.instance import VehicleType
-from waybound.reports.benchmarks.exact_routing import routes
 from waybound.solvers.bounds.routing.arcs import Arcs, arc_costs, lacks_arc_costs, too_many_arcs
 
 

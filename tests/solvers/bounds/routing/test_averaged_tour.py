@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 from small_routing import plane
+from truth.routing import best_values
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.routing.objective import LongestRoute, Makespan, Objective
 from waybound.formulations.stop import Stop
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.averaged_tour import averaged_tour
 

@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from oracles import set_partitioning_bound, small_problems
 from patience import HANG
 from small_routing import plane, small
+from truth.routing import best_values, routes
 
 from waybound.formulations.certificate import certify, check_certificate, verified_bound
 from waybound.formulations.evidence import Evidence
@@ -24,7 +25,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.reports.benchmarks.exact_routing import best_values, routes
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing import column_generation
 from waybound.solvers.bounds.routing.column_generation import column_generation_bound

@@ -8,13 +8,13 @@ import pytest
 from city_corners import CITY, SHIPMENTS, STREETS
 from programs import program
 from small_routing import small
+from truth.routing import best_values
 
 import waybound as wb
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.customer_sets import customer_sets_bound
 

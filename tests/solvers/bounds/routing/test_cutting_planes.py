@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import plane, small, varied
+from truth.routing import best_values
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.routing.objective import Reward
@@ -14,7 +15,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import NEVER, Stop
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.cutting_planes import cutting_planes_bound
 

@@ -10,11 +10,11 @@ from draws import ALL, draws
 from hypothesis import given, settings
 from oracles import small_problems
 from small_routing import small
+from truth.routing import best_values
 
 from waybound.formulations.certificate import certify, check_certificate, verified_bound
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from patience import HANG
 from small_routing import small, varied
+from truth.routing import best_values
 
 from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.routing.objective import (
@@ -27,7 +28,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
 from waybound.solvers.engines.routing.bisection import Bisecting, Bisection
 

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from small_routing import small
+from truth.routing import best_values
 
 from waybound.formulations.routing.objective import Reward, TotalCost
 from waybound.formulations.routing.problem import RoutingProblem
@@ -13,7 +14,6 @@ from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import UsageError
 from waybound.instances.routing.instance import Group, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.engines.routing.ortools import STATUS_MAP, ORTools, _Search
 from waybound.solvers.engines.routing.ortools_model import short_ways

@@ -8,8 +8,8 @@ import pytest
 from draws import draws
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from local_oracles import FIGURE_33, ExactLocal, Robots, cycle, graph_of, optimum, random_graph, regular_tree, robots_of
 from sata_cases import CASES
+from truth.local_algorithm import FIGURE_33, ExactLocal, Robots, cycle, graph_of, optimum, random_graph, regular_tree, robots_of
 
 from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.instances.errors import UsageError

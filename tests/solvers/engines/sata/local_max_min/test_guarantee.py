@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from local_oracles import optimum, random_graph
+from truth.local_algorithm import optimum, random_graph
 
 from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.instances.sata.sensing_graph import SensingGraph

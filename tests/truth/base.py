@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import functools
+import math
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
+
+import numpy as np
 
 Values = tuple[Fraction, ...]
 
@@ -59,3 +63,22 @@ class Truth:
     def value(self, answer: Any) -> Values | None:
         """Exact value of an answer; None where it breaks a limit by more than doubles can."""
         raise NotImplementedError
+
+
+def scale_of(*arrays: Any) -> int:
+    """The least power of two of which all finite numbers, times it, are whole."""
+    flat = [float(v) for a in arrays for v in np.asarray(a, dtype=np.float64).ravel().tolist()]
+    return max((v.as_integer_ratio()[1] for v in flat if math.isfinite(v)), default=1)
+
+
+@functools.lru_cache(maxsize=4096)  # the same few limits are asked for on every route
+def whole(value: float, scale: int) -> int | None:
+    """As a whole number; None for infinity."""
+    return None if math.isinf(value) else int(Fraction(value) * scale)
+
+
+def ints(values: Any, scale: int) -> Any:
+    """As nested lists of whole numbers; None for infinity."""
+    if isinstance(values, np.ndarray):
+        values = values.tolist()
+    return [ints(v, scale) for v in values] if isinstance(values, list) else whole(values, scale)

@@ -7,7 +7,6 @@ come out a rounding above.
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
 from collections.abc import Iterator, Sequence
@@ -18,29 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.routing.problem import RoutingProblem
-from ...formulations.routing.routes import Route, Routes
-from ...instances.routing.instance import VehicleType
-from .exact_base import PARTS, Truth, Values
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Route, Routes
+from waybound.instances.routing.instance import VehicleType
 
-
-def scale_of(*arrays: Any) -> int:
-    """The least power of two of which all finite numbers, times it, are whole."""
-    flat = [float(v) for a in arrays for v in np.asarray(a, dtype=np.float64).ravel().tolist()]
-    return max((v.as_integer_ratio()[1] for v in flat if math.isfinite(v)), default=1)
-
-
-@functools.lru_cache(maxsize=4096)  # the same few limits are asked for on every route
-def whole(value: float, scale: int) -> int | None:
-    """As a whole number; None for infinity."""
-    return None if math.isinf(value) else int(Fraction(value) * scale)
-
-
-def ints(values: Any, scale: int) -> Any:
-    """As nested lists of whole numbers; None for infinity."""
-    if isinstance(values, np.ndarray):
-        values = values.tolist()
-    return [ints(v, scale) for v in values] if isinstance(values, list) else whole(values, scale)
+from .base import PARTS, Truth, Values, ints, scale_of
 
 
 def nearly(test: tuple[int, int | None, int]) -> bool:
