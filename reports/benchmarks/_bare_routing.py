@@ -1,4 +1,4 @@
-"""What the scripts that drive a bare routing library share: integers in, routes and CPU seconds out. No waybound in here.
+"""Integers in, routes and CPU seconds out, for the scripts that drive a bare routing library. No waybound in here.
 
 The arrays, by name: one entry a site of ``xy``, ``service``, ``ready``, ``due``, ``demand``, ``pickup``, ``prize`` and ``required``, square
 ones of ``distance`` and ``duration``, ``depots``; the two ends and the load of each pair, ``shipments`` and ``shipped``; for each kind of

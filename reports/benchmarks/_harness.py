@@ -1,4 +1,4 @@
-"""What the benchmarks share: options and exit codes, clocks, fresh processes, tables, and the folders of a checkout."""
+"""The harness of all benchmarks: options and exit codes, clocks, fresh processes, tables, and the folders of a checkout."""
 
 from __future__ import annotations
 
@@ -58,8 +58,8 @@ def command(run: Callable[..., bool | None]) -> Callable[..., int]:
                 words |= {"nargs": "*", "type": type(default[0]) if default else str}
             elif default is not None:
                 words["type"] = type(default)
-            for given in getattr(parameter.annotation, "__metadata__", ()):
-                words |= given.words
+            for details in getattr(parameter.annotation, "__metadata__", ()):
+                words |= details.words
             parser.add_argument(f"--{key.replace('_', '-')}", **words)
         chosen = vars(parser.parse_args(arguments))
         if chosen.get("folder", "") is None:
@@ -109,5 +109,5 @@ def markdown_row(cells: Sequence[object]) -> str:
 
 
 def met(good: bool) -> str:
-    """How a target is told."""
+    """The word for a target that is reached or missed."""
     return "met" if good else "MISSED"

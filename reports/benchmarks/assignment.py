@@ -83,8 +83,8 @@ def compare(label: str, costs: Any, peers: dict[str, Callable[[Any], float]], re
     others: list[Any] = [solution.objective, solution.bound, bound, *optima.values()]
     good = judged.feasible and solution.bound_kind == "verified" and all(same(value, other, judged.size) for other in others)
     medians = {name: statistics.median(spent) for name, spent in seconds.items()}
-    told = "   ".join(f"{name} {spent:7.3f}" for name, spent in medians.items())
-    print(f"{label:28s} {told}   check {checked:6.3f}   {value:.9g} {'proved' if good else f'NOT PROVED: {others}'}", flush=True)
+    figures = "   ".join(f"{name} {spent:7.3f}" for name, spent in medians.items())
+    print(f"{label:28s} {figures}   check {checked:6.3f}   {value:.9g} {'proved' if good else f'NOT PROVED: {others}'}", flush=True)
     return good
 
 

@@ -1,4 +1,4 @@
-"""How much of the optimum greedy is proved to reach: promised, certified for free, and certified with one linear program.
+"""The share of the optimum that greedy is proved to reach: promised, certified for free, and certified with one linear program.
 
 Weighted coverage, random, under a cardinality limit and under a partition matroid with one element a group. "Marginal gains" is the bound
 that comes with every answer (``solve(..., bound_time=0)``); "linear program" is what ``bound_time`` finds beside it. Both are derived again

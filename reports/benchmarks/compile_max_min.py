@@ -41,12 +41,12 @@ def generate(actions: int, seed: int) -> SensingGraph:
 
 
 def with_waybound(graph: SensingGraph) -> Any:
-    """From the graph to a HiGHS model ready to start."""
+    """Compile the graph to a HiGHS model ready to start."""
     return BottleneckSATA(graph, fractional=True).compile().to_highs(names=False)
 
 
 def lists_for_pulp(graph: SensingGraph) -> dict[str, Any]:
-    """What a modeller would hold in lists before the first variable is made."""
+    """The lists that a modeller would hold before the first variable is made."""
     starts, actions = graph.by_robot
     seen = graph.by_target
     return {

@@ -49,7 +49,7 @@ def generate(customers: int, vehicles: int, windows: str, seed: int) -> RoutingP
 
 
 def with_waybound(problem: RoutingProblem) -> Any:
-    """From the problem to a HiGHS model ready to start."""
+    """Compile the problem to a HiGHS model ready to start."""
     return problem.compile("three-index").to_highs(names=False)
 
 
@@ -71,7 +71,7 @@ def with_bare_highs(program: Program) -> tuple[Any, float]:
 
 
 def lists_for_pulp(problem: RoutingProblem) -> dict[str, Any]:
-    """What a modeller would hold in lists before the first variable is made: arcs with the idle one, windows, big-M."""
+    """The lists that a modeller would hold before the first variable is made: arcs with the idle one, windows, big-M."""
     prep = prepare(problem)
     clock, idle = prep.time, (0, prep.end)
     find = ArcIndex(prep).find

@@ -50,13 +50,13 @@ WORK = {"pyvrp": 100, "ortools": 30}
 """Iterations of engines."""
 
 WHOLE = 5
-"""Of so many problems one goes all the way through ``solve``, with its solvers and forms in turn."""
+"""One in so many problems goes all the way through ``solve``, with its solvers and forms in turn."""
 
 ENGINE_TIME = 4.0
 """Seconds for an engine, should its iterations take longer."""
 
 OURS = ("bounds", "solve")
-"""What is looked at beside solvers: evidence for bounds, and all of ``solve`` with one solver."""
+"""Names of what is examined beside solvers: evidence for bounds, and all of ``solve`` with one solver."""
 
 BOUND_TIME = 0.25
 """Seconds to look for evidence."""
@@ -69,7 +69,7 @@ EXACT, FREE = (AGREES, DIFFERS, UNFINISHED, REFUSED), (OPTIMUM, WORSE, NOTHING, 
 
 @dataclass
 class Record:
-    """What came of one problem: ``outcomes`` are solver, form (or none), verdict and seconds; ``faults`` what is false, in words."""
+    """The results on one problem: ``outcomes`` are solver, form (or none), verdict and seconds; ``faults`` what is false, in words."""
 
     number: int
     name: str
@@ -95,11 +95,11 @@ class _Examined:
             self.record.faults.append(f"{who} {form}: {fault}".replace(" : ", ": "))
 
     def equal(self, values: Sequence[float]) -> bool:
-        """Whether these are the values of the optimum, all levels."""
-        found = [b for b in (self.truth.best, self.truth.lenient) if b is not None]
+        """Compare with the values of the optimum, all levels."""
+        optima = [b for b in (self.truth.best, self.truth.lenient) if b is not None]
         sizes = [float(self.truth.size) if self.truth.mixed else 0.0, *[0.0] * (len(values) - 1)]
         return any(
-            all(abs(v - float(t)) <= AGREE * max(abs(float(t)), s) for v, t, s in zip(values, best, sizes, strict=True)) for best in found
+            all(abs(v - float(t)) <= AGREE * max(abs(float(t)), s) for v, t, s in zip(values, best, sizes, strict=True)) for best in optima
         )
 
     def beats(self, values: Sequence[float]) -> bool:
@@ -110,7 +110,7 @@ class _Examined:
         return [s * v for s, v in zip(signs, values, strict=True)] < [s * v for s, v in zip(signs, best, strict=True)]
 
     def judged(self, answer: Any, evaluation: Evaluation) -> str:
-        """What is false about the judge's word on an answer."""
+        """The fault in the judge's word on an answer; empty where there is none."""
         exact = self.truth.value(answer)
         if evaluation.feasible != (exact is not None):
             return f"the judge and enumeration differ on {answer}"
@@ -121,18 +121,18 @@ class _Examined:
         return "" if evaluation.feasible else f"refused by the judge: {evaluation.violations[0].message}"
 
     def certified(self, certificate: Certificate, evaluation: Evaluation | None) -> str:
-        """What is false about a certificate, read back as from a file."""
+        """The fault in a certificate, read back as from a file; empty where there is none."""
         try:
-            made = check_certificate(self.problem, json.loads(json.dumps(certificate.to_json(with_evidence=True))), evaluation)
+            checked = check_certificate(self.problem, json.loads(json.dumps(certificate.to_json(with_evidence=True))), evaluation)
         except CheckFailedError as error:
             return f"its certificate does not hold: {error}"
-        best, bound = self.truth.lenient, made.bound
-        if made.infeasible and best is not None:
-            return f"there is no answer, says {made.bound_source}"
+        best, bound = self.truth.lenient, checked.bound
+        if checked.infeasible and best is not None:
+            return f"there is no answer, says {checked.bound_source}"
         if bound is None or best is None:
             return ""
         over = bound - float(best[0]) if self.problem.sense == "min" else float(best[0]) - bound
-        return f"false bound {bound!r} by {made.bound_source}" if over > EQUAL * max(abs(float(best[0])), float(self.truth.size)) else ""
+        return f"false bound {bound!r} by {checked.bound_source}" if over > EQUAL * max(abs(float(best[0])), float(self.truth.size)) else ""
 
     # -- methods -----------------------------------------------------------------------------------------------------
 
@@ -148,32 +148,32 @@ class _Examined:
         fault = "; ".join(([fault] if fault else []) + unable)
         self.note("bounds", "", FALSE if fault else AGREES, began, fault)
 
-    def exact(self, solver: str, made: Compiled) -> None:
+    def exact(self, solver: str, model: Compiled) -> None:
         """A program as its solver is given it, and what it answers before anybody else has a word."""
         began, backend = time.perf_counter(), solver_named(solver)
         assert isinstance(backend, ProgramBackend)
         try:
-            result = backend.run(made.program, Options(time_limit=TIME_LIMIT), Control())
+            result = backend.run(model.program, Options(time_limit=TIME_LIMIT), Control())
         except UnsupportedError:
-            self.note(solver, made.form, REFUSED, began)
+            self.note(solver, model.form, REFUSED, began)
             return
         except Exception as error:
-            self.note(solver, made.form, DIFFERS, began, f"{type(error).__name__}: {error}")
+            self.note(solver, model.form, DIFFERS, began, f"{type(error).__name__}: {error}")
             return
         values: tuple[float, ...] = ()
         fault = ""
         if result.answer is not None:
-            answer = made.decode(result.answer)
+            answer = model.decode(result.answer)
             evaluation = self.problem.evaluate(answer)
             values, fault = evaluation.values, self.judged(answer, evaluation)
         same = {"optimal": bool(values) and self.equal(values), "infeasible": self.record.optimum is None}.get(result.status)
         if same is None and not fault:
-            self.note(solver, made.form, UNFINISHED, began)
+            self.note(solver, model.form, UNFINISHED, began)
         elif fault or not same:
             said = f"{result.status} {list(values)}, enumeration says {self.record.optimum}"
-            self.note(solver, made.form, DIFFERS, began, fault or said)
+            self.note(solver, model.form, DIFFERS, began, fault or said)
         else:
-            self.note(solver, made.form, AGREES, began)
+            self.note(solver, model.form, AGREES, began)
 
     def whole(self, solver: str, form: str) -> None:
         """All of ``solve``: the answer, what is claimed of it, and its certificate."""
@@ -263,42 +263,42 @@ def records(
     known = {}
     if file is not None and file.exists():
         lines = file.read_text(encoding="utf-8").splitlines()
-        known = {record.number: record for record in (Record(**json.loads(line)) for line in lines)}
+        known = {one.number: one for one in (Record(**json.loads(line)) for line in lines)}
     for number in numbers:
-        made = known.get(number)
-        if made is None:
-            made = examined(number, draw(seed, number))
+        record = known.get(number)
+        if record is None:
+            record = examined(number, draw(seed, number))
             if file is not None:
                 with file.open("a", encoding="utf-8") as out:
-                    out.write(json.dumps(asdict(made)) + "\n")
-        yield made
+                    out.write(json.dumps(asdict(record)) + "\n")
+        yield record
 
 
-def tables(found: Sequence[Record]) -> list[str]:
+def tables(listed: Sequence[Record]) -> list[str]:
     """Lines of Markdown: features, exact solvers through each form, engines and heuristics."""
-    none = sum(r.optimum is None for r in found)
-    sizes = [r.customers for r in found]
-    lines = [f"{len(found)} problems of {min(sizes)} to {max(sizes)} customers, {none} without an answer", ""]
-    counts = Counter(name for r in found for name in r.features)
+    none = sum(r.optimum is None for r in listed)
+    sizes = [r.customers for r in listed]
+    lines = [f"{len(listed)} problems of {min(sizes)} to {max(sizes)} customers, {none} without an answer", ""]
+    counts = Counter(name for r in listed for name in r.features)
     lines += [*markdown(("feature", "problems"), sorted(counts.items(), key=lambda item: (item[1], item[0]))), ""]
     by: dict[tuple[str, str], list[tuple[str, float]]] = defaultdict(list)
-    for record in found:
+    for record in listed:
         for who, form, verdict, seconds in record.outcomes:
             by[who, form].append((verdict, seconds))
 
     def rows(verdicts: Sequence[str], formed: bool) -> list[list[object]]:
-        made = []
+        cells: list[list[object]] = []
         for (who, form), outcomes in sorted(by.items()):
             if bool(form) == formed and who not in OURS:
-                told = Counter(verdict for verdict, _ in outcomes)
+                counted = Counter(verdict for verdict, _ in outcomes)
                 spent = f"{sum(seconds for _, seconds in outcomes):.0f}"
-                made.append([who, *([form] if form else []), len(outcomes), *(told[v] for v in verdicts), spent])
-        return made
+                cells.append([who, *([form] if form else []), len(outcomes), *(counted[v] for v in verdicts), spent])
+        return cells
 
     lines += [*markdown(("solver", "form", "problems", *EXACT, "seconds"), rows(EXACT, True)), ""]
     lines += [*markdown(("engine or heuristic", "problems", *FREE, "seconds"), rows(FREE, False)), ""]
-    through = sum(any(form and verdict == AGREES for _, form, verdict, _ in r.outcomes) for r in found)
-    wrong = sum(bool(r.faults) for r in found)
+    through = sum(any(form and verdict == AGREES for _, form, verdict, _ in r.outcomes) for r in listed)
+    wrong = sum(bool(r.faults) for r in listed)
     return [*lines, f"{through} problems on which an exact solver agrees, {wrong} on which anything said was false"]
 
 
@@ -310,13 +310,13 @@ def main(
     risky: Annotated[bool, Option(help="with uncertain durations, and risks")] = False,
     out: Annotated[Path | None, Option(type=Path, help="a file of JSON lines, for runs in parts")] = None,
 ) -> bool:
-    found = []
+    listed = []
     for record in records(seed, range(first, first + instances), out, at_risk if risky else drawn):
-        found.append(record)
+        listed.append(record)
         for fault in record.faults:
             print(f"{record.number} {record.name}: {fault}", file=sys.stderr, flush=True)
-    print("\n".join(tables(found)))
-    return not any(record.faults for record in found)
+    print("\n".join(tables(listed)))
+    return not any(record.faults for record in listed)
 
 
 if __name__ == "__main__":

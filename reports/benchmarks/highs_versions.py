@@ -1,4 +1,4 @@
-"""How often versions of HiGHS are wrong about small routing programs, by themselves: the bare library with its own options.
+"""False words of versions of HiGHS about small routing programs, by themselves: the bare library with its own options.
 
 Each version is installed by pip into a folder that is deleted afterwards; the installed one is left alone. Programs and optima are the
 battery's, of the kind ``time-windows``.
@@ -55,14 +55,14 @@ def said(folder: Path, programs: Path, options: dict[str, Any]) -> tuple[str, li
     """The version that is in ``folder``, and its word on each program."""
     words = [sys.executable, str(Path(__file__).with_name("_bare_highs.py")), str(folder), str(programs), json.dumps(options)]
     version, *lines = subprocess.run(words, capture_output=True, text=True, check=True).stdout.splitlines()
-    told = (line.split("\t") for line in lines if "\t" in line)
-    return version, [(status, float(value)) for status, value in told]
+    verdicts = (line.split("\t") for line in lines if "\t" in line)
+    return version, [(status, float(value)) for status, value in verdicts]
 
 
-def wrong(true: Sequence[Truth], told: Sequence[tuple[str, float]]) -> tuple[int, int]:
+def wrong(true: Sequence[Truth], verdicts: Sequence[tuple[str, float]]) -> tuple[int, int]:
     """False infeasibilities and wrong optima."""
     empty = optima = 0
-    for truth, (status, value) in zip(true, told, strict=True):
+    for truth, (status, value) in zip(true, verdicts, strict=True):
         if status == "Infeasible":
             empty += truth.value is not None
         elif status == "Optimal":
@@ -95,7 +95,7 @@ def main(
                 print(f"| {version} | {fault} |")
                 continue
             words = {form: said(folder, file, options) for form, file in files.items()}
-            counts = [f" {a} / {b} |" for a, b in (wrong(true[form], told) for form, (_, told) in words.items())]
+            counts = [f" {a} / {b} |" for a, b in (wrong(true[form], verdicts) for form, (_, verdicts) in words.items())]
             print(f"| {next(iter(words.values()))[0]} |" + "".join(counts), flush=True)
 
 

@@ -35,9 +35,9 @@ LARGEST_ADVISED = 30_000
 
 
 def instance(kind: str, robots: int) -> SensingGraph:
-    made = generate(f"sensing-{kind}", seed=robots, robots=robots)
-    assert isinstance(made, SensingGraph)
-    return made
+    graph = generate(f"sensing-{kind}", seed=robots, robots=robots)
+    assert isinstance(graph, SensingGraph)
+    return graph
 
 
 def local_seconds(graph: SensingGraph, h: int, repeats: int) -> tuple[float, float]:

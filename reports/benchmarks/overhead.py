@@ -96,7 +96,7 @@ routes = [list(r.visits) for r in solution.answer]
 
 
 BISECTED = frozenset({"this objective by itself, and takes it by bisection over limits of routes"})
-"""What the bare library does not solve in one run has no bare run to be compared with."""
+"""An objective that the bare library does not solve in one run has no bare run to be compared with."""
 
 
 def integers(problem: RoutingProblem, engine: str = "pyvrp") -> dict[str, Any]:
@@ -138,7 +138,7 @@ def integers(problem: RoutingProblem, engine: str = "pyvrp") -> dict[str, Any]:
 
 
 def bare(problem: RoutingProblem, engine: str, work: int) -> dict[str, Any]:
-    """What the bare library makes of a problem: routes and CPU seconds."""
+    """Routes and CPU seconds of the bare library on a problem."""
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder) / "data.npz"
         np.savez(data, **integers(problem, engine))

@@ -1,4 +1,4 @@
-"""What is proved, and how fast: the battery's programs, winner takes all, covers, and Solomon's files cut to 25 customers.
+"""Proofs, and how fast they are found: the battery's programs, winner takes all, covers, and Solomon's files cut to 25 customers.
 
 Exits with 1 if anything that is verified of the battery is not true.
 """
@@ -53,16 +53,16 @@ def sensing(seed: int, **settings: object) -> SensingGraph:
 def proof(problem: Problem, value: float | None, seconds: float) -> tuple[float | None, float, Evidence | None]:
     """The best verified bound found in ``seconds``, the time that it took, and its evidence; the bound is None where there is none."""
     began = time.perf_counter()
-    found = find_bounds(problem, seconds, target=value)
+    evidence = find_bounds(problem, seconds, target=value)
     took = time.perf_counter() - began
     sign = 1.0 if problem.sense == "min" else -1.0
-    bounds = [(sign * verified_bound(problem, e), k) for k, e in enumerate(found)]
+    bounds = [(sign * verified_bound(problem, e), k) for k, e in enumerate(evidence)]
     best = max(bounds, default=(-math.inf, -1))
-    return (None, took, None) if best[0] == -math.inf else (sign * best[0], took, found[best[1]])
+    return (None, took, None) if best[0] == -math.inf else (sign * best[0], took, evidence[best[1]])
 
 
 def verified_of_battery(count: int, seconds: float, seed: int) -> int:
-    """What is verified of the battery's programs, whose optima are known; how many verdicts are false."""
+    """Count the verified verdicts on the battery's programs, whose optima are known; returns how many are false."""
     counts, unverified, spent = Counter[tuple[str, str, str]](), list[str](), list[tuple[float, float, int]]()
     for case in cases(Draw(count, seed)):
         model = case.problem.compile(case.form)
@@ -92,16 +92,16 @@ VERIFIED, FALSE, OPEN = "verified", "FALSE", "not verified"
 STATUSES = ("optimal", "infeasible", "unbounded")
 
 
-def _verdict(found: Solution, truth: Truth) -> str:
-    """Whether what is shown as verified is all that is true."""
-    c, e = found.certificate, found.evaluation
+def _verdict(solution: Solution, truth: Truth) -> str:
+    """Compare what is shown as verified with the truth."""
+    c, e = solution.certificate, solution.evaluation
     if truth.value is None:
         verified = c.infeasible if truth.status == "infeasible" else c.unbounded
         return VERIFIED if verified else FALSE if c.infeasible or c.unbounded or c.bound is not None else OPEN
     best, size = float(truth.value), 0.0 if e is None else e.size
-    if c.infeasible or c.unbounded or (c.bound is not None and beats_bound(found.problem.sense, best, c.bound, size)):
+    if c.infeasible or c.unbounded or (c.bound is not None and beats_bound(solution.problem.sense, best, c.bound, size)):
         return FALSE
-    closed = found.status == "optimal" and found.bound_kind == "verified" and e is not None
+    closed = solution.status == "optimal" and solution.bound_kind == "verified" and e is not None
     return VERIFIED if closed and same(e.values[0], best, size, e.precision) else OPEN  # type: ignore[union-attr]
 
 
@@ -161,11 +161,11 @@ def checking(leaves: int, rows: int = 100, columns: int = 150) -> None:
     row = Rows("row", indptr=starts, indices=indices, data=matrix.ravel(), lower=np.full(rows, -np.inf), upper=matrix.sum(axis=1) / 2.0)
     x = Variables("x", lower=np.zeros(columns), upper=np.ones(columns), cost=matrix.sum(axis=0) / rows, integer=True)
     problem = ArrayProblem(Program("tree", "max", (x,), (row,)))
-    nodes, waiting, left = list[object](), [0], leaves - 1
+    nodes, waiting, unmade = list[object](), [0], leaves - 1
     while waiting:
         depth = waiting.pop()
-        if left and depth < math.ceil(math.log2(leaves)):
-            left -= 1
+        if unmade and depth < math.ceil(math.log2(leaves)):
+            unmade -= 1
             nodes.append({"branch": {"variable": depth, "most": 0}})
             waiting += [depth + 1, depth + 1]
         else:

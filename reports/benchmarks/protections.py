@@ -1,4 +1,4 @@
-"""What it costs that waybound switches off parts of solvers that the battery found wrong.
+"""The cost of switching off parts of solvers that the battery found wrong.
 
 Mixed-integer programs of all families, each with waybound's options, with the library's own, and for HiGHS without any presolve. Seconds
 are CPU time of reductions and search, children included, one thread; all proven optima must be equal.
@@ -49,7 +49,7 @@ GROUPS: dict[str, tuple[str, Callable[[int], Problem]]] = {
     "coverage": ("facility-location", lambda k: problem_from_instance(generate("coverage", k, **COVERAGE))),
     "bottleneck": ("max-min", lambda k: problem_from_instance(generate("sata", k, robots=12, actions=3, targets=25, phi=15), "bottleneck")),
 }
-"""By name, a form and a problem from a number."""
+"""A form, and a problem by number, for each group."""
 
 
 def cpu() -> float:

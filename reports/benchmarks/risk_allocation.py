@@ -40,25 +40,25 @@ from ._harness import best_of, command, met, timed
 Floats = NDArray[np.float64]
 
 GAP = 1e-5
-"""To which the default closes its interval on the two problems."""
+"""Relative gap to which the default closes its interval on the two problems."""
 
 LARGE_GAP, LARGE_SECONDS = 1e-4, 5.0
-"""Of the hundred steps."""
+"""Gap and seconds for the hundred steps."""
 
 FASTER = 10.0
-"""Than the loop that writes its model anew."""
+"""Times as fast as the loop that writes its model anew."""
 
 NO_WORSE = 1e-9
 
 UNEQUAL = 1e-3
-"""By which part weights of a cost differ at most where plans shall be unique."""
+"""Largest share by which weights of a cost differ where plans shall be unique."""
 
 
 def reference(family: str, **settings: Any) -> RiskAllocation:
     """A generated problem, seed 1."""
-    made = generate("risk-allocation", 1, family=family, **settings)
-    assert isinstance(made, RiskAllocationInstance)
-    return RiskAllocation(made)
+    instance = generate("risk-allocation", 1, family=family, **settings)
+    assert isinstance(instance, RiskAllocationInstance)
+    return RiskAllocation(instance)
 
 
 def stalling(most: float = 7.0) -> RiskAllocation:
@@ -102,10 +102,10 @@ def random_problem(rng: np.random.Generator) -> RiskAllocation:
 
 def of_unique_plans(problem: RiskAllocation) -> RiskAllocation:
     """The same with weights of the rows of its cost that differ by up to ``UNEQUAL``."""
-    rng, made = np.random.default_rng(1), copy.copy(problem)
+    rng, changed = np.random.default_rng(1), copy.copy(problem)
     weights = [1.0 + UNEQUAL * rng.uniform(-1.0, 1.0, len(constant)) for _, _, _, constant in problem.terms]
-    made.terms = tuple((kind, w, f * v[:, None], c * v) for (kind, w, f, c), v in zip(problem.terms, weights, strict=True))
-    return made
+    changed.terms = tuple((kind, w, f * v[:, None], c * v) for (kind, w, f, c), v in zip(problem.terms, weights, strict=True))
+    return changed
 
 
 # -- methods -----------------------------------------------------------------------------------------------------------
@@ -115,17 +115,17 @@ def by_program(problem: RiskAllocation, form: str) -> Allocation | None:
     """The answer of a form's program; None where it has none."""
     if form not in problem.forms():
         return None
-    made = problem.compile(form)
-    found = open_session(made.program).solve(Stop())
-    answer = made.decode(found.x) if found.status == "optimal" else None
+    model = problem.compile(form)
+    result = open_session(model.program).solve(Stop())
+    answer = model.decode(result.x) if result.status == "optimal" else None
     assert answer is None or isinstance(answer, Allocation)
     return answer
 
 
 def by_iterative(problem: RiskAllocation) -> tuple[Allocation | None, int]:
     """The heuristic's answer, and its rounds."""
-    found = HeuristicWork("iterative", problem, Options())(Control())
-    return found.answer, found.statistics["rounds"]
+    outcome = HeuristicWork("iterative", problem, Options())(Control())
+    return outcome.answer, outcome.statistics["rounds"]
 
 
 def convex(problem: RiskAllocation, gap: float) -> Interval:
@@ -134,7 +134,7 @@ def convex(problem: RiskAllocation, gap: float) -> Interval:
 
 
 def by_default(problem: RiskAllocation, gap: float) -> RawResult:
-    """What ``solve`` has the default do."""
+    """The run of the default as ``solve`` has it."""
     return ConvexAllocation().run(problem, Options(gap=gap), Control())
 
 
@@ -227,8 +227,8 @@ def report(count: int, repeat: int, steps: int = 100) -> str:
     """All of it, as text."""
     lines, targets = list[str](), list[tuple[str, bool, str]]()
     for problem in (stalling(), reference("auv"), reference("corridor")):
-        told, slow, quick = side_by_side(problem, repeat)
-        lines += told
+        table, slow, quick = side_by_side(problem, repeat)
+        lines += table
         if problem.name == "stalling":
             continue
         value, rounds = rebuilt(problem)

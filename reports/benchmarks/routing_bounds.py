@@ -1,4 +1,4 @@
-"""How far verified bounds stay from the best answers known, on the benchmark files of the literature.
+"""Gaps between verified bounds and the best answers known, on the benchmark files of the literature.
 
 The folder of benchmark files holds ``bks.csv``, with the columns ``family, instance, convention, objective, vehicles, value``, and the
 files of each family. Every bound is what its checker derives. The budget is one for all methods together, in seconds of the processor, so
@@ -146,7 +146,7 @@ def report(listed: Iterator[Row], seconds: float) -> tuple[str, bool]:
         if len(members) > 1:
             named.append((f"{group}, all", [member for member in members if " " not in member]))
         for name, families in named:
-            every = [found for family in families for found in proved[family]]
+            every = [proof for family in families for proof in proved[family]]
             if every:
                 gaps, spent, kinds = zip(*every, strict=True)
                 by = ", ".join(f"{kind} {count}" for kind, count in Counter(kinds).most_common())

@@ -78,7 +78,7 @@ class Known:
 
 
 def best_known(folder: Path, sample: Sample) -> Known | None:
-    """What ``bks.csv`` says of a sample; None where it says nothing."""
+    """The best known values of a sample in ``bks.csv``; None where it has none."""
     place = Path(sample.path)
     wanted = {"family": str(place.parent), "instance": place.stem, **sample.row}
     for line in known_values(folder, [wanted["family"]]):
@@ -104,7 +104,7 @@ def distance(values: Sequence[float], other: Sequence[float]) -> float:
 
 @dataclass(frozen=True)
 class Ran:
-    """What came of one run: exit code, the command's JSON, its complaint, and wall seconds."""
+    """The result of one run: exit code, the command's JSON, its complaint, and wall seconds."""
 
     code: int
     said: dict[str, Any]
@@ -116,10 +116,10 @@ class Ran:
         return self.code == 2 and REFUSED in self.complaint
 
 
-def solve(path: Path, method: str, seconds: float, given: Sequence[str]) -> Ran:
+def solve(path: Path, method: str, seconds: float, settings: Sequence[str]) -> Ran:
     """One ``waybound solve``."""
     kind = "--solver" if method in SOLVERS else "--heuristic"
-    words = ["-m", "waybound", "solve", str(path), kind, method, "--time-limit", str(seconds), "--json", "--quiet", *given]
+    words = ["-m", "waybound", "solve", str(path), kind, method, "--time-limit", str(seconds), "--json", "--quiet", *settings]
     began = time.perf_counter()
     done = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False)
     complaint = next((line for line in done.stderr.splitlines() if line.startswith("error: ")), done.stderr.strip()[-300:])

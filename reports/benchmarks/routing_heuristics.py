@@ -1,4 +1,4 @@
-"""How far routing heuristics stay from the best answers known, on the benchmark files of the literature.
+"""Gaps between routing heuristics and the best answers known, on the benchmark files of the literature.
 
 The folder of benchmark files holds ``bks.csv``, with the columns ``family, instance, convention, objective, vehicles, value``, and the
 files of each family. Files with loads and windows are run with as many vehicles as are wanted, as their best distances are; min-max files

@@ -46,7 +46,7 @@ def case(name: str) -> RoutingProblem:
 
 
 def optimum(problem: RoutingProblem, form: str, *, relax: bool = False) -> float:
-    """What HiGHS proves of one form."""
+    """The optimum that HiGHS proves for one form."""
     model: Any = problem.compile(form, relax=relax).program.to_highs()
     # HiGHS 1.12 to 1.15 cut optima of tiny routing programs off with this rule (HiGHS#3090).
     for option, value in (("mip_rel_gap", 0.0), ("threads", 1), ("presolve_rule_off", 4096), ("output_flag", False)):

@@ -40,9 +40,9 @@ LARGEST_FOR_HIGHS, LARGEST_FOR_HIGHS_FULL = 10_000, 100_000
 
 
 def generated(kind: str, robots: int) -> SensingGraph:
-    made = generate(kind, seed=robots, robots=robots)
-    assert isinstance(made, SensingGraph)
-    return made
+    graph = generate(kind, seed=robots, robots=robots)
+    assert isinstance(graph, SensingGraph)
+    return graph
 
 
 def expander(robots: int) -> SensingGraph:

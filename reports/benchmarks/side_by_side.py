@@ -1,4 +1,4 @@
-"""What the compile benchmarks share: fresh processes, clocks, and the check that two models are the same."""
+"""Medians of clocks in fresh processes, and the check that two models are the same, for the compile benchmarks."""
 
 from __future__ import annotations
 

@@ -158,7 +158,7 @@ def report(comparisons: int, samples: int, graphs: int, walked: int, draws: int,
     """Measure, and say what came out and whether the targets are met."""
     parts = [compare(comparisons, samples, seed), share(samples, min(graphs, 10), seed), sets(graphs), (policies(walked, draws), True)]
     verdicts = [good for _, good in parts]
-    lines = [line for told, _ in parts for line in told]
+    lines = [line for part, _ in parts for line in part]
     targets = (
         f"{RATE:,.0f} comparisons a second, within {ERRORS:g} standard errors",
         "the same where edges are shared",

@@ -34,11 +34,11 @@ class TaskTruth(Truth):
 
     def lengthen(self, paths: tuple[tuple[int, ...], ...], robot: int) -> None:
         """Robots before ``robot`` have their whole paths."""
-        left = [task for task in range(self.tasks) if not any(task in path for path in paths)]
-        if not left:
+        undone = [task for task in range(self.tasks) if not any(task in path for path in paths)]
+        if not undone:
             self.meet(self.worth(paths), True, paths)
             return
-        for task in left:
+        for task in undone:
             self.lengthen((*paths[:robot], (*paths[robot], task), *paths[robot + 1 :]), robot)
         if robot + 1 < self.robots:
             self.lengthen(paths, robot + 1)
@@ -122,15 +122,15 @@ class PairTruth(Truth):
 
 
 def _prices(problem: BinAssignment) -> dict[tuple[int, int], Fraction]:
-    """Of every pair that is allowed: travel, and waiting for a bin that is not full."""
-    data, found = problem.instance, {}
+    """The cost of every pair that is allowed: travel, and waiting for a bin that is not full."""
+    data, prices = problem.instance, {}
     robots = np.repeat(np.arange(data.num_robots), np.diff(data.indptr))
     for robot, at, cost in zip(robots.tolist(), data.bins.tolist(), data.cost.tolist(), strict=True):
         until = None if data.filled is None else float(data.filled[at])
         if until is None or until < math.inf:
             both = [Fraction(cost), *([] if until is None else [Fraction(until)])]
-            found[robot, at] = max(both) if problem.waiting == "max" else sum(both, Fraction(0))
-    return found
+            prices[robot, at] = max(both) if problem.waiting == "max" else sum(both, Fraction(0))
+    return prices
 
 
 class CapacityTruth(Truth):
@@ -148,18 +148,18 @@ class CapacityTruth(Truth):
         self.jobs, self.all_done = problem.num_jobs, problem.objective == "cost"
         self.give((), [*self.rooms], ZERO)
 
-    def give(self, agents: tuple[int, ...], left: list[Fraction], total: Fraction) -> None:
+    def give(self, agents: tuple[int, ...], rooms: list[Fraction], total: Fraction) -> None:
         """Jobs before this one have their agents, which have ``left`` left."""
         job = len(agents)
         if job == self.jobs:
-            self.meet((total,), min(left) >= 0, agents)
+            self.meet((total,), min(rooms) >= 0, agents)
             return
         if not self.all_done:
-            self.give((*agents, -1), left, total)
+            self.give((*agents, -1), rooms, total)
         for agent, room in enumerate(self.rooms):
-            rest = left[agent] - self.used[agent][job]
+            rest = rooms[agent] - self.used[agent][job]
             if (job, agent) in self.worth and rest >= -room / PARTS:
-                self.give((*agents, agent), [*left[:agent], rest, *left[agent + 1 :]], total + self.worth[job, agent])
+                self.give((*agents, agent), [*rooms[:agent], rest, *rooms[agent + 1 :]], total + self.worth[job, agent])
 
     def value(self, answer: Any) -> Values | None:
         pairs = [(job, agent) for job, agent in enumerate(answer) if agent >= 0]
@@ -189,14 +189,14 @@ class ErrandTruth(Truth):
         """Every way to line up the most columns behind robots."""
         columns = range(len(allowed[0]))
         for size in range(min(len(allowed), len(columns)), 0, -1):
-            found = [
+            ways = [
                 dict(zip(used, line, strict=True))
                 for used in itertools.combinations(self.robots, size)
                 for line in itertools.permutations(columns, size)
                 if all(allowed[robot][at] for robot, at in zip(used, line, strict=True))
             ]
-            if found:
-                return found
+            if ways:
+                return ways
         return [{}]
 
     def worth(self, answer: Any) -> Values:
@@ -233,11 +233,11 @@ class DayTruth(Truth):
 
     def fetch(self, lists: tuple[tuple[int, ...], ...], robot: int) -> None:
         """Robots before ``robot`` have their whole lists."""
-        left = [k for k in range(self.jobs.num_bins) if not any(k in own for own in lists)]
-        if not left:
+        undone = [k for k in range(self.jobs.num_bins) if not any(k in own for own in lists)]
+        if not undone:
             self.meet(self.worth(lists), True, tuple(tuple((-1, k) for k in own) for own in lists))
             return
-        for k in left:
+        for k in undone:
             self.fetch((*lists[:robot], (*lists[robot], k), *lists[robot + 1 :]), robot)
         if robot + 1 < len(lists):
             self.fetch(lists, robot + 1)
@@ -283,11 +283,11 @@ class RoomTruth(Truth):
             if value is not None:
                 self.meet(value, True, team)
 
-    def plans(self, at: int, left: int) -> list[Any]:
-        if not left:
+    def plans(self, at: int, steps: int) -> list[Any]:
+        if not steps:
             return [()]
         deeds = [(at, 0), (at, 1), (at, 2), *((to, 0) for to in range(self.data.num_rooms) if {at, to} in self.doors)]
-        return [(deed, *rest) for deed in deeds for rest in self.plans(deed[0], left - 1)]
+        return [(deed, *rest) for deed in deeds for rest in self.plans(deed[0], steps - 1)]
 
     def value(self, answer: Any) -> Values | None:
         done: dict[tuple[int, int], int] = {}

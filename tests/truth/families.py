@@ -68,7 +68,7 @@ def every_set(problem: SubmodularSelection) -> Iterator[tuple[int, ...]]:
 
 
 def excess_of(problem: SubmodularSelection, chosen: tuple[int, ...]) -> Fraction | None:
-    """By how much a set exceeds the constraint, as a share; None where that is more than doubles can."""
+    """The excess of a set over the constraint, as a share; None where that is more than doubles can."""
     c = problem.constraint
     if isinstance(c, Knapsack):
         over = sum((Fraction(float(c.costs[e])) for e in chosen), Fraction(0)) - Fraction(c.budget)
@@ -84,10 +84,10 @@ def excess_of(problem: SubmodularSelection, chosen: tuple[int, ...]) -> Fraction
 def _dense(function: Any) -> Any:
     if isinstance(function, DenseFacilityLocation):
         return function.matrix
-    made = np.zeros((function.num_elements, function.num_items))
+    dense = np.zeros((function.num_elements, function.num_items))
     element = np.repeat(np.arange(function.num_elements), np.diff(function.indptr))
-    made[element, function.indices] = function.item_weights[function.indices] if isinstance(function, Coverage) else function.weights
-    return made
+    dense[element, function.indices] = function.item_weights[function.indices] if isinstance(function, Coverage) else function.weights
+    return dense
 
 
 def _mask(problem: SubmodularSelection, chosen: tuple[int, ...]) -> Any:
@@ -114,10 +114,10 @@ class PathTruth(Truth):
         arcs = set(zip(self.graph.tail.tolist(), self.graph.head.tolist(), strict=True))
         if answer[-1] not in self.graph.goals or len(set(answer)) < len(answer) or not arcs.issuperset(itertools.pairwise(answer)):
             return None
-        told = [Fraction(float(self.locale.risk[state])) for state in answer]
-        told += [self.risks.get((-1, *move), Fraction(0)) for move in itertools.pairwise(answer)]
-        told += [self.risks.get(three, Fraction(0)) for three in zip(answer, answer[1:], answer[2:], strict=False)]
-        failing = 1 - math.prod(1 - risk for risk in told)
+        risks = [Fraction(float(self.locale.risk[state])) for state in answer]
+        risks += [self.risks.get((-1, *move), Fraction(0)) for move in itertools.pairwise(answer)]
+        risks += [self.risks.get(three, Fraction(0)) for three in zip(answer, answer[1:], answer[2:], strict=False)]
+        failing = 1 - math.prod(1 - risk for risk in risks)
         return None if failing == 1 else (Fraction(-math.log1p(-float(failing))),)
 
 
@@ -173,25 +173,25 @@ class SharesTruth(Truth):
         one, zero = Fraction(1), Fraction(0)
         if self.senses[0] == "max":
             rows = [[*row, zero] for row in self.pack] + [[*(-v for v in row), one] for row in cover]
-            found = Tableau([zero] * self.columns + [one], rows, [one] * len(self.pack) + [zero] * len(cover))
+            optimum = Tableau([zero] * self.columns + [one], rows, [one] * len(self.pack) + [zero] * len(cover))
         else:
             rows = [[*row, -one] for row in self.pack] + [[*(-v for v in row), zero] for row in cover]
-            found = Tableau([zero] * self.columns + [-one], rows, [zero] * len(self.pack) + [-one] * len(cover))
-        assert found.status == "optimal"
-        self.best = self.lenient = (abs(found.value),)
-        self.size = abs(found.value)
-        self.samples = _vectors(found.point[: self.columns])
+            optimum = Tableau([zero] * self.columns + [-one], rows, [zero] * len(self.pack) + [-one] * len(cover))
+        assert optimum.status == "optimal"
+        self.best = self.lenient = (abs(optimum.value),)
+        self.size = abs(optimum.value)
+        self.samples = _vectors(optimum.point[: self.columns])
 
     def value(self, answer: Any) -> Values | None:
-        given, slack = [Fraction(float(v)) for v in answer], Fraction(1, self.parts)
-        x = [max(v, Fraction(0)) for v in given]  # an answer is worth what its nonnegative part is, scaled into the rows
+        entries, slack = [Fraction(float(v)) for v in answer], Fraction(1, self.parts)
+        x = [max(v, Fraction(0)) for v in entries]  # an answer is worth what its nonnegative part is, scaled into the rows
         packed, covered = (
             [sum((v * s for v, s in zip(row, x, strict=True) if v), Fraction(0)) for row in m] for m in (self.pack, self.cover)
         )
         heaviest = [
             max(column, default=Fraction(0)) for column in zip(*(self.pack if self.senses[0] == "max" else self.cover), strict=True)
         ]
-        negative = any(-v * max(h, Fraction(1)) > slack for v, h in zip(given, heaviest, strict=True))
+        negative = any(-v * max(h, Fraction(1)) > slack for v, h in zip(entries, heaviest, strict=True))
         most, least = max(packed, default=Fraction(0)), min(covered)
         if negative or (most > 1 + slack if self.senses[0] == "max" else least < 1 - slack):
             return None
@@ -204,11 +204,11 @@ def _vectors(x: list[Fraction]) -> list[Any]:
 
 
 def _matrix(matrix: Any, columns: int) -> list[list[Fraction]]:
-    made = [[Fraction(0)] * columns for _ in range(matrix.rows)]
+    rows = [[Fraction(0)] * columns for _ in range(matrix.rows)]
     for row in range(matrix.rows):
         for e in range(matrix.indptr[row], matrix.indptr[row + 1]):
-            made[row][matrix.indices[e]] = Fraction(float(matrix.data[e]))
-    return made
+            rows[row][matrix.indices[e]] = Fraction(float(matrix.data[e]))
+    return rows
 
 
 class ProgramTruth(Truth):
@@ -232,9 +232,9 @@ class ProgramTruth(Truth):
             )
             self.unbounded |= status == "unbounded"
             if status == "optimal":
-                found = (sign * value + Fraction(float(p.offset)),)
-                if self.better(found, self.best):
-                    self.best, self.samples = found, _vectors(x)
+                values = (sign * value + Fraction(float(p.offset)),)
+                if self.better(values, self.best):
+                    self.best, self.samples = values, _vectors(x)
                     self.size = sum((abs(Fraction(c) * v) for c, v in zip(p.cost.tolist(), x, strict=True)), abs(Fraction(float(p.offset))))
         self.best = self.lenient = None if self.unbounded else self.best
         if self.best is None:  # an answer may pass all the same, by a hair: the largest terms that it can have

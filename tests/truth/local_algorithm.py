@@ -22,7 +22,7 @@ Node = tuple[str, int, int]
 
 
 def graph_of(robots: Robots, targets: int | None = None) -> SensingGraph:
-    """As a sensing graph; actions are numbered robot after robot."""
+    """The robots as a sensing graph; actions are numbered robot after robot."""
     owner, action, target, weight = [], [], [], []
     for i, actions in enumerate(robots):
         for sees in actions:
@@ -52,9 +52,9 @@ def optimum(graph: SensingGraph) -> float:
     cover = sp.csr_matrix((graph.weights, graph.indices, graph.indptr), shape=(n, targets)).T
     pack = sp.csr_matrix((np.ones(n), (graph.robot_of_action, np.arange(n))), shape=(robots, n))
     rows = sp.vstack([sp.hstack([-cover, np.ones((targets, 1))]), sp.hstack([pack, sp.csr_matrix((robots, 1))])]).tocsr()
-    found = linprog(np.r_[np.zeros(n), -1.0], A_ub=rows, b_ub=np.r_[np.zeros(targets), np.ones(robots)], method="highs")
-    assert found.status == 0
-    return float(-found.fun)
+    result = linprog(np.r_[np.zeros(n), -1.0], A_ub=rows, b_ub=np.r_[np.zeros(targets), np.ones(robots)], method="highs")
+    assert result.status == 0
+    return float(-result.fun)
 
 
 class ExactLocal:
@@ -104,7 +104,7 @@ class ExactLocal:
     @cached_property
     def trees(self) -> list[set[Node]]:
         """Nodes below each root R(v, 0)."""
-        found = []
+        trees = []
         for root in range(self.size):
             tree, stack = set(), [("R", root, 0)]
             while stack:
@@ -117,8 +117,8 @@ class ExactLocal:
                     stack += [("B", w, layer) for w in self.part[v]]
                 elif layer < self.h:
                     stack += [("R", u, layer + 1) for k in self.sees[v] for u in self.others(k, v)]
-            found.append(tree)
-        return found
+            trees.append(tree)
+        return trees
 
     def recursion(self, level: Callable[[int, int], Fraction]) -> dict[Node, Fraction]:
         """All copies, with the level ``level(v, layer)`` at each blue one."""
@@ -230,7 +230,7 @@ class ExactLocal:
         return min(sum((self.sees[v][k] * shares[v] for v in viewers), Fraction(0)) for k, viewers in self.viewers.items())
 
     def spread(self, values: Sequence[Fraction]) -> np.ndarray:
-        """As floats over all actions, 0 for those that see nothing."""
+        """The values as floats over all actions, 0 for those that see nothing."""
         whole = np.zeros(self.all_actions)
         whole[self.number] = [float(x) for x in values]
         return whole

@@ -68,7 +68,7 @@ def test_the_sense_decides_what_is_too_good():
 @pytest.mark.slow
 def test_highs_is_examined_and_right():
     told = []
-    made = examine("highs", Draw(19), told=lambda done, total: told.append((done, total)))
+    made = examine("highs", Draw(19), progress=lambda done, total: told.append((done, total)))
     assert (made.solver, made.version, len(made.taken), made.wrong, made.interrupted) == (
         "highs",
         BACKENDS["highs"].version(),
