@@ -14,6 +14,11 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
+from ...formulations.programs.program import Program
+from ...instances.generating import generate
+from ...solvers.backend import Control, Options, RawResult, solver_named
+from ...solvers.program_backend import ProgramBackend
+
 T = TypeVar("T")
 
 
@@ -37,10 +42,11 @@ class Option:
 Folder = Annotated[Path, Option(type=Path, help="of the benchmark files and bks.csv; what WAYBOUND_BENCHMARKS names by default")]
 
 
-def command(run: Callable[..., bool | None]) -> Callable[..., int]:
-    """``main(arguments=None)`` of a benchmark: every parameter of ``run`` is an option, and exit code 1 says that it returned False.
+def command(run: Callable[..., bool | str | tuple[str, bool] | None]) -> Callable[..., int]:
+    """``main(arguments=None)`` of a benchmark: every parameter of ``run`` is an option.
 
-    A default says the type: False makes a flag, a tuple takes any number of values. Only a ``Folder`` has none.
+    Text that ``run`` returns is printed; False, alone or behind text, is exit code 1. A default says the type of an option: False makes a
+    flag, a tuple takes any number of values. Only a ``Folder`` has none.
     """
 
     def main(arguments: Sequence[str] | None = None) -> int:
@@ -64,7 +70,11 @@ def command(run: Callable[..., bool | None]) -> Callable[..., int]:
         chosen = vars(parser.parse_args(arguments))
         if chosen.get("folder", "") is None:
             parser.error("--folder or WAYBOUND_BENCHMARKS must name the folder of the files")
-        return 1 if run(**chosen) is False else 0
+        result = run(**chosen)
+        text, good = result if isinstance(result, tuple) else (result, True) if isinstance(result, str) else ("", result)
+        if text:
+            print(text)
+        return 1 if good is False else 0
 
     return main
 
@@ -74,6 +84,20 @@ def timed(work: Callable[[], T]) -> tuple[float, T]:
     began = time.process_time()
     result = work()
     return time.process_time() - began, result
+
+
+def solved(program: Program, name: str, limit: float, /, **own: Any) -> tuple[float, RawResult]:
+    """CPU seconds of a solver, with options of its own, on a program that is there, and its account."""
+    backend = solver_named(name)
+    assert isinstance(backend, ProgramBackend)
+    return timed(lambda: backend.run(program, Options(time_limit=limit, extra=own), Control()))
+
+
+def generated(kind: type[T], recipe: str, seed: int, **settings: Any) -> T:
+    """An instance of a recipe, which makes this kind of them."""
+    instance = generate(recipe, seed, **settings)
+    assert isinstance(instance, kind)
+    return instance
 
 
 def best_of(repeats: int, *works: Callable[[], Any]) -> list[float]:

@@ -15,22 +15,18 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from ...formulations.auctions.bin_assignment import BinAssignment
-from ...formulations.certificate import verified_bound
-from ...formulations.evidence import Evidence
-from ...formulations.problem import problem_from_instance
-from ...formulations.stop import NEVER
-from ...formulations.tolerance import same
-from ...instances.generating import generate
+import waybound as wb
+from waybound.extending import NEVER, same, verified_bound
+
 from ...solvers.engines.auctions.assignment_steps.auction import auction
 from ...solvers.packages import is_installed
 from ...solving.solve import solve
-from ._harness import Option, command, timed
+from ._harness import Option, command, generated, timed
 
 ARCS = 21
 
 
-def proved(problem: BinAssignment) -> tuple[tuple[int, ...], Evidence]:
+def proved(problem: wb.BinAssignment) -> tuple[tuple[int, ...], wb.Evidence]:
     """Answer and prices of the auction."""
     outcome = auction(problem, NEVER)
     return outcome.answer, outcome.evidence(problem, "auction prices")
@@ -72,9 +68,9 @@ def compare(label: str, costs: Any, peers: dict[str, Callable[[Any], float]], re
         for name, peer in peers.items():
             spent, optima[name] = timed(partial(peer, costs))
             seconds.setdefault(name, []).append(spent)
-        spent, solution = timed(lambda: solve(BinAssignment.from_matrix(costs)))
+        spent, solution = timed(lambda: solve(wb.BinAssignment.from_matrix(costs)))
         seconds.setdefault("solve", []).append(spent)
-        problem = BinAssignment.from_matrix(costs)
+        problem = wb.BinAssignment.from_matrix(costs)
         spent, (answer, evidence) = timed(partial(proved, problem))
         seconds.setdefault("auction", []).append(spent)
     checked, bound = timed(lambda: verified_bound(problem, evidence))
@@ -110,13 +106,11 @@ def main(
     return good
 
 
-def _generated(**settings: Any) -> BinAssignment:
-    problem = problem_from_instance(generate("assignment", 1, **settings))
-    assert isinstance(problem, BinAssignment)
-    return problem
+def _generated(**settings: Any) -> wb.BinAssignment:
+    return wb.BinAssignment(generated(wb.AssignmentInstance, "assignment", 1, **settings))
 
 
-def _shifted(problem: BinAssignment) -> Any:
+def _shifted(problem: wb.BinAssignment) -> Any:
     from scipy.sparse import csr_matrix
 
     return csr_matrix((problem.cost + 1.0, problem.bins, problem.indptr), shape=(problem.num_robots, problem.num_bins))

@@ -13,9 +13,7 @@ from typing import Annotated
 
 import numpy as np
 
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.instances.sata.constraints import Cardinality, PartitionMatroid
-from waybound.instances.sata.set_functions import Coverage
+import waybound as wb
 from waybound.solving.request import Request
 from waybound.solving.solve import solve
 
@@ -28,20 +26,20 @@ FREE, WITH_LP = 0.67, 0.81
 """Targets for each of them."""
 
 
-def random_coverage(rng: np.random.Generator, elements: int, items: int, each: int) -> Coverage:
+def random_coverage(rng: np.random.Generator, elements: int, items: int, each: int) -> wb.Coverage:
     """Each element covers ``each`` items drawn with replacement; weights of items are uniform in [0.5, 2]."""
     covered = np.sort(rng.integers(0, items, (elements, each)), axis=1)
     first = np.ones(covered.shape, dtype=bool)
     first[:, 1:] = covered[:, 1:] != covered[:, :-1]
     starts = np.concatenate([[0], np.cumsum(first.sum(axis=1))]).astype(np.int32)
-    return Coverage(starts, covered[first].astype(np.int32), rng.uniform(0.5, 2.0, items))
+    return wb.Coverage(starts, covered[first].astype(np.int32), rng.uniform(0.5, 2.0, items))
 
 
-def generate(elements: int, picks: int, items: int, each: int, constraint: str, seed: int = 1) -> SubmodularSelection:
+def generate(elements: int, picks: int, items: int, each: int, constraint: str, seed: int = 1) -> wb.SubmodularSelection:
     rng = np.random.default_rng(seed)
     function = random_coverage(rng, elements, items, each)
-    rule = Cardinality(picks) if constraint == "cardinality" else PartitionMatroid.of(np.arange(elements) % picks)
-    return SubmodularSelection(function, rule, name=f"{elements} elements, {items} items")
+    rule = wb.Cardinality(picks) if constraint == "cardinality" else wb.PartitionMatroid.of(np.arange(elements) % picks)
+    return wb.SubmodularSelection(function, rule, name=f"{elements} elements, {items} items")
 
 
 def report(cases: Sequence[tuple[int, int, int, int]], seconds: float) -> tuple[str, bool]:
@@ -67,10 +65,8 @@ def report(cases: Sequence[tuple[int, int, int, int]], seconds: float) -> tuple[
 
 
 @command
-def main(seconds: Annotated[float, Option(help="budget for bounding an answer")] = 60.0) -> bool:
-    text, good = report(CASES, seconds)
-    print(text)
-    return good
+def main(seconds: Annotated[float, Option(help="budget for bounding an answer")] = 60.0) -> tuple[str, bool]:
+    return report(CASES, seconds)
 
 
 if __name__ == "__main__":

@@ -15,13 +15,10 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from waybound.formulations.programs.program import Program
+import waybound as wb
 from waybound.formulations.routing.forms._routes import ArcIndex
 from waybound.formulations.routing.preparation import prepare
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.reachability import minimum_vehicles
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 
 from ._harness import Option, command, met
 from .side_by_side import MODEL, Medians, Once, print_clocks
@@ -32,28 +29,28 @@ WINDOWS = {"wide": (2000.0, 3000.0), "medium": (200.0, 400.0), "narrow": (20.0, 
 TARGET_PULP, TARGET_BARE = 40.0, 3.0
 
 
-def generate(customers: int, vehicles: int, windows: str, seed: int) -> RoutingProblem:
+def generate(customers: int, vehicles: int, windows: str, seed: int) -> wb.RoutingProblem:
     """Uniform customers with demands 1 to 19, services of 10, and windows around a uniform midpoint."""
     rng = np.random.default_rng(seed)
     xy = rng.uniform(0.0, 100.0, (customers + 1, 2)).round(1)
     middle, width = rng.uniform(150.0, 850.0, customers), rng.uniform(*WINDOWS[windows], customers)
     ready, due = np.clip(middle - width / 2, 0.0, 850.0), np.clip(middle + width / 2, 150.0, 850.0)
     demand = np.append(0.0, rng.integers(1, 20, customers).astype(float))
-    sites = Sites.of(
+    sites = wb.Sites.of(
         range(customers + 1), demand=demand, ready=np.append(0.0, ready.round(1)), due=np.append(1000.0, due.round(1)),
         service=np.append(0.0, np.full(customers, 10.0)), coordinates=xy,
     )  # fmt: skip
     capacity = float(np.ceil(1.3 * demand.sum() / vehicles))
-    travel = Travel("euclidean", coordinates=xy, convention="trunc1")
-    return RoutingProblem(sites, travel, (VehicleType(count=vehicles, capacity=capacity),), name=f"generated-{customers}")
+    travel = wb.Travel("euclidean", coordinates=xy, convention="trunc1")
+    return wb.RoutingProblem(sites, travel, (wb.VehicleType(count=vehicles, capacity=capacity),), name=f"generated-{customers}")
 
 
-def with_waybound(problem: RoutingProblem) -> Any:
+def with_waybound(problem: wb.RoutingProblem) -> Any:
     """Compile the problem to a HiGHS model ready to start."""
     return problem.compile("three-index").to_highs(names=False)
 
 
-def with_bare_highs(program: Program) -> tuple[Any, float]:
+def with_bare_highs(program: wb.Program) -> tuple[Any, float]:
     """HiGHS calls on arrays that exist; also the seconds that ``addRows`` alone took."""
     import highspy
 
@@ -70,7 +67,7 @@ def with_bare_highs(program: Program) -> tuple[Any, float]:
     return model, time.perf_counter() - began
 
 
-def lists_for_pulp(problem: RoutingProblem) -> dict[str, Any]:
+def lists_for_pulp(problem: wb.RoutingProblem) -> dict[str, Any]:
     """The lists that a modeller would hold before the first variable is made: arcs with the idle one, windows, big-M."""
     prep = prepare(problem)
     clock, idle = prep.time, (0, prep.end)
@@ -87,7 +84,7 @@ def lists_for_pulp(problem: RoutingProblem) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _upper_of_arcs(problem: RoutingProblem, tails: Any, heads: Any) -> list[list[float]]:
+def _upper_of_arcs(problem: wb.RoutingProblem, tails: Any, heads: Any) -> list[list[float]]:
     """1, or 0 where vehicle k would visit a customer before the k-th: see the form's text."""
     end = len(problem.customers) + 1
     firsts = [min([node for node in arc if 0 < node < end], default=end) for arc in zip(tails.tolist(), heads.tolist(), strict=True)]

@@ -19,15 +19,12 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
+import waybound as wb
+from waybound.extending import HEURISTICS, ProgramBackend
+
 from ...formulations.certificate import Certificate, certify, check_certificate
-from ...formulations.evaluation import Evaluation
-from ...formulations.programs.compiled import Compiled
-from ...formulations.routing.problem import RoutingProblem
 from ...formulations.tolerance import EQUAL
-from ...heuristics.heuristic import HEURISTICS
-from ...instances.errors import CheckFailedError, UnsupportedError
 from ...solvers.backend import BACKENDS, Control, Engine, Options, solver_named
-from ...solvers.program_backend import ProgramBackend
 from ...solving.bounding import find_bounds
 from ...solving.method import missing_features
 from ...solving.request import Request
@@ -83,7 +80,7 @@ class Record:
 class _Examined:
     """One problem, its truth, and the record of what is said of it."""
 
-    def __init__(self, number: int, problem: RoutingProblem) -> None:
+    def __init__(self, number: int, problem: wb.RoutingProblem) -> None:
         self.problem, self.truth = problem, RoutingTruth(problem)
         best = self.truth.lenient
         values = None if best is None else [float(v) for v in best]
@@ -109,7 +106,7 @@ class _Examined:
         signs = [1.0 if s == "min" else -1.0 for s in self.problem.senses]
         return [s * v for s, v in zip(signs, values, strict=True)] < [s * v for s, v in zip(signs, best, strict=True)]
 
-    def judged(self, answer: Any, evaluation: Evaluation) -> str:
+    def judged(self, answer: Any, evaluation: wb.Evaluation) -> str:
         """The fault in the judge's word on an answer; empty where there is none."""
         exact = self.truth.value(answer)
         if evaluation.feasible != (exact is not None):
@@ -120,11 +117,11 @@ class _Examined:
             return f"the judge says {evaluation.values}, it is {[float(v) for v in exact]}"
         return "" if evaluation.feasible else f"refused by the judge: {evaluation.violations[0].message}"
 
-    def certified(self, certificate: Certificate, evaluation: Evaluation | None) -> str:
+    def certified(self, certificate: Certificate, evaluation: wb.Evaluation | None) -> str:
         """The fault in a certificate, read back as from a file; empty where there is none."""
         try:
             checked = check_certificate(self.problem, json.loads(json.dumps(certificate.to_json(with_evidence=True))), evaluation)
-        except CheckFailedError as error:
+        except wb.CheckFailedError as error:
             return f"its certificate does not hold: {error}"
         best, bound = self.truth.lenient, checked.bound
         if checked.infeasible and best is not None:
@@ -143,18 +140,18 @@ class _Examined:
         unable: list[str] = []
         try:
             fault = self.certified(certify(self.problem, best, find_bounds(self.problem, BOUND_TIME, unable=unable)), best)
-        except CheckFailedError as contradiction:
+        except wb.CheckFailedError as contradiction:
             fault = str(contradiction)
         fault = "; ".join(([fault] if fault else []) + unable)
         self.note("bounds", "", FALSE if fault else AGREES, began, fault)
 
-    def exact(self, solver: str, model: Compiled) -> None:
+    def exact(self, solver: str, model: wb.Compiled) -> None:
         """A program as its solver is given it, and what it answers before anybody else has a word."""
         began, backend = time.perf_counter(), solver_named(solver)
         assert isinstance(backend, ProgramBackend)
         try:
             result = backend.run(model.program, Options(time_limit=TIME_LIMIT), Control())
-        except UnsupportedError:
+        except wb.UnsupportedError:
             self.note(solver, model.form, REFUSED, began)
             return
         except Exception as error:
@@ -180,7 +177,7 @@ class _Examined:
         began = time.perf_counter()
         try:
             solution = solve(self.problem, Request(solver=solver, form=form, time_limit=TIME_LIMIT, bound_time=BOUND_TIME))
-        except UnsupportedError:
+        except wb.UnsupportedError:
             return
         except Exception as error:
             self.note("solve", "", FALSE, began, f"{type(error).__name__} by {solver} through {form}: {error}")
@@ -226,7 +223,7 @@ class _Examined:
             fault = fault or f"{solution.evaluation.values[0]} is not within {stated.ratio} of {best[0]}"
         self.free(name, solution.answer, solution.evaluation, began, fault)
 
-    def free(self, who: str, answer: Any, evaluation: Evaluation, began: float, fault: str = "") -> None:
+    def free(self, who: str, answer: Any, evaluation: wb.Evaluation, began: float, fault: str = "") -> None:
         """An answer of a method that claims no optimum."""
         fault = fault or self.judged(answer, evaluation)
         if not fault and self.beats(evaluation.values):
@@ -234,7 +231,7 @@ class _Examined:
         self.note(who, "", FALSE if fault else OPTIMUM if self.equal(evaluation.values) else WORSE, began, fault)
 
 
-def examined(number: int, problem: RoutingProblem, solvers: Sequence[str] = (), heuristics: bool = True) -> Record:
+def examined(number: int, problem: wb.RoutingProblem, solvers: Sequence[str] = (), heuristics: bool = True) -> Record:
     """One problem given to everything that takes it by its declarations, or to some of the solvers."""
     this, pairs = _Examined(number, problem), []
     this.bounds()
@@ -257,7 +254,7 @@ def examined(number: int, problem: RoutingProblem, solvers: Sequence[str] = (), 
 
 
 def records(
-    seed: int, numbers: Sequence[int], file: Path | None = None, draw: Callable[[int, int], RoutingProblem] = drawn
+    seed: int, numbers: Sequence[int], file: Path | None = None, draw: Callable[[int, int], wb.RoutingProblem] = drawn
 ) -> Iterator[Record]:
     """One a problem; those that ``file`` has are not made again, and new ones are written there at once."""
     known = {}

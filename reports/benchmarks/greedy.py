@@ -21,13 +21,9 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.formulations.stop import NEVER
-from waybound.heuristics.heuristic import HEURISTICS, Context
+import waybound as wb
+from waybound.extending import HEURISTICS, NEVER, Context, LinearPrograms
 from waybound.heuristics.sata.greedy_steps.picking import pick
-from waybound.instances.sata.constraints import Cardinality
-from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation
-from waybound.solvers.linear_programs import LinearPrograms
 
 from ._harness import command, met, timed
 from .certified_ratio import random_coverage
@@ -41,7 +37,7 @@ def context() -> Context:
     return Context(np.random.default_rng(1), 600.0, None, lambda a: None, NEVER, LinearPrograms())
 
 
-def generate(what: str, elements: int, picks: int, seed: int) -> SubmodularSelection:
+def generate(what: str, elements: int, picks: int, seed: int) -> wb.SubmodularSelection:
     """The data of the benchmark, the same for all."""
     rng = np.random.default_rng(seed)
     if what == "coverage":
@@ -51,30 +47,30 @@ def generate(what: str, elements: int, picks: int, seed: int) -> SubmodularSelec
         matrix = np.empty((elements, CLIENTS), np.float32)
         for k in range(0, elements, 5000):
             matrix[k : k + 5000] = np.exp(-0.25 * ((points[k : k + 5000, None] - clients[None]) ** 2).sum(-1))
-        function = DenseFacilityLocation(matrix)
-    return SubmodularSelection(function, Cardinality(picks), name=what)
+        function = wb.DenseFacilityLocation(matrix)
+    return wb.SubmodularSelection(function, wb.Cardinality(picks), name=what)
 
 
 Run = tuple[float, list[int], dict[str, Any]]
 """CPU seconds, the elements in the order in which they were picked, and statistics."""
 
 
-def with_waybound(problem: SubmodularSelection, heuristic: str, **options: Any) -> Run:
+def with_waybound(problem: wb.SubmodularSelection, heuristic: str, **options: Any) -> Run:
     seconds, outcome = timed(lambda: HEURISTICS[heuristic].run(problem, context(), **options))
     return seconds, list(outcome.answer.elements), outcome.statistics
 
 
-def picking_alone(problem: SubmodularSelection) -> Run:
+def picking_alone(problem: wb.SubmodularSelection) -> Run:
     seconds, taken = timed(lambda: pick(problem, context().begin()))
     return seconds, taken.elements, {"evaluation": taken.evaluation}
 
 
-def with_submodlib(problem: SubmodularSelection) -> Callable[[], Run]:
+def with_submodlib(problem: wb.SubmodularSelection) -> Callable[[], Run]:
     import submodlib
 
     f, n = problem.function, problem.num_elements
     budget = problem.constraint.limit  # type: ignore[attr-defined]
-    if isinstance(f, Coverage):
+    if isinstance(f, wb.Coverage):
         sets = [set(f.indices[f.indptr[e] : f.indptr[e + 1]].tolist()) for e in range(n)]
         weights = f.item_weights.tolist()
 
@@ -82,7 +78,7 @@ def with_submodlib(problem: SubmodularSelection) -> Callable[[], Run]:
             return submodlib.SetCoverFunction(n=n, cover_set=sets, num_concepts=f.num_items, concept_weights=weights)
 
     else:
-        assert isinstance(f, DenseFacilityLocation)
+        assert isinstance(f, wb.DenseFacilityLocation)
         similarity = np.ascontiguousarray(f.matrix.T)
 
         def build() -> Any:
@@ -99,7 +95,7 @@ def with_submodlib(problem: SubmodularSelection) -> Callable[[], Run]:
     return run
 
 
-def measure(problem: SubmodularSelection, repeats: int) -> dict[str, Run]:
+def measure(problem: wb.SubmodularSelection, repeats: int) -> dict[str, Run]:
     """Best time of each contestant, its picks and statistics."""
     contestants: dict[str, Callable[[], Run]] = {
         "greedy": lambda: with_waybound(problem, "greedy"),
@@ -159,10 +155,8 @@ def report(elements: int, picks: int, seed: int, repeats: int) -> tuple[str, boo
 
 
 @command
-def main(elements: int = 100_000, picks: int = 100, repeats: int = 3, seed: int = 1) -> bool:
-    text, good = report(elements, picks, seed, repeats)
-    print(text)
-    return good
+def main(elements: int = 100_000, picks: int = 100, repeats: int = 3, seed: int = 1) -> tuple[str, bool]:
+    return report(elements, picks, seed, repeats)
 
 
 if __name__ == "__main__":

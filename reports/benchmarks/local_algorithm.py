@@ -18,14 +18,10 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.instances.generating import generate
-from waybound.instances.sata.sensing_graph import SensingGraph
-from waybound.solvers.backend import BACKENDS, Control, Options
+import waybound as wb
 from waybound.solvers.engines.sata.local_max_min.arrays import local_shares
-from waybound.solvers.program_backend import ProgramBackend
 
-from ._harness import Option, command, timed
+from ._harness import Option, command, generated, solved, timed
 
 SLOPE = 1.15
 """Most growth of log time by log size."""
@@ -34,19 +30,17 @@ LARGEST_ADVISED = 30_000
 """Beyond, the form's advice (the interior point) takes longer than HiGHS' own choice on these graphs: minutes."""
 
 
-def instance(kind: str, robots: int) -> SensingGraph:
-    graph = generate(f"sensing-{kind}", seed=robots, robots=robots)
-    assert isinstance(graph, SensingGraph)
-    return graph
+def instance(kind: str, robots: int) -> wb.SensingGraph:
+    return generated(wb.SensingGraph, f"sensing-{kind}", robots, robots=robots)
 
 
-def local_seconds(graph: SensingGraph, h: int, repeats: int) -> tuple[float, float]:
+def local_seconds(graph: wb.SensingGraph, h: int, repeats: int) -> tuple[float, float]:
     """CPU seconds, best of ``repeats``, and the value of the shares."""
     runs = [timed(lambda: local_shares(graph, h).shares) for _ in range(repeats)]
-    return min(seconds for seconds, _ in runs), float(BottleneckSATA(graph, fractional=True).coverage(runs[-1][1]).min())
+    return min(seconds for seconds, _ in runs), float(wb.BottleneckSATA(graph, fractional=True).coverage(runs[-1][1]).min())
 
 
-def local_memory(graph: SensingGraph, h: int) -> int:
+def local_memory(graph: wb.SensingGraph, h: int) -> int:
     """Largest number of bytes that numpy held at a time beyond the graph."""
     tracemalloc.start()
     local_shares(graph, h)
@@ -55,14 +49,12 @@ def local_memory(graph: SensingGraph, h: int) -> int:
     return peak
 
 
-def highs_seconds(graph: SensingGraph, advised: bool) -> tuple[float, float | None]:
+def highs_seconds(graph: wb.SensingGraph, advised: bool) -> tuple[float, float | None]:
     """CPU seconds of HiGHS on the compiled program, and the optimum."""
-    program = BottleneckSATA(graph, fractional=True).compile("max-min").program
+    program = wb.BottleneckSATA(graph, fractional=True).compile("max-min").program
     if not advised:
         program = replace(program, name="unknown")
-    backend = BACKENDS["highs"]()
-    assert isinstance(backend, ProgramBackend)
-    seconds, result = timed(lambda: backend.run(program, Options(time_limit=3600.0), Control()))
+    seconds, result = solved(program, "highs", 3600.0)
     return seconds, result.objective if result.status == "optimal" else None
 
 
@@ -71,7 +63,7 @@ def slope(sizes: list[int], seconds: list[float]) -> float:
     return float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0]) if len(sizes) > 1 else math.nan
 
 
-def compare(graph: SensingGraph, own: list[float]) -> list[str]:
+def compare(graph: wb.SensingGraph, own: list[float]) -> list[str]:
     """One line for each of HiGHS' ways, with how many times longer it takes than the local algorithm at each height."""
     lines = []
     ways = {"its own choice": False, "as the form advises": True}
@@ -100,8 +92,7 @@ def quality_of(heights: list[int], families: dict[str, list[dict[str, Any]]]) ->
     for name, recipes in families.items():
         ratios = []
         for recipe in recipes:
-            graph = generate(**recipe)
-            assert isinstance(graph, SensingGraph)
+            graph = generated(wb.SensingGraph, recipe["kind"], **{name: value for name, value in recipe.items() if name != "kind"})
             _, best = highs_seconds(graph, advised=False)
             assert best is not None
             ratios.append([local_seconds(graph, h, 1)[1] / best for h in heights])

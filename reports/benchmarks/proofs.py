@@ -17,19 +17,12 @@ from typing import Annotated
 
 import numpy as np
 
+import waybound as wb
 from waybound.api import read
+from waybound.extending import same
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import beats_bound, verified_bound
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.problem import Problem
-from waybound.formulations.programs.program import Program, Rows, Variables
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.formulations.solution import Solution
-from waybound.formulations.tolerance import same
-from waybound.instances.generating import generate
 from waybound.instances.routing.formats import solomon
-from waybound.instances.sata.sensing_graph import SensingGraph
 from waybound.reports.battery.cases import Draw, cases
 from waybound.reports.battery.truth import Truth
 from waybound.solvers.backend import solver_named
@@ -38,19 +31,12 @@ from waybound.solving.bounding import find_bounds
 from waybound.solving.request import Request
 from waybound.solving.solve import solve
 
-from ._harness import Option, command, timed
+from ._harness import Option, command, generated, timed
 
 FIRST_CLASS = (*(f"C10{k}" for k in range(1, 10)), *(f"R1{k:02d}" for k in range(1, 13)), *(f"RC10{k}" for k in range(1, 9)))
 
 
-def sensing(seed: int, **settings: object) -> SensingGraph:
-    """A sensing graph of the generator ``sata``."""
-    graph = generate("sata", seed, **settings)
-    assert isinstance(graph, SensingGraph)
-    return graph
-
-
-def proof(problem: Problem, value: float | None, seconds: float) -> tuple[float | None, float, Evidence | None]:
+def proof(problem: wb.Problem, value: float | None, seconds: float) -> tuple[float | None, float, wb.Evidence | None]:
     """The best verified bound found in ``seconds``, the time that it took, and its evidence; the bound is None where there is none."""
     began = time.perf_counter()
     evidence = find_bounds(problem, seconds, target=value)
@@ -92,7 +78,7 @@ VERIFIED, FALSE, OPEN = "verified", "FALSE", "not verified"
 STATUSES = ("optimal", "infeasible", "unbounded")
 
 
-def _verdict(solution: Solution, truth: Truth) -> str:
+def _verdict(solution: wb.Solution, truth: Truth) -> str:
     """Compare what is shown as verified with the truth."""
     c, e = solution.certificate, solution.evaluation
     if truth.value is None:
@@ -107,10 +93,9 @@ def _verdict(solution: Solution, truth: Truth) -> str:
 
 def winners(seeds: int) -> None:
     """20 robots of 2 actions and 150 targets."""
-    problems = (
-        (f"{seed}", WinnerTakesAllSATA(sensing(seed, robots=20, actions=2, targets=150, phi=15, weights="uniform")))
-        for seed in range(1, seeds + 1)
-    )
+    size = {"robots": 20, "actions": 2, "targets": 150, "phi": 15}
+    graphs = ((seed, generated(wb.SensingGraph, "sata", seed, **size, weights="uniform")) for seed in range(1, seeds + 1))
+    problems = ((f"{seed}", wb.WinnerTakesAllSATA(graph)) for seed, graph in graphs)
     beside_highs("winner takes all", problems)
 
 
@@ -130,14 +115,14 @@ def set_cover(seed: int, rows: int = 200, columns: int = 2000, density: float = 
         row[rng.choice(columns, 2, replace=False)] = True
     row, column = np.nonzero(covered)
     starts = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=rows))]).astype(np.int32)
-    x = Variables("x", lower=np.zeros(columns), upper=np.ones(columns), cost=rng.integers(1, 101, columns).astype(float), integer=True)
-    need = Rows(
+    x = wb.Variables("x", lower=np.zeros(columns), upper=np.ones(columns), cost=rng.integers(1, 101, columns).astype(float), integer=True)
+    need = wb.Rows(
         "row", indptr=starts, indices=column.astype(np.int32), data=np.ones(len(column)), lower=np.ones(rows), upper=np.full(rows, np.inf)
     )
-    return ArrayProblem(Program(f"cover-{rows}x{columns}-{seed}", "min", (x,), (need,)))
+    return ArrayProblem(wb.Program(f"cover-{rows}x{columns}-{seed}", "min", (x,), (need,)))
 
 
-def beside_highs(title: str, problems: Iterable[tuple[str, Problem]]) -> None:
+def beside_highs(title: str, problems: Iterable[tuple[str, wb.Problem]]) -> None:
     """CPU seconds of HiGHS' own search, of the proof that its answer is optimal, and what that proves in 60 s."""
     print(f"{title:18s}  answer        bound         highs s  proof s  ratio  leaves  proved")
     for name, problem in problems:
@@ -158,9 +143,9 @@ def checking(leaves: int, rows: int = 100, columns: int = 150) -> None:
     rng = np.random.default_rng(1)
     matrix = rng.integers(1, 100, (rows, columns)).astype(float)
     starts, indices = np.arange(rows + 1, dtype=np.int32) * columns, np.tile(np.arange(columns, dtype=np.int32), rows)
-    row = Rows("row", indptr=starts, indices=indices, data=matrix.ravel(), lower=np.full(rows, -np.inf), upper=matrix.sum(axis=1) / 2.0)
-    x = Variables("x", lower=np.zeros(columns), upper=np.ones(columns), cost=matrix.sum(axis=0) / rows, integer=True)
-    problem = ArrayProblem(Program("tree", "max", (x,), (row,)))
+    row = wb.Rows("row", indptr=starts, indices=indices, data=matrix.ravel(), lower=np.full(rows, -np.inf), upper=matrix.sum(axis=1) / 2.0)
+    x = wb.Variables("x", lower=np.zeros(columns), upper=np.ones(columns), cost=matrix.sum(axis=0) / rows, integer=True)
+    problem = ArrayProblem(wb.Program("tree", "max", (x,), (row,)))
     nodes, waiting, unmade = list[object](), [0], leaves - 1
     while waiting:
         depth = waiting.pop()
@@ -170,7 +155,7 @@ def checking(leaves: int, rows: int = 100, columns: int = 150) -> None:
             waiting += [depth + 1, depth + 1]
         else:
             nodes.append({"kind": "lp-dual", "data": {"duals": rng.random(rows).tolist()}})
-    evidence = Evidence("branching-tree", "a tree", math.inf, {"nodes": nodes})
+    evidence = wb.Evidence("branching-tree", "a tree", math.inf, {"nodes": nodes})
     seconds, _ = timed(lambda: verified_bound(problem, evidence))
     print(f"the checker takes {seconds:.1f} CPU s for {_leaves(evidence)} leaves of a program of {rows} rows\n")
 
@@ -182,7 +167,7 @@ def proved_files(folder: Path, names: Sequence[str], seconds: float) -> None:
         path = folder / f"{name}.txt"
         if not path.exists():
             continue
-        problem = RoutingProblem.from_instance(solomon.read(path.read_text(), path), settings={"customers": 25, "convention": "trunc1"})
+        problem = wb.RoutingProblem.from_instance(solomon.read(path.read_text(), path), settings={"customers": 25, "convention": "trunc1"})
         searching, word = timed(partial(solve, problem, Request(solver="highs", time_limit=20.0, bound_time=0)))
         answer = solve(problem, Request(solver="pyvrp", time_limit=2.0, bound_time=0, start=word.answer))
         assert isinstance(answer.objective, float)
@@ -194,7 +179,7 @@ def proved_files(folder: Path, names: Sequence[str], seconds: float) -> None:
         print(f"{name:6s} {answer.objective:7.1f}  {figures}  {verdict}", flush=True)
 
 
-def _leaves(evidence: Evidence | None) -> int:
+def _leaves(evidence: wb.Evidence | None) -> int:
     return 0 if evidence is None else sum("branch" not in node for node in evidence.data.get("nodes", [{}]))
 
 

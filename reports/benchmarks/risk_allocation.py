@@ -19,23 +19,19 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
-from waybound.formulations.certificate import verified_bound
-from waybound.formulations.risk.allocations import Allocation
+import waybound as wb
+from waybound.extending import Control, Options, RawResult, Stop, verified_bound
 from waybound.formulations.risk.forms.uniform import uniform_risks
-from waybound.formulations.risk.risk_allocation import RiskAllocation
-from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HeuristicWork
 from waybound.heuristics.risk.iterative_risk_allocation import ACTIVE
-from waybound.instances.generating import generate
 from waybound.instances.risk.allocation import Affine, ChanceConstraints, Risk, RiskAllocationInstance
 from waybound.instances.risk.gaussian import Quantities
-from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 from waybound.solvers.engines.risk.convex_allocation_steps.interval import Interval
 from waybound.solvers.engines.risk.convex_allocation_steps.session import open_session
 from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents import SuccessiveTangents
 
-from ._harness import best_of, command, met, timed
+from ._harness import best_of, command, generated, met, timed
 
 Floats = NDArray[np.float64]
 
@@ -54,14 +50,12 @@ UNEQUAL = 1e-3
 """Largest share by which weights of a cost differ where plans shall be unique."""
 
 
-def reference(family: str, **settings: Any) -> RiskAllocation:
+def reference(family: str, **settings: Any) -> wb.RiskAllocation:
     """A generated problem, seed 1."""
-    instance = generate("risk-allocation", 1, family=family, **settings)
-    assert isinstance(instance, RiskAllocationInstance)
-    return RiskAllocation(instance)
+    return wb.RiskAllocation(generated(RiskAllocationInstance, "risk-allocation", 1, family=family, **settings))
 
 
-def stalling(most: float = 7.0) -> RiskAllocation:
+def stalling(most: float = 7.0) -> wb.RiskAllocation:
     """max x1 + 3 x2, x1 + x2 <= most, x_i + z(r_i) <= 5, x >= 0, total 0.1: with 7, all constraints are active at equal risks."""
     return linear(np.array([1.0, 3.0]), np.ones((1, 2)), np.array([most]), np.eye(2), np.array([5.0, 5.0]), np.eye(2), 0.1, name="stalling")
 
@@ -69,11 +63,11 @@ def stalling(most: float = 7.0) -> RiskAllocation:
 def linear(
     reward: Floats, rows: Floats, most: Floats, chance: Floats, limits: Floats, covariance: Floats, total: float, *, name: str = "random",
     upper: float = math.inf,
-) -> RiskAllocation:  # fmt: skip
+) -> wb.RiskAllocation:  # fmt: skip
     """max reward x over rows x <= most, 0 <= x <= upper, and chance x + noise <= limits but for the total risk."""
     n, many = len(reward), len(limits)
     none = np.zeros((len(most), many))
-    return RiskAllocation(
+    return wb.RiskAllocation(
         RiskAllocationInstance(
             np.zeros(n), np.full(n, upper), tuple(f"x{k + 1}" for k in range(n)),
             Quantities(chance, np.zeros(many), covariance, tuple(f"y{k + 1}" for k in range(many))),
@@ -86,7 +80,7 @@ def linear(
     )  # fmt: skip
 
 
-def random_problem(rng: np.random.Generator) -> RiskAllocation:
+def random_problem(rng: np.random.Generator) -> wb.RiskAllocation:
     """2 to 6 decisions, 2 to 8 correlated constraints, a total between 0.001 and 0.3."""
     n, many = int(rng.integers(2, 7)), int(rng.integers(2, 9))
     chance = rng.uniform(0.1, 2.0, (many, n)) * (rng.random((many, n)) < 0.6)
@@ -100,7 +94,7 @@ def random_problem(rng: np.random.Generator) -> RiskAllocation:
     )
 
 
-def of_unique_plans(problem: RiskAllocation) -> RiskAllocation:
+def of_unique_plans(problem: wb.RiskAllocation) -> wb.RiskAllocation:
     """The same with weights of the rows of its cost that differ by up to ``UNEQUAL``."""
     rng, changed = np.random.default_rng(1), copy.copy(problem)
     weights = [1.0 + UNEQUAL * rng.uniform(-1.0, 1.0, len(constant)) for _, _, _, constant in problem.terms]
@@ -111,34 +105,34 @@ def of_unique_plans(problem: RiskAllocation) -> RiskAllocation:
 # -- methods -----------------------------------------------------------------------------------------------------------
 
 
-def by_program(problem: RiskAllocation, form: str) -> Allocation | None:
+def by_program(problem: wb.RiskAllocation, form: str) -> wb.Allocation | None:
     """The answer of a form's program; None where it has none."""
     if form not in problem.forms():
         return None
     model = problem.compile(form)
     result = open_session(model.program).solve(Stop())
     answer = model.decode(result.x) if result.status == "optimal" else None
-    assert answer is None or isinstance(answer, Allocation)
+    assert answer is None or isinstance(answer, wb.Allocation)
     return answer
 
 
-def by_iterative(problem: RiskAllocation) -> tuple[Allocation | None, int]:
+def by_iterative(problem: wb.RiskAllocation) -> tuple[wb.Allocation | None, int]:
     """The heuristic's answer, and its rounds."""
     outcome = HeuristicWork("iterative", problem, Options())(Control())
     return outcome.answer, outcome.statistics["rounds"]
 
 
-def convex(problem: RiskAllocation, gap: float) -> Interval:
+def convex(problem: wb.RiskAllocation, gap: float) -> Interval:
     """The default's interval."""
     return SuccessiveTangents(problem).run(Stop(60.0), gap)
 
 
-def by_default(problem: RiskAllocation, gap: float) -> RawResult:
+def by_default(problem: wb.RiskAllocation, gap: float) -> RawResult:
     """The run of the default as ``solve`` has it."""
     return ConvexAllocation().run(problem, Options(gap=gap), Control())
 
 
-def rebuilt(problem: RiskAllocation) -> tuple[float, int]:
+def rebuilt(problem: wb.RiskAllocation) -> tuple[float, int]:
     """The iterative method with a CVXPY model that is written anew in each round: its cost, and its rounds."""
     import cvxpy as cp
 
@@ -170,11 +164,11 @@ def rebuilt(problem: RiskAllocation) -> tuple[float, int]:
 # -- report --------------------------------------------------------------------------------------------------------------
 
 
-def side_by_side(problem: RiskAllocation, repeat: int) -> tuple[list[str], float, float]:
+def side_by_side(problem: wb.RiskAllocation, repeat: int) -> tuple[list[str], float, float]:
     """A line a method, with the risks that are true; the seconds of ``iterative`` and of the default."""
     lines = [f"{problem.name}: {problem.size} decisions, {len(problem.names)} chance constraints, total risk {problem.risk.total:g}"]
 
-    def tell(name: str, answer: Allocation | None, seconds: float, note: str) -> None:
+    def tell(name: str, answer: wb.Allocation | None, seconds: float, note: str) -> None:
         if answer is None:
             lines.append(f"  {name:18} {'no plan':>12}")
             return
@@ -256,8 +250,8 @@ def report(count: int, repeat: int, steps: int = 100) -> str:
 
 
 @command
-def main(random: int = 500, repeat: int = 7) -> None:
-    print(report(random, repeat))
+def main(random: int = 500, repeat: int = 7) -> str:
+    return report(random, repeat)
 
 
 if __name__ == "__main__":

@@ -20,15 +20,11 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from waybound.formulations.certificate import verified_bound
+import waybound as wb
+from waybound.extending import BOUNDS, LinearPrograms, verified_bound
 from waybound.formulations.problem import problem_from_instance
-from waybound.formulations.routing.objective import LongestRoute, Objective, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Flag, Stop
-from waybound.instances.errors import WayboundError
 from waybound.instances.reading import read_instance
-from waybound.solvers.bounds import BOUNDS
-from waybound.solvers.linear_programs import LinearPrograms
 
 from ._harness import Folder, Option, command, known_values, markdown
 
@@ -76,7 +72,7 @@ class Row:
     """One file with its best known value."""
 
     family: str
-    problem: RoutingProblem
+    problem: wb.RoutingProblem
     best: float
 
 
@@ -93,21 +89,21 @@ def rows(folder: Path, families: Sequence[str], every: int) -> Iterator[Row]:
             settings["vehicles"] = "unlimited"
         try:
             problem = problem_from_instance(read_instance(places[0]), **settings)
-        except (WayboundError, IndexError) as fault:
+        except (wb.WayboundError, IndexError) as fault:
             print(f"{line['family']}/{line['instance']} is left out: {fault}", file=sys.stderr)
             continue
-        assert isinstance(problem, RoutingProblem)
+        assert isinstance(problem, wb.RoutingProblem)
         if line["objective"] == "longest route":
-            problem = replace(problem, objective=Objective.of(LongestRoute()))
+            problem = replace(problem, objective=wb.Objective.of(wb.LongestRoute()))
         elif line["objective"].startswith("vehicles"):
             if not line["vehicles"]:
                 continue
-            yield Row(f"{line['family']} vehicles", replace(problem, objective=Objective.of(Vehicles())), float(line["vehicles"]))
+            yield Row(f"{line['family']} vehicles", replace(problem, objective=wb.Objective.of(wb.Vehicles())), float(line["vehicles"]))
             continue
         yield Row(line["family"], problem, float(line["value"]))
 
 
-def best_bound(problem: RoutingProblem, seconds: float) -> tuple[float | None, str, float]:
+def best_bound(problem: wb.RoutingProblem, seconds: float) -> tuple[float | None, str, float]:
     """The best verified bound that all methods find in ``seconds``, its source, and the seconds that they took."""
     sign = 1.0 if problem.sense == "min" else -1.0
     able = [m for m in sorted(BOUNDS.values(), key=lambda m: m.order) if not m.missing(problem)]
@@ -161,10 +157,8 @@ def main(
     families: tuple[str, ...] = (),
     every: Annotated[int, Option(help="take every so many rows")] = 1,
     seconds: float = 1.0,
-) -> bool:
-    text, good = report(rows(folder, families, every), seconds)
-    print(text)
-    return good
+) -> tuple[str, bool]:
+    return report(rows(folder, families, every), seconds)
 
 
 if __name__ == "__main__":

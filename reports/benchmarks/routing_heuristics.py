@@ -15,11 +15,9 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated
 
-from waybound.formulations.routing.objective import LongestRoute, Objective
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.heuristics.heuristic import HEURISTICS
+import waybound as wb
+from waybound.extending import HEURISTICS
 from waybound.instances.reading import read_instance
-from waybound.instances.routing.instance import RoutingInstance
 from waybound.solving.request import Request
 from waybound.solving.solve import solve
 
@@ -45,7 +43,7 @@ class Row:
     """One file with its best known value."""
 
     family: str
-    problem: RoutingProblem
+    problem: wb.RoutingProblem
     best: float
 
 
@@ -63,14 +61,14 @@ def rows(folder: Path, families: Sequence[str]) -> Iterator[Row]:
         if path is None:
             continue
         instance = read_instance(path)
-        if not isinstance(instance, RoutingInstance) or len(instance.sites) > WHOLE:
+        if not isinstance(instance, wb.RoutingInstance) or len(instance.sites) > WHOLE:
             continue
         settings: dict[str, object] = {"vehicles": vehicles or "unlimited"}
         if CONVENTIONS[line["convention"]]:
             settings["convention"] = CONVENTIONS[line["convention"]]
-        problem = RoutingProblem.from_instance(instance, settings=settings)
+        problem = wb.RoutingProblem.from_instance(instance, settings=settings)
         if group == "minmax-mtsp":
-            problem = replace(problem, objective=Objective.of(LongestRoute()))
+            problem = replace(problem, objective=wb.Objective.of(wb.LongestRoute()))
         yield Row(family, problem, float(line["value"]))
 
 

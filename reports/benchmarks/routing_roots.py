@@ -12,12 +12,10 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from ...formulations.forms import FORMS
-from ...formulations.programs.exactness import Exactness
-from ...formulations.programs.program import INTEGERS
+import waybound as wb
+from waybound.extending import FORMS, INTEGERS
+
 from ...formulations.routing.objective import Composable, Makespan, TotalCost
-from ...formulations.routing.problem import RoutingProblem
-from ...instances.routing.instance import Sites, VehicleType
 from ...instances.routing.travel import EXPLICIT, Travel
 from ._harness import Option, command, markdown_row
 
@@ -39,13 +37,13 @@ CASES: dict[str, tuple[Travel, int, float, Composable]] = {
 """Travel, vehicles, limit of distance and objective; the numbers of a name are vehicles and limit."""
 
 
-def case(name: str) -> RoutingProblem:
+def case(name: str) -> wb.RoutingProblem:
     """One of ``CASES``."""
     travel, vehicles, limit, objective = CASES[name]
-    return RoutingProblem(Sites.of(range(len(travel))), travel, (VehicleType(vehicles, max_distance=limit),), objective, name=name)
+    return wb.RoutingProblem(wb.Sites.of(range(len(travel))), travel, (wb.VehicleType(vehicles, max_distance=limit),), objective, name=name)
 
 
-def optimum(problem: RoutingProblem, form: str, *, relax: bool = False) -> float:
+def optimum(problem: wb.RoutingProblem, form: str, *, relax: bool = False) -> float:
     """The optimum that HiGHS proves for one form."""
     model: Any = problem.compile(form, relax=relax).program.to_highs()
     # HiGHS 1.12 to 1.15 cut optima of tiny routing programs off with this rule (HiGHS#3090).
@@ -57,7 +55,7 @@ def optimum(problem: RoutingProblem, form: str, *, relax: bool = False) -> float
 
 def table(names: Sequence[str] = tuple(CASES)) -> list[list[str]]:
     """Rows of text, the header first."""
-    ordered = sorted((f for f in FORMS.values() if f.family == "routing" and f.exactness is Exactness.EXACT), key=lambda f: f.order)
+    ordered = sorted((f for f in FORMS.values() if f.family == "routing" and f.exactness is wb.Exactness.EXACT), key=lambda f: f.order)
     forms = [f.name for f in ordered if f.makes(case(next(iter(CASES)))) <= INTEGERS]
     lines = [["instance, vehicles, limit", *forms, "optimum"]]
     for name in names:

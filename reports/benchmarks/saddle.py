@@ -24,25 +24,17 @@ from typing import Annotated, Any
 
 import numpy as np
 
+import waybound as wb
+from waybound.extending import Control, Options
 from waybound.formulations.certificate import certify
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.instances.generating import generate
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
-from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.engines.sata.saddle import Saddle
-from waybound.solvers.program_backend import ProgramBackend
 
-from ._harness import Option, command, timed
+from ._harness import Option, command, generated, solved, timed
 
 GAPS = (1e-1, 1e-2, 1e-3, 1e-4)
 
 LARGEST_FOR_HIGHS, LARGEST_FOR_HIGHS_FULL = 10_000, 100_000
-
-
-def generated(kind: str, robots: int) -> SensingGraph:
-    graph = generate(kind, seed=robots, robots=robots)
-    assert isinstance(graph, SensingGraph)
-    return graph
 
 
 def expander(robots: int) -> SensingGraph:
@@ -61,8 +53,8 @@ def torus(robots: int) -> SensingGraph:
 
 
 FAMILIES: dict[str, Callable[[int], SensingGraph]] = {
-    "near-regular": lambda robots: generated("sensing-regular", robots),
-    "geometric": lambda robots: generated("sensing-geometric", robots),
+    "near-regular": lambda robots: generated(SensingGraph, "sensing-regular", robots, robots=robots),
+    "geometric": lambda robots: generated(SensingGraph, "sensing-geometric", robots, robots=robots),
     "expander": expander,
     "torus": torus,
 }
@@ -90,7 +82,7 @@ class Measured:
 
 def measure(graph: SensingGraph, gap: float, limit: float) -> Measured:
     """Run the engine once; the certificate must prove its bound."""
-    problem = BottleneckSATA(fresh(graph), fractional=True)
+    problem = wb.BottleneckSATA(fresh(graph), fractional=True)
     until = [math.nan] * len(GAPS)
 
     def hear(event: dict[str, Any]) -> None:
@@ -115,10 +107,8 @@ def measure(graph: SensingGraph, gap: float, limit: float) -> Measured:
 
 def by_highs(graph: SensingGraph, method: str, limit: float) -> str:
     """HiGHS on the compiled program: CPU seconds and optimum, or that it was given up."""
-    program = replace(BottleneckSATA(graph, fractional=True).compile("max-min").program, name="unknown")
-    backend = BACKENDS["highs"]()
-    assert isinstance(backend, ProgramBackend)
-    seconds, result = timed(lambda: backend.run(program, Options(time_limit=limit, extra={"solver": method}), Control()))
+    program = replace(wb.BottleneckSATA(graph, fractional=True).compile("max-min").program, name="unknown")
+    seconds, result = solved(program, "highs", limit, solver=method)
     if result.status != "optimal":
         return f"{method} given up after {seconds:.1f} s"
     return f"{method} {seconds:.2f} s, optimum {result.objective:.6f}"

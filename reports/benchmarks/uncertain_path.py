@@ -20,20 +20,18 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 
+import waybound as wb
+from waybound.extending import NEVER
 from waybound.formulations.risk.path_sets import PathSet, cheaper_probability, cheapest_set_probabilities
 from waybound.formulations.risk.shared_edges import JointCosts, joint_probabilities, sampled_probabilities
-from waybound.formulations.risk.uncertain_path import UncertainPath
-from waybound.formulations.stop import NEVER
 from waybound.heuristics.risk.graph_policies.d_star_lite import DStarLite
 from waybound.heuristics.risk.graph_policies.policy import Greedy, LeastMean, Policy
 from waybound.heuristics.risk.graph_policies.rags import RiskAware
-from waybound.instances.generating import generate
-from waybound.instances.risk.uncertain_graph import UncertainGraph
 from waybound.instances.risk.worlds.uncertain_graph import UncertainGraphWorld
 from waybound.solvers.engines.risk.path_search.non_dominated_paths import non_dominated_paths
 from waybound.solvers.engines.risk.path_search.supported_paths import supported_paths
 
-from ._harness import Option, command, met, timed
+from ._harness import Option, command, generated, met, timed
 
 MOST_PATHS = 20
 RATE, SECONDS, ERRORS = 1e4, 0.1, 4.0
@@ -97,14 +95,14 @@ def share(samples: int, graphs: int, seed: int) -> tuple[list[str], bool]:
 def sets(graphs: int) -> tuple[list[str], bool]:
     sizes, seconds, labels, proofs = [], [], [], []
     non_dominated_paths(_roadmap(1, 20.0))
-    supported_paths(UncertainPath(_roadmap(1, 20.0)), NEVER)
+    supported_paths(wb.UncertainPath(_roadmap(1, 20.0)), NEVER)
     for graph in range(1, graphs + 1):
         g = _roadmap(graph, 20.0)
         spent, frontier = timed(lambda g=g: non_dominated_paths(g))  # type: ignore[misc]
         seconds.append(spent)
         sizes.append(len(frontier.paths))
         labels.append(frontier.labels)
-        problem = UncertainPath(g)
+        problem = wb.UncertainPath(g)
         proofs.append(timed(lambda problem=problem: supported_paths(problem, NEVER))[0])  # type: ignore[misc]
     lines = [
         f"non-dominated paths, {graphs} roadmaps of 100 vertices: {np.mean(sizes):.1f} (deviation {np.std(sizes):.1f}, {min(sizes)} to "
@@ -116,7 +114,7 @@ def sets(graphs: int) -> tuple[list[str], bool]:
 
 def policies(graphs: int, draws: int) -> list[str]:
     lines = [f"policies on {graphs} roadmaps, {draws} walks each: ms once a graph, ms a walk (mean, deviation)"]
-    makers: dict[str, Callable[[UncertainGraph], Policy]] = {
+    makers: dict[str, Callable[[wb.UncertainGraph], Policy]] = {
         "rags": lambda g: RiskAware(g, non_dominated_paths(g)),
         "a-star": LeastMean,
         "greedy": lambda g: Greedy(g, non_dominated_paths(g)),
@@ -148,10 +146,8 @@ def _walk(policy: Policy, world: UncertainGraphWorld) -> float:
     return spent
 
 
-def _roadmap(seed: int, variance: float) -> UncertainGraph:
-    graph = generate("prm-graph", seed, variance=variance)
-    assert isinstance(graph, UncertainGraph)
-    return graph
+def _roadmap(seed: int, variance: float) -> wb.UncertainGraph:
+    return generated(wb.UncertainGraph, "prm-graph", seed, variance=variance)
 
 
 def report(comparisons: int, samples: int, graphs: int, walked: int, draws: int, seed: int) -> tuple[str, bool]:
@@ -176,10 +172,8 @@ def main(
     walked: Annotated[int, Option(help="roadmaps that policies walk")] = 5,
     draws: Annotated[int, Option(help="walks on each")] = 20,
     seed: int = 1,
-) -> bool:
-    text, good = report(comparisons, samples, graphs, walked, draws, seed)
-    print(text)
-    return good
+) -> tuple[str, bool]:
+    return report(comparisons, samples, graphs, walked, draws, seed)
 
 
 if __name__ == "__main__":

@@ -9,15 +9,12 @@ from __future__ import annotations
 
 import statistics
 import sys
-from typing import Annotated, Any
+from typing import Annotated
 
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.instances.generating import generate
-from waybound.instances.sata.sensing_graph import SensingGraph
-from waybound.solvers.backend import BACKENDS, Control, Options, RawResult, solver_named
-from waybound.solvers.program_backend import ProgramBackend
+import waybound as wb
+from waybound.solvers.backend import BACKENDS, RawResult
 
-from ._harness import Option, command, met, timed
+from ._harness import Option, command, generated, met, solved, timed
 
 SIZE = {"robots": 20, "actions": 2, "targets": 150, "phi": 15}
 
@@ -34,26 +31,18 @@ TARGET_FORM, TARGET = "strong-linearisation", 3.0
 """Median CPU seconds that the strong form may take."""
 
 
-def instance(seed: int, weights: str, **size: int) -> WinnerTakesAllSATA:
+def instance(seed: int, weights: str, **size: int) -> wb.WinnerTakesAllSATA:
     """One problem of the given size (by default the largest of the experiments)."""
-    graph = generate("sata", seed, weights=weights, **{**SIZE, **size})
-    assert isinstance(graph, SensingGraph)
-    return WinnerTakesAllSATA(graph)
+    return wb.WinnerTakesAllSATA(generated(wb.SensingGraph, "sata", seed, weights=weights, **{**SIZE, **size}))
 
 
-def run(problem: WinnerTakesAllSATA, form: str, solver: str, limit: float) -> tuple[float, RawResult, float]:
+def run(problem: wb.WinnerTakesAllSATA, form: str, solver: str, limit: float) -> tuple[float, RawResult, float]:
     """CPU seconds, the solver's account, and the answer's value recomputed from the data."""
-    backend = solver_named(solver)
-    assert isinstance(backend, ProgramBackend)
-
-    def compile_and_solve() -> tuple[Any, RawResult]:
-        model = problem.compile(form)
-        return model, backend.run(model.program, Options(time_limit=limit), Control())
-
-    seconds, (model, result) = timed(compile_and_solve)
+    compiling, model = timed(lambda: problem.compile(form))
+    solving, result = solved(model.program, solver, limit)
     judged = problem.evaluate(model.decode(result.answer))
     assert judged.feasible, judged.violations
-    return seconds, result, judged.values[0]
+    return compiling + solving, result, judged.values[0]
 
 
 def report(seeds: int, weights: str, limit: float, **size: int) -> str:
@@ -95,8 +84,8 @@ def report(seeds: int, weights: str, limit: float, **size: int) -> str:
 
 
 @command
-def main(seeds: int = 10, weights: Annotated[str, Option(choices=["binary", "uniform"])] = "binary", limit: float = 20.0) -> None:
-    print(report(seeds, weights, limit))
+def main(seeds: int = 10, weights: Annotated[str, Option(choices=["binary", "uniform"])] = "binary", limit: float = 20.0) -> str:
+    return report(seeds, weights, limit)
 
 
 if __name__ == "__main__":

@@ -97,8 +97,8 @@ def test_a_failure_is_one_json_object_where_json_is_asked_for(arguments, told, r
     assert run(*arguments).stdout == ""
 
 
-def test_a_failure_names_file_and_line_as_json(run, strict_json, tmp_path):
+def test_a_failure_names_file_and_line_as_json(json_of, tmp_path):
     path = tmp_path / "costs.csv"
     path.write_text("robot,bin,cost\na,b,3\na,c,x\n")
-    data = strict_json(run("solve", path, "--json").stdout)
+    data = json_of("solve", path)
     assert (data["code"], data["file"], data["line"]) == (2, str(path), 3)
