@@ -16,6 +16,7 @@ import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -86,10 +87,17 @@ class _Examined:
         values = None if best is None else [float(v) for v in best]
         self.record = Record(number, problem.name, len(problem.customers), sorted(features_of(problem)), values)
 
-    def note(self, who: str, form: str, verdict: str, began: float, fault: str = "") -> None:
-        self.record.outcomes.append((who, form, verdict, round(time.perf_counter() - began, 4)))
-        if fault:
-            self.record.faults.append(f"{who} {form}: {fault}".replace(" : ", ": "))
+    def note(self, who: str, form: str, act: Callable[[], tuple[str, str] | None], failing: str = FALSE, how: str = "") -> None:
+        """Record verdict, fault and seconds of ``act``, which breaks down with the verdict ``failing``; nothing where it returns None."""
+        began = time.perf_counter()
+        try:
+            outcome = act()
+        except Exception as error:
+            outcome = failing, f"{type(error).__name__}{how}: {error}"
+        if outcome is not None:
+            verdict, fault = outcome
+            self.record.outcomes.append((who, form, verdict, round(time.perf_counter() - began, 4)))
+            self.record.faults += [f"{who} {form}: {fault}".replace(" : ", ": ")] if fault else []
 
     def equal(self, values: Sequence[float]) -> bool:
         """Compare with the values of the optimum, all levels."""
@@ -133,9 +141,8 @@ class _Examined:
 
     # -- methods -----------------------------------------------------------------------------------------------------
 
-    def bounds(self) -> None:
+    def bounds(self) -> tuple[str, str]:
         """All evidence that is found in a moment, beside an optimum."""
-        began = time.perf_counter()
         best = self.problem.evaluate(self.truth.samples[0]) if self.truth.samples else None
         unable: list[str] = []
         try:
@@ -143,20 +150,16 @@ class _Examined:
         except wb.CheckFailedError as contradiction:
             fault = str(contradiction)
         fault = "; ".join(([fault] if fault else []) + unable)
-        self.note("bounds", "", FALSE if fault else AGREES, began, fault)
+        return FALSE if fault else AGREES, fault
 
-    def exact(self, solver: str, model: wb.Compiled) -> None:
+    def exact(self, solver: str, model: wb.Compiled) -> tuple[str, str]:
         """A program as its solver is given it, and what it answers before anybody else has a word."""
-        began, backend = time.perf_counter(), solver_named(solver)
+        backend = solver_named(solver)
         assert isinstance(backend, ProgramBackend)
         try:
             result = backend.run(model.program, Options(time_limit=TIME_LIMIT), Control())
         except wb.UnsupportedError:
-            self.note(solver, model.form, REFUSED, began)
-            return
-        except Exception as error:
-            self.note(solver, model.form, DIFFERS, began, f"{type(error).__name__}: {error}")
-            return
+            return REFUSED, ""
         values: tuple[float, ...] = ()
         fault = ""
         if result.answer is not None:
@@ -164,92 +167,75 @@ class _Examined:
             evaluation = self.problem.evaluate(answer)
             values, fault = evaluation.values, self.judged(answer, evaluation)
         same = {"optimal": bool(values) and self.equal(values), "infeasible": self.record.optimum is None}.get(result.status)
-        if same is None and not fault:
-            self.note(solver, model.form, UNFINISHED, began)
-        elif fault or not same:
-            said = f"{result.status} {list(values)}, enumeration says {self.record.optimum}"
-            self.note(solver, model.form, DIFFERS, began, fault or said)
-        else:
-            self.note(solver, model.form, AGREES, began)
+        if fault or same is False:
+            return DIFFERS, fault or f"{result.status} {list(values)}, enumeration says {self.record.optimum}"
+        return AGREES if same else UNFINISHED, ""
 
-    def whole(self, solver: str, form: str) -> None:
+    def whole(self, solver: str, form: str) -> tuple[str, str] | None:
         """All of ``solve``: the answer, what is claimed of it, and its certificate."""
-        began = time.perf_counter()
         try:
             solution = solve(self.problem, Request(solver=solver, form=form, time_limit=TIME_LIMIT, bound_time=BOUND_TIME))
         except wb.UnsupportedError:
-            return
-        except Exception as error:
-            self.note("solve", "", FALSE, began, f"{type(error).__name__} by {solver} through {form}: {error}")
-            return
+            return None
         fault = self.certified(solution.certificate, solution.evaluation) or "; ".join(solution.faults)
         values = solution.objective if isinstance(solution.objective, list) else [solution.objective]
         if solution.status == "infeasible" and self.record.optimum is not None:
             fault = fault or f"infeasible by {solver} through {form}, optimum {self.record.optimum}"
         if solution.status == "optimal" and (None in values or not self.equal(values)):  # type: ignore[arg-type]
             fault = fault or f"optimal {values} by {solver} through {form}, enumeration says {self.record.optimum}"
-        self.note("solve", "", FALSE if fault else AGREES, began, fault)
+        return FALSE if fault else AGREES, fault
 
-    def engine(self, solver: str) -> None:
+    def engine(self, solver: str) -> tuple[str, str]:
         """Its search ends where it has published an optimum, or when its work is done."""
-        began, engine, control = time.perf_counter(), solver_named(solver), Control()
+        engine, control = solver_named(solver), Control()
         assert isinstance(engine, Engine)
         control.goal = lambda answer, objective: self.equal(self.problem.evaluate(answer).values)
         work: dict[str, Any] = {"iterations": WORK.get(solver, 200)} if "iterations" in engine.honours else {}
-        try:
-            result = engine.run(self.problem, Options(time_limit=ENGINE_TIME, **work), control)
-        except Exception as error:
-            self.note(solver, "", FALSE, began, f"{type(error).__name__}: {error}")
-            return
-        if result.answer is None:
-            fault = f"says infeasible, optimum {self.record.optimum}" if result.status == "infeasible" and self.record.optimum else ""
-            self.note(solver, "", FALSE if fault else NOTHING if self.record.optimum else OPTIMUM, began, fault)
-        else:
-            self.free(solver, result.answer, self.problem.evaluate(result.answer), began)
+        result = engine.run(self.problem, Options(time_limit=ENGINE_TIME, **work), control)
+        if result.answer is not None:
+            return self.free(result.answer, self.problem.evaluate(result.answer))
+        if result.status == "infeasible" and self.record.optimum:
+            return FALSE, f"says infeasible, optimum {self.record.optimum}"
+        return NOTHING if self.record.optimum else OPTIMUM, ""
 
-    def heuristic(self, name: str) -> None:
-        began = time.perf_counter()
-        try:
-            solution = solve(self.problem, Request(heuristic=name, time_limit=TIME_LIMIT, bound_time=0.0))
-        except Exception as error:
-            self.note(name, "", FALSE, began, f"{type(error).__name__}: {error}")
-            return
+    def heuristic(self, name: str) -> tuple[str, str]:
+        solution = solve(self.problem, Request(heuristic=name, time_limit=TIME_LIMIT, bound_time=0.0))
         if solution.answer is None or solution.evaluation is None:
-            self.note(name, "", NOTHING if self.record.optimum else OPTIMUM, began)
-            return
+            return NOTHING if self.record.optimum else OPTIMUM, ""
         stated, best = solution.certificate.guarantee, self.record.optimum
         fault = self.certified(solution.certificate, solution.evaluation)
         if stated is not None and best is not None and solution.evaluation.values[0] > stated.ratio * best[0] * (1.0 + AGREE):
             fault = fault or f"{solution.evaluation.values[0]} is not within {stated.ratio} of {best[0]}"
-        self.free(name, solution.answer, solution.evaluation, began, fault)
+        return self.free(solution.answer, solution.evaluation, fault)
 
-    def free(self, who: str, answer: Any, evaluation: wb.Evaluation, began: float, fault: str = "") -> None:
-        """An answer of a method that claims no optimum."""
+    def free(self, answer: Any, evaluation: wb.Evaluation, fault: str = "") -> tuple[str, str]:
+        """The verdict on an answer of a method that claims no optimum."""
         fault = fault or self.judged(answer, evaluation)
         if not fault and self.beats(evaluation.values):
             fault = f"{evaluation.values} beats enumeration's {self.record.optimum}"
-        self.note(who, "", FALSE if fault else OPTIMUM if self.equal(evaluation.values) else WORSE, began, fault)
+        return FALSE if fault else OPTIMUM if self.equal(evaluation.values) else WORSE, fault
 
 
 def examined(number: int, problem: wb.RoutingProblem, solvers: Sequence[str] = (), heuristics: bool = True) -> Record:
     """One problem given to everything that takes it by its declarations, or to some of the solvers."""
     this, pairs = _Examined(number, problem), []
-    this.bounds()
+    this.note("bounds", "", this.bounds)
     compiled = {form: problem.compile(form) for form in problem.forms()}
     for name in solvers or [name for name in BACKENDS if BACKENDS[name].installed()]:
         lacks, forms = missing_features(name, problem)
         if lacks:
             continue
         if issubclass(BACKENDS[name], Engine):
-            this.engine(name)
+            this.note(name, "", partial(this.engine, name))
         for form in forms:
-            this.exact(name, compiled[form])
+            this.note(name, form, partial(this.exact, name, compiled[form]), DIFFERS)
             pairs.append((name, form))
     if pairs and number % WHOLE == 0:
-        this.whole(*pairs[number // WHOLE % len(pairs)])
+        solver, form = pairs[number // WHOLE % len(pairs)]
+        this.note("solve", "", partial(this.whole, solver, form), how=f" by {solver} through {form}")
     for name in HEURISTICS if heuristics else ():
         if not HEURISTICS[name].missing(problem):
-            this.heuristic(name)
+            this.note(name, "", partial(this.heuristic, name))
     return this.record
 
 

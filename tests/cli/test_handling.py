@@ -100,5 +100,5 @@ def test_a_failure_is_one_json_object_where_json_is_asked_for(arguments, told, r
 def test_a_failure_names_file_and_line_as_json(json_of, tmp_path):
     path = tmp_path / "costs.csv"
     path.write_text("robot,bin,cost\na,b,3\na,c,x\n")
-    data = json_of("solve", path)
+    data = json_of("solve", path, code=2)
     assert (data["code"], data["file"], data["line"]) == (2, str(path), 3)
