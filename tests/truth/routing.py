@@ -20,6 +20,7 @@ import numpy as np
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.routing.instance import VehicleType
+from waybound.instances.routing.travel import Travel
 
 from .base import PARTS, Truth, Values, ints, scale_of
 
@@ -43,6 +44,27 @@ class Driven:
     overrun: float = 0.0
 
 
+def unit_of(problem: RoutingProblem, ways: list[Travel], speeds: list[Any]) -> int:
+    """The least power of two of which all numbers of a problem, times it, are whole."""
+    s = problem.sites
+    limits = [
+        (
+            *v.capacities, v.max_duration, v.max_distance, v.regular_duration, v.fixed_cost, v.unit_cost, v.unit_duration_cost,
+            v.unit_overtime_cost, *v.shift,
+        )
+        for v in problem.fleet
+    ]  # fmt: skip
+    stores = [(v.energy.capacity, v.energy.rate, v.energy.at_departure) for v in problem.fleet if v.energy]
+    loads = [x.load for x in s.shipments]
+    windows = [t for w in s.windows for pair in w for t in pair]
+    weights = [w for level in problem.objective.levels() for w, _ in level.terms]
+    closes = [w.closing for w in ways if w.closing is not None]
+    return scale_of(
+        s.demand, s.further_demand, s.pickup, s.further_pickup, s.ready, s.due, s.service, s.reward, s.penalty, windows,
+        *[x for row in (*limits, *stores, *loads) for x in row], weights, *[w.distances for w in ways], *speeds, *closes,
+    )  # fmt: skip
+
+
 class Roads:
     """The data of a problem in whole numbers, and the routes that its vehicles can drive.
 
@@ -54,23 +76,7 @@ class Roads:
         s, fleet = problem.sites, problem.fleet
         ways = [problem.travel if v.travel is None else v.travel for v in fleet]
         speeds = [w.durations / v.speed for w, v in zip(ways, fleet, strict=True)]
-        closes = [w.closing for w in ways if w.closing is not None]
-        weights = [w for level in problem.objective.levels() for w, _ in level.terms]
-        limits = [
-            (
-                *v.capacities, v.max_duration, v.max_distance, v.regular_duration, v.fixed_cost, v.unit_cost, v.unit_duration_cost,
-                v.unit_overtime_cost, *v.shift,
-            )
-            for v in fleet
-        ]  # fmt: skip
-        stores = [(v.energy.capacity, v.energy.rate, v.energy.at_departure) for v in fleet if v.energy]
-        loads = [x.load for x in s.shipments]
-        windows = [t for w in s.windows for pair in w for t in pair]
-        self.unit = scale_of(
-            s.demand, s.further_demand, s.pickup, s.further_pickup, s.ready, s.due, s.service, s.reward, s.penalty, windows,
-            *[x for row in (*limits, *stores, *loads) for x in row], weights, *[w.distances for w in ways], *speeds, *closes,
-        )  # fmt: skip
-        u = self.unit
+        self.unit = u = unit_of(problem, ways, speeds)
         self.d, self.t = [ints(w.distances, u) for w in ways], [ints(t, u) for t in speeds]
         self.variances = [
             None if w.variances is None else [[Fraction(x) for x in row] for row in (w.variances / v.speed / v.speed).tolist()]
