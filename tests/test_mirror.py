@@ -60,6 +60,7 @@ ELSEWHERE = {
     "reports/plots/positions": "reports/plots/routing/test_maps.py",
     "reports/benchmarks/_bare_highs": "reports/benchmarks/test_highs_versions.py",  # a script that knows nothing of waybound
     **{f"reports/benchmarks/_bare_{name}": "reports/benchmarks/test_overhead.py" for name in ("ortools", "pyvrp", "routing", "vroom")},
+    "reports/benchmarks/_wrapped": "reports/benchmarks/test_overhead.py",
     "solvers/engines/sata/local_max_min/robot": "solvers/engines/sata/local_max_min/test_messages.py",  # a robot alone talks to nobody
     "waybound/_version": "test_packaging.py",  # one line
     "waybound/_guard": "conformance/test_imports.py",  # one line, which fails where it must: in other processes

@@ -23,7 +23,7 @@ def load(path: str) -> dict[str, Any]:
     return dict(np.load(path))
 
 
-def tell(routes: list[list[int]], engine: float) -> None:
+def tell(routes: list[list[int]], engine: float | None) -> None:
     """Print routes, CPU seconds of the library, and of the whole process, as JSON."""
     usage = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     whole = sum(u.ru_utime + u.ru_stime for u in usage)

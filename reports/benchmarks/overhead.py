@@ -47,53 +47,8 @@ BENCHMARKS: dict[str, dict[str, Any]] = {
     "minmax-mtsp/mtsplib/eil51-m5.txt": {},
 }
 
-TELL = """
-usage = [resource.getrusage(w) for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-whole = sum(u.ru_utime + u.ru_stime for u in usage)
-print(json.dumps({"routes": sorted(routes), "engine": engine, "whole": whole}))
-"""
-
-FIXED = """
-work = int(sys.argv[2])
-options, limits = ({"exploration_level": work}, {}) if sys.argv[3] == "vroom" else ({}, {"iterations": work})
-"""
-
-ENGINE = (
-    """
-import json, resource, sys, time
-import waybound as wb
-from waybound.solvers.backend import BACKENDS, Control, Options
-problem = wb.read(sys.argv[1], **json.loads(sys.argv[4]))
-"""
-    + FIXED
-    + """
-backend = BACKENDS[sys.argv[3]]()
-import importlib
-for module in backend.modules:
-    importlib.import_module(module)
-start = time.process_time()
-result = backend.run(problem, Options(time_limit=3600.0, seed=1, extra=options, **limits), Control())
-engine = time.process_time() - start
-routes = [list(r.visits) for r in result.answer]
-"""
-    + TELL
-)
-
-WHOLE = (
-    """
-import json, resource, sys
-import waybound as wb
-problem = wb.read(sys.argv[1], **json.loads(sys.argv[4]))
-"""
-    + FIXED
-    + """
-solution = wb.solve(problem, sys.argv[3], time_limit=3600.0, seed=1, bound_time=0, options=options, **limits)
-engine = None
-routes = [list(r.visits) for r in solution.answer]
-"""
-    + TELL
-)
-
+WRAPPED = "waybound.reports.benchmarks._wrapped"
+"""The module that runs a library through waybound."""
 
 BISECTED = frozenset({"this objective by itself, and takes it by bisection over limits of routes"})
 """An objective that the bare library does not solve in one run has no bare run to be compared with."""
@@ -157,8 +112,8 @@ def compare(name: str, source: str, settings: dict[str, Any], engine: str, work:
     runs: dict[str, list[dict[str, Any]]] = {"bare": [], "engine": [], "whole": []}
     for _ in range(repeats):
         runs["bare"].append(bare(problem, engine, work))
-        for kind, code in (("engine", ENGINE), ("whole", WHOLE)):
-            runs[kind].append(in_a_fresh_process("-c", code, source, work, engine, json.dumps(settings)))
+        for part in ("engine", "whole"):
+            runs[part].append(in_a_fresh_process("-m", WRAPPED, part, source, work, engine, json.dumps(settings)))
     routes = [json.dumps(shown(r["routes"], engine)) for kind in runs.values() for r in kind]
     middle: Callable[[str, str], float] = lambda kind, what: statistics.median(r[what] for r in runs[kind])  # noqa: E731
     return {
