@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -20,8 +20,6 @@ from ..instances.limits import check_number, check_whole
 if TYPE_CHECKING:
     from ..formulations.problem import Problem
     from ..instances.instance import Instance
-
-R = TypeVar("R")
 
 
 def opt(words: str, help: str) -> Any:  # noqa: A002 - typer's word
