@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import Any
 
 import numpy as np
+from truth.auctions import PairTruth
 
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 
@@ -44,13 +44,5 @@ def random_costs(rng: np.random.Generator, most: int = 6) -> np.ndarray[Any, Any
 
 def enumerated(costs: np.ndarray[Any, Any]) -> tuple[int, float, float]:
     """The most pairs, and of all assignments with as many the least sum and the least largest cost."""
-    n, m = costs.shape
-    found: dict[int, tuple[float, float]] = {}
-    for bins in itertools.product(range(-1, m), repeat=n):
-        used = [j for j in bins if j >= 0]
-        own = [costs[i, j] for i, j in enumerate(bins) if j >= 0]
-        if len(set(used)) == len(used) and all(map(math.isfinite, own)):
-            total, largest = found.get(len(used), (math.inf, math.inf))
-            found[len(used)] = min(total, math.fsum(own)), min(largest, max(own, default=0.0))
-    most = max(found)
-    return most, *found[most]
+    cheapest, evenest = (PairTruth(BinAssignment.from_matrix(costs, objective=objective)) for objective in ("sum", "bottleneck"))
+    return cheapest.pairs, float(cheapest.best[0]), float(evenest.best[0])

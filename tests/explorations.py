@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator
-
 import numpy as np
+from truth.auctions import RoomTruth
 
 from waybound.formulations.auctions.room_exploration import RoomExploration
 from waybound.instances.auctions.exploration_map import ExplorationMap
@@ -32,42 +30,5 @@ def random_map(rng: np.random.Generator) -> RoomExploration:
 
 
 def enumerated(problem: RoomExploration) -> float:
-    """The most gain of all plans, contact and gains counted anew."""
-    given = problem.instance
-    doors = {tuple(sorted(pair)) for pair in given.doors.tolist()}
-    links = {tuple(sorted(pair)) for pair in given.heard.tolist()}
-
-    def plans(room: int, left: int) -> Iterator[tuple[tuple[int, int], ...]]:
-        if not left:
-            yield ()
-            return
-        others = [v for v in range(given.num_rooms) if tuple(sorted((room, v))) in doors]
-        for to, action in [(room, 0), (room, 1), (room, 2), *((v, 0) for v in others)]:
-            for rest in plans(to, left - 1):
-                yield ((to, action), *rest)
-
-    best = -1.0
-    tables = [given.exploring, given.mapping, given.searching]
-    for team in itertools.product(*(list(plans(int(start), given.steps)) for start in given.starts)):
-        silent = [0] * len(team)
-        fine = True
-        for step in range(given.steps):
-            at = [own[step][0] for own in team]
-            joined = {given.base}
-            for _ in at:
-                joined |= {room for room in at if any(room == j or tuple(sorted((room, j))) in links for j in joined)}
-            silent = [0 if room in joined else count + 1 for room, count in zip(at, silent, strict=True)]
-            fine = fine and max(silent) <= given.silence
-        if not fine or max(silent) > 0:
-            continue
-        total, done = 0.0, {}
-        for start, own in zip(given.starts.tolist(), team, strict=True):
-            here = start
-            for to, action in own:
-                if action or to != here:
-                    count = done.get((action, to), 0)
-                    total += float(tables[action][to, count]) if count < tables[action].shape[1] else 0.0
-                    done[action, to] = count + 1
-                here = to
-        best = max(best, total)
-    return best
+    """The most gain of all plans that keep contact."""
+    return float(RoomTruth(problem).best[0])

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
-from exact_truth import Truth
+from truth.families import Truth
 
 from waybound.formulations.certificate import Certificate, certify, check_certificate
 from waybound.formulations.evidence import Evidence

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import numpy as np
+from truth.auctions import ErrandTruth
 
 from waybound.formulations.auctions.joint_assignment import JointAssignment
 
@@ -24,24 +24,7 @@ def random_joint(rng: np.random.Generator, scale: float = 1.0) -> JointAssignmen
 
 def enumerated(problem: JointAssignment) -> float:
     """The least sum of times of all errands that have the most bins and requests."""
-    given, n, m, q = problem.instance, problem.num_robots, problem.num_bins, problem.num_requests
-    found: dict[tuple[int, int], float] = {}
-    for errands in itertools.product(itertools.product(range(-1, m), range(-1, q)), repeat=n):
-        bins, requests = ([one[k] for one in errands if one[k] >= 0] for k in (0, 1))
-        if len(set(bins)) < len(bins) or len(set(requests)) < len(requests):
-            continue
-        times = []
-        for i, (j, k) in enumerate(errands):
-            way = given.to_request[i, k] if k >= 0 else 0.0
-            if j >= 0:
-                far = way + given.between[k, j] if k >= 0 else given.to_bin[i, j]
-                way = max(far, given.filled[j], given.to_bin[i, j] if math.isinf(given.to_bin[i, j]) else 0.0)
-            times.append(way)
-        total = math.fsum(times)
-        if math.isfinite(total):
-            key = len(bins), len(requests)
-            found[key] = min(found.get(key, math.inf), total)
-    return found[max(found)]
+    return float(ErrandTruth(problem).best[0])
 
 
 WORKED = JointAssignment.from_arrays([[1, 2], [2, 5]], [[1, 4], [1, 6]], [[3, 0], [0, 9]], [0, 2])

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from truth.auctions import CapacityTruth
 
 from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
 
@@ -29,22 +28,9 @@ def random_assignment(rng: np.random.Generator, most: int = 5, scale: float = 1.
 
 
 def enumerated(problem: GeneralisedAssignment) -> float | None:
-    """The best value of all assignments, in fractions but for what rounding lets pass; None where there is none."""
-    given, best = problem.instance, None
-    whole = bool((np.floor(given.consumption) == given.consumption).all() and (np.floor(given.capacity) == given.capacity).all())
-    slack = Fraction(0) if whole else Fraction(1, 10**11)
-    rooms = [Fraction(b) * (1 + slack) for b in given.capacity.tolist()]
-    for agents in itertools.product(range(-1, problem.num_agents), repeat=problem.num_jobs):
-        if problem.objective == "cost" and -1 in agents:
-            continue
-        done = [(i, j) for j, i in enumerate(agents) if i >= 0]
-        if not all(math.isfinite(given.values[pair]) for pair in done):
-            continue
-        loads = [sum((Fraction(given.consumption[i, j]) for i, j in done if i == k), Fraction(0)) for k in range(problem.num_agents)]
-        if all(load <= room for load, room in zip(loads, rooms, strict=True)):
-            value = math.fsum(given.values[pair] for pair in done)
-            best = value if best is None else (min if problem.objective == "cost" else max)(best, value)
-    return best
+    """The best value of all assignments; None where there is none."""
+    values = CapacityTruth(problem).lenient
+    return None if values is None else float(values[0])
 
 
 def worked(objective: str = "cost", **further: Any) -> GeneralisedAssignment:

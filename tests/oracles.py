@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import strategies as st
+from truth.routing import RoutingTruth, best_values
 
 from waybound.formulations.programs.program import Program
 from waybound.formulations.routing.objective import Objective, Reward, TotalCost, Vehicles
@@ -15,7 +16,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import UnsupportedError
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.reports.benchmarks.exact_routing import RoutingTruth, best_values
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends.cpsat import CpSat
 from waybound.solvers.backends.outer_approximation import OuterApproximation

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from exact_truth import excess_of
 from numpy.typing import NDArray
+from truth.families import excess_of
 
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.problem import Problem

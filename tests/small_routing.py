@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from truth.routing import best_values
 
 from waybound.formulations.routing.objective import (
     Composable,
@@ -25,7 +26,6 @@ from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import Context
 from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Group, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.linear_programs import LinearPrograms
 
 CUSTOMERS = 5

@@ -59,10 +59,9 @@ ELSEWHERE = {
     "reports/plots/positions": "reports/plots/routing/test_routes.py",
     "reports/benchmarks/_bare_highs": "reports/benchmarks/test_highs_versions.py",  # a script that knows nothing of waybound
     **{f"reports/benchmarks/_bare_{name}": "reports/benchmarks/test_overhead.py" for name in ("ortools", "pyvrp", "routing", "vroom")},
-    "reports/benchmarks/exact_base": "formulations/routing/test_whole_family.py",
-    "reports/benchmarks/exact_routing": "formulations/routing/test_whole_family.py",  # against the judge
     "solvers/engines/sata/local_max_min/records": "solvers/engines/sata/local_max_min/test_search.py",  # names of arrays
     "solvers/engines/sata/saddle_steps/layout": "solvers/engines/sata/saddle_steps/test_game.py",  # names of arrays
+    "reports/benchmarks/_wrapped": "reports/benchmarks/test_overhead.py",
     "waybound/_version": "test_packaging.py",  # one line
     "waybound/_guard": "conformance/test_imports.py",  # one line, which fails where it must: in other processes
 }

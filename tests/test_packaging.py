@@ -18,13 +18,18 @@ ROOT = Path(__file__).resolve().parent.parent
 FLOORS = ("formulations", "heuristics", "instances", "reports", "solvers")
 
 
+BENCHMARKS = "waybound.reports.benchmarks"
+"""Commands of a checkout, which are no part of the wheel: they compare with the truths and the peers that the tests have."""
+
+
 def packages_in_tree() -> set[str]:
+    """Names of all packages that users install."""
     found = {"waybound"}
     for top in (*FLOORS, "waybound/cli", "waybound/solving"):
         for init in (ROOT / top).rglob("__init__.py"):
             relative = init.parent.relative_to(ROOT).as_posix()
             found.add("waybound." + relative.removeprefix("waybound/").replace("/", "."))
-    return found
+    return found - {BENCHMARKS}
 
 
 def test_pyproject_finds_every_package_and_nothing_else() -> None:
@@ -146,3 +151,4 @@ def test_wheel_from_tree_and_from_sdist_hold_the_same_files(tmp_path: Path, chec
     assert "waybound/py.typed" in direct
     for package in packages_in_tree():
         assert package.replace(".", "/") + "/__init__.py" in direct
+    assert not [name for name in direct if name.startswith(BENCHMARKS.replace(".", "/"))]

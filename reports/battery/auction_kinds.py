@@ -1,4 +1,4 @@
-"""What the battery is drawn from: robots and tasks, bins, agents, errands, orchards and rooms."""
+"""Kinds of the battery's problems: robots and tasks, bins, agents, errands, orchards and rooms."""
 
 from __future__ import annotations
 
@@ -116,4 +116,4 @@ def rooms_in_contact(rng: Generator) -> Problem:
 
 
 AUCTIONS: tuple[Draw, ...] = (task_paths, task_parts, bin_pairs, shared_capacities, errands, standing_bins, rooms_in_contact)
-"""In the order in which they take turns."""
+"""Kinds in the order in which they take turns."""

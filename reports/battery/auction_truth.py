@@ -1,7 +1,4 @@
-"""What is true of small problems of robots and tasks, bins, agents, errands, orchards and rooms, by enumeration in fractions.
-
-As in ``truth``, nothing is read of a problem but its data.
-"""
+"""Optima of small problems of robots and tasks, bins, agents, errands, orchards and rooms, by enumeration in fractions; see ``truth``."""
 
 from __future__ import annotations
 
@@ -73,13 +70,13 @@ def pair_values(problem: BinAssignment) -> Iterator[Fraction]:
             if not math.isinf(filled[at]):
                 until = Fraction(filled[at])
                 price[robot][at] = travel if data.filled is None else max(travel, until) if problem.waiting == "max" else travel + until
-    found: dict[int, list[Fraction]] = {}
+    by_size: dict[int, list[Fraction]] = {}
     for taken in itertools.product(*([None, *own] for own in price)):
         costs = [own[at] for own, at in zip(price, taken, strict=True) if at is not None]
         if len({at for at in taken if at is not None}) == len(costs):
             value = sum(costs, ZERO) if problem.objective == "sum" else max(costs, default=ZERO)
-            found.setdefault(len(costs), []).append(value)
-    yield from found.get({"most": max(found), "robots": robots, "bins": bins}[problem.match], [])
+            by_size.setdefault(len(costs), []).append(value)
+    yield from by_size.get({"most": max(by_size), "robots": robots, "bins": bins}[problem.match], [])
 
 
 def capacity_values(problem: GeneralisedAssignment) -> Iterator[Fraction]:
@@ -101,17 +98,17 @@ def errand_values(problem: JointAssignment) -> Iterator[Fraction]:
     own: list[list[tuple[int | None, int | None, Fraction]]] = []
     for robot in range(len(to_bin)):
         asked = [(None, ZERO), *((q, time) for q, time in enumerate(to_request[robot]) if isinstance(time, Fraction))]
-        made: list[tuple[int | None, int | None, Fraction]] = [(None, q, time) for q, time in asked]
+        errands: list[tuple[int | None, int | None, Fraction]] = [(None, q, time) for q, time in asked]
         for at, way in enumerate(to_bin[robot]):
             if isinstance(way, Fraction) and isinstance(filled[at], Fraction):
-                made += [(at, q, max(way if q is None else time + between[q][at], filled[at])) for q, time in asked]
-        own.append(made)
-    found: dict[tuple[int, int], list[Fraction]] = {}
+                errands += [(at, q, max(way if q is None else time + between[q][at], filled[at])) for q, time in asked]
+        own.append(errands)
+    by_counts: dict[tuple[int, int], list[Fraction]] = {}
     for team in itertools.product(*own):
         bins, requests = ([errand[k] for errand in team if errand[k] is not None] for k in (0, 1))
         if len(set(bins)) == len(bins) and len(set(requests)) == len(requests):
-            found.setdefault((len(bins), len(requests)), []).append(sum((time for _, _, time in team), ZERO))
-    yield from found[max(found)]
+            by_counts.setdefault((len(bins), len(requests)), []).append(sum((time for _, _, time in team), ZERO))
+    yield from by_counts[max(by_counts)]
 
 
 def day_values(problem: OrchardDay) -> Iterator[Fraction]:
@@ -159,8 +156,8 @@ def room_values(problem: RoomExploration) -> Iterator[Fraction]:
     gains = [fractions(table.tolist()) for table in (data.exploring, data.mapping, data.searching)]
     doors, heard = ({frozenset(pair) for pair in pairs.tolist()} for pairs in (data.doors, data.heard))
 
-    def after(here: tuple[int, ...], silent: tuple[int, ...], done: dict[tuple[int, int], int], left: int) -> Iterator[Fraction]:
-        if not left:
+    def after(here: tuple[int, ...], silent: tuple[int, ...], done: dict[tuple[int, int], int], steps: int) -> Iterator[Fraction]:
+        if not steps:
             if not any(silent):
                 yield sum((sum(gains[kind][room][:times], ZERO) for (kind, room), times in done.items()), ZERO)
             return
@@ -179,7 +176,7 @@ def room_values(problem: RoomExploration) -> Iterator[Fraction]:
                 for room, kind in team:
                     if kind is not None:
                         more[kind, room] = more.get((kind, room), 0) + 1
-                yield from after(there, now, more, left - 1)
+                yield from after(there, now, more, steps - 1)
 
     return after(tuple(data.starts.tolist()), (0,) * data.num_robots, {}, data.steps)
 
@@ -188,4 +185,4 @@ AUCTIONS: dict[type[Problem], Callable[[Any], Iterator[Fraction]]] = {
     TaskAllocation: path_values, BalancedPartition: part_values, BinAssignment: pair_values, GeneralisedAssignment: capacity_values,
     JointAssignment: errand_values, OrchardDay: day_values, RoomExploration: room_values,
 }  # fmt: skip
-"""What enumerates the values of all answers, by family."""
+"""The enumeration of the values of all answers, by family."""

@@ -22,14 +22,9 @@ FEW = 8
 
 @dataclass(frozen=True)
 class Draw:
-    """Which cases are drawn: the k-th of a seed is the same in every draw of the same kind and form.
+    """A choice of cases: the k-th of a seed is the same in every draw of the same kind and form.
 
-    Parameters
-    ----------
-    count : int
-    seed : int
-    kind, form : str, optional
-        The only ones; by default kinds take turns, and forms within each.
+    Without a kind or form, kinds take turns, and forms within each.
     """
 
     count: int
@@ -80,5 +75,5 @@ def _drawn(kind: str, *seed: int) -> Problem:
 
 
 def _forms(problem: Problem) -> list[str]:
-    """Those in which the problem itself is asked, and no more or less."""
+    """Names of exact forms, in which the problem itself is asked, and no more or less."""
     return [name for name in problem.forms() if FORMS[name].exactness is Exactness.EXACT]

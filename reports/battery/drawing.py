@@ -28,7 +28,7 @@ def whole(rng: Generator, size: Any, low: int, high: int) -> Floats:
 
 def weights(rng: Generator, size: Any) -> Floats:
     """Positive numbers as objectives have them: whole, equal, of two values, decimal, tiny, huge, or of all sizes."""
-    made: tuple[Callable[[], Floats], ...] = (
+    draws: tuple[Callable[[], Floats], ...] = (
         lambda: whole(rng, size, 1, 9),
         lambda: np.full(size, float(rng.integers(1, 9))),
         lambda: whole(rng, size, 1, 2),
@@ -38,4 +38,4 @@ def weights(rng: Generator, size: Any) -> Floats:
         lambda: whole(rng, size, 1, 99) * 1e9,
         lambda: 10.0 ** rng.uniform(-3, 3, size),
     )
-    return made[int(rng.integers(len(made)))]()
+    return draws[int(rng.integers(len(draws)))]()

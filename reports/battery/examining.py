@@ -36,19 +36,9 @@ VERDICTS = (RIGHT, *WRONG, GAVE_UP, REFUSED)
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a solver made of one case.
+    """A solver's word on one case, and one of ``VERDICTS`` on it: ``refused`` where the solver does not take such programs.
 
-    Parameters
-    ----------
-    number : int
-        Of the case in its draw.
-    kind, form, truth : str
-    verdict : str
-        Of ``VERDICTS``; ``refused`` where the solver does not take such programs.
-    said : str
-        The solver's word.
-    seconds : float
-        Wall time of reductions and search.
+    ``number`` is that of the case in its draw, ``seconds`` the wall time of reductions and search.
     """
 
     number: int
@@ -62,7 +52,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Examination:
-    """What one solver made of a draw."""
+    """The outcomes of one solver on a draw."""
 
     solver: str
     version: str
@@ -86,30 +76,13 @@ def examine(
     own: dict[str, Any] | None = None,
     *,
     time_limit: float = TIME_LIMIT,
-    told: Callable[[int, int], None] = lambda done, total: None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Examination:
-    """Give a solver the cases of a draw, in processes of their own.
+    """Give a solver of ``examinable()`` the cases of a draw, in processes of their own, with ``time_limit`` seconds for each.
 
-    Parameters
-    ----------
-    solver : str
-        A name of ``examinable()``.
-    draw : Draw
-    own : dict, optional
-        Options of the solver's own, which go before waybound's.
-    time_limit : float
-        Seconds for one case.
-    told : callable
-        ``told(done, total)`` hears how far it is.
-
-    Notes
-    -----
-    Ctrl-C ends it; what was found until then is brought back.
-
-    Raises
-    ------
-    UsageError, MissingPackageError
-        If there is no such solver, it takes no programs, or refuses an option.
+    ``own`` holds options of the solver's own, which go before waybound's; ``progress(done, total)`` hears how far it is. Ctrl-C ends the
+    examination, and what it has until then is returned. Raises UsageError or MissingPackageError if there is no such solver, it takes no
+    programs, or refuses an option.
     """
     backend = solver_named(solver)
     if not isinstance(backend, ProgramBackend):
@@ -119,10 +92,10 @@ def examine(
         begun = len(outcomes)
         numbers = range(begun, min(draw.count, begun + PROCESS_CASES))
 
-        def progress(event: dict[str, Any], begun: int = begun) -> None:
-            told(begun + int(event["objective"] or 0), draw.count)
+        def hear(event: dict[str, Any], begun: int = begun) -> None:
+            progress(begun + int(event["objective"] or 0), draw.count)
 
-        control = Control(progress)
+        control = Control(hear)
         work = ExaminationWork(solver, draw, numbers, Options(time_limit=time_limit, extra=dict(own or {})))
         try:
             message = run_in_process(work, Options(time_limit=(time_limit + 1.0) * len(numbers)), control).message
@@ -146,7 +119,7 @@ class ExaminationWork:
 
     @property
     def modules(self) -> tuple[str, ...]:
-        """What is loaded before time is counted."""
+        """Modules that are loaded before time is counted."""
         return solver_named(self.solver).modules
 
     def __call__(self, control: Control) -> RawResult:
@@ -158,7 +131,7 @@ class ExaminationWork:
 
 
 def outcome(solver: str, case: Case, options: Options) -> Outcome:
-    """What a solver makes of one case; raises UsageError for options that it refuses."""
+    """Give a solver one case; raises UsageError for options that it refuses."""
     backend = solver_named(solver)
     assert isinstance(backend, ProgramBackend)
     began = time.perf_counter()
@@ -190,7 +163,7 @@ def said(result: RawResult) -> str:
 
 
 def verdict(case: Case, result: RawResult) -> str:
-    """Whether a solver's last word is true."""
+    """Hold a solver's last word against the truth."""
     known, status = case.truth, result.status
     if status == "infeasible_or_unbounded":
         return "false infeasible" if known.status == "optimal" else GAVE_UP
@@ -216,7 +189,7 @@ def verdict(case: Case, result: RawResult) -> str:
 
 
 def _size(program: Program, x: Any, value: Fraction) -> Fraction:
-    """What the objective adds up at ``x``, without signs, or the unit of its program once it is scaled."""
+    """The size of the objective's terms at ``x``, added up without signs, or the unit of its program once it is scaled."""
     total = float(np.abs(program.cost) @ np.abs(x)) + abs(program.offset)
     if program.quadratic is not None:
         total += float(np.abs(x) @ (abs(program.quadratic) @ np.abs(x))) / 2
@@ -226,12 +199,12 @@ def _size(program: Program, x: Any, value: Fraction) -> Fraction:
 
 def examinable() -> list[str]:
     """Names of the installed solvers that take programs, and of those within them."""
-    found: list[str] = []
+    names: list[str] = []
     for name in BACKENDS:
         backend = BACKENDS[name]
         if issubclass(backend, ProgramBackend) and backend.installed():
-            found += backend.available()
-    return found
+            names += backend.available()
+    return names
 
 
 def version_of(backend: ProgramBackend) -> str:

@@ -1,7 +1,4 @@
-"""What the battery is drawn from: small problems of every family, each kind of them hard in its own way.
-
-Numbers that rows add up are whole, or whole numbers times powers of two: what is just feasible in fractions is so in doubles.
-"""
+"""Kinds of the battery's problems: small ones of every family, each kind hard in its own way."""
 
 from __future__ import annotations
 
@@ -65,9 +62,9 @@ def huge_times(rng: Generator) -> Problem:
 
 def tiny_times(rng: Generator) -> Problem:
     """The same in units of a millionth."""
-    found = _windows(rng)
-    sites, travel = found.sites, found.travel
-    return _routing(travel.distances * TINY, sites.demand, sites.ready * TINY, sites.due * TINY, found.fleet)
+    problem = _windows(rng)
+    sites, travel = problem.sites, problem.travel
+    return _routing(travel.distances * TINY, sites.demand, sites.ready * TINY, sites.due * TINY, problem.fleet)
 
 
 def equal_distances(rng: Generator) -> Problem:
@@ -91,8 +88,8 @@ def risky_routes(rng: Generator) -> Problem:
     longest = float(rng.integers(100, 300)) + 0.5  # no sum of whole numbers is so long
     risk = float(rng.choice([0.01, 0.05, 0.2, 1e-6]))
     vehicle = VehicleType(int(rng.integers(1, 3)), float(rng.integers(5, 15)), max_duration=longest, risk=risk)
-    found = _routing(matrix, demand, np.zeros(size), np.full(size, math.inf), [vehicle])
-    return replace(found, travel=replace(found.travel, variances=variances))
+    problem = _routing(matrix, demand, np.zeros(size), np.full(size, math.inf), [vehicle])
+    return replace(problem, travel=replace(problem.travel, variances=variances))
 
 
 def tight_windows(rng: Generator) -> Problem:
@@ -305,8 +302,8 @@ def unbounded(rng: Generator) -> Problem:
     a = inner.matrix.toarray()
     # It may loosen rows that have one side, and is missing in the others.
     loosens = np.where(np.isinf(inner.row_lower), -1.0, np.where(np.isinf(inner.row_upper), 1.0, 0.0)) * (rng.random(len(a)) < 0.5)
-    made = _arrays(inner.sense, [*columns, extra], np.column_stack([a, loosens]), inner.row_lower, inner.row_upper, inner.offset)
-    return ArrayProblem(made)
+    program = _arrays(inner.sense, [*columns, extra], np.column_stack([a, loosens]), inner.row_lower, inner.row_upper, inner.offset)
+    return ArrayProblem(program)
 
 
 def products(rng: Generator) -> Problem:
@@ -314,14 +311,14 @@ def products(rng: Generator) -> Problem:
     integers, others = int(rng.integers(2, 5)), int(rng.integers(0, 2))
     width = integers + others
     q = np.triu(whole(rng, (width, width), -5, 5) * (rng.random((width, width)) < 0.7), 1)
-    made = _program(rng, integers, others, int(rng.integers(1, 3)), q + q.T).program
+    inner = _program(rng, integers, others, int(rng.integers(1, 3)), q + q.T).program
     binary = np.arange(width) < integers
     columns = [
         (0.0 if b else low, 1.0 if b else high, c, bool(b))
-        for low, high, c, b in zip(made.lower, made.upper, made.cost, binary, strict=True)
+        for low, high, c, b in zip(inner.lower, inner.upper, inner.cost, binary, strict=True)
     ]
     return ArrayProblem(
-        _arrays(made.sense, columns, made.matrix.toarray(), made.row_lower, made.row_upper, made.offset, made.quadratic.toarray())  # type: ignore[union-attr]
+        _arrays(inner.sense, columns, inner.matrix.toarray(), inner.row_lower, inner.row_upper, inner.offset, inner.quadratic.toarray())  # type: ignore[union-attr]
     )
 
 
@@ -330,11 +327,11 @@ def squares(rng: Generator) -> Problem:
     width = int(rng.integers(1, 4))
     factor = whole(rng, (width, width), -2, 2)
     q = factor @ factor.T + np.eye(width)
-    found = _program(rng, 0, width, int(rng.integers(0, 3)), q).program
+    inner = _program(rng, 0, width, int(rng.integers(0, 3)), q).program
     sense = "min" if rng.random() < 0.5 else "max"
-    columns = list(zip(found.lower.tolist(), found.upper.tolist(), found.cost.tolist(), [False] * width, strict=True))
-    curved = found.quadratic.toarray() * (1.0 if sense == "min" else -1.0)  # type: ignore[union-attr]
-    return ArrayProblem(_arrays(sense, columns, found.matrix.toarray(), found.row_lower, found.row_upper, found.offset, curved))
+    columns = list(zip(inner.lower.tolist(), inner.upper.tolist(), inner.cost.tolist(), [False] * width, strict=True))
+    curved = inner.quadratic.toarray() * (1.0 if sense == "min" else -1.0)  # type: ignore[union-attr]
+    return ArrayProblem(_arrays(sense, columns, inner.matrix.toarray(), inner.row_lower, inner.row_upper, inner.offset, curved))
 
 
 KINDS: dict[str, Draw] = {
@@ -345,4 +342,4 @@ KINDS: dict[str, Draw] = {
         risky_routes, *AUCTIONS,
     )
 }  # fmt: skip
-"""By name, in the order in which they take turns."""
+"""Kinds by name, in the order in which they take turns."""

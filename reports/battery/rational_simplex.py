@@ -51,9 +51,9 @@ class _Dictionary:
 
         def replaced(entries: Vector) -> Vector:
             factor = entries[column]
-            made = [e + factor * s for e, s in zip(entries, solved, strict=True)]
-            made[column] = factor * solved[column]
-            return made
+            row_after = [e + factor * s for e, s in zip(entries, solved, strict=True)]
+            row_after[column] = factor * solved[column]
+            return row_after
 
         for k, entries in enumerate(self.entries):
             if k != row and entries[column]:
@@ -79,34 +79,34 @@ class _Dictionary:
 
 def minimised(cost: Sequence[Fraction], rows: Sequence[Sequence[Fraction]], limits: Sequence[Fraction]) -> Optimum:
     """The least ``cost x`` over ``rows x <= limits``, ``x >= 0``."""
-    made = _Dictionary([[*(-e for e in row), ONE] for row in rows], list(limits))
+    dictionary = _Dictionary([[*(-e for e in row), ONE] for row in rows], list(limits))
     helper = len(cost)  # makes every row feasible where it is large enough
     if not rows:
         return Optimum("unbounded") if any(c < 0 for c in cost) else Optimum("optimal", ZERO, (ZERO,) * len(cost))
-    made.price([ZERO] * helper + [ONE])
-    worst = min(range(len(rows)), key=lambda k: made.constants[k])
-    if made.constants[worst] < 0:
-        made.pivot(worst, helper)
-        made.minimise()
-        if made.value > 0:
+    dictionary.price([ZERO] * helper + [ONE])
+    worst = min(range(len(rows)), key=lambda k: dictionary.constants[k])
+    if dictionary.constants[worst] < 0:
+        dictionary.pivot(worst, helper)
+        dictionary.minimise()
+        if dictionary.value > 0:
             return Optimum("infeasible")
-        if helper in made.basic:  # at 0: any exchange keeps the point
-            row = made.basic.index(helper)
-            column = next((k for k, e in enumerate(made.entries[row]) if e), None)
+        if helper in dictionary.basic:  # at 0: any exchange keeps the point
+            row = dictionary.basic.index(helper)
+            column = next((k for k, e in enumerate(dictionary.entries[row]) if e), None)
             if column is None:
-                del made.entries[row], made.constants[row], made.basic[row]
+                del dictionary.entries[row], dictionary.constants[row], dictionary.basic[row]
             else:
-                made.pivot(row, column)
-    if helper in made.nonbasic:
-        column = made.nonbasic.index(helper)
-        del made.nonbasic[column]
-        for entries in made.entries:
+                dictionary.pivot(row, column)
+    if helper in dictionary.nonbasic:
+        column = dictionary.nonbasic.index(helper)
+        del dictionary.nonbasic[column]
+        for entries in dictionary.entries:
             del entries[column]
-    made.price(cost)
-    if not made.minimise():
+    dictionary.price(cost)
+    if not dictionary.minimise():
         return Optimum("unbounded")
-    levels = dict(zip(made.basic, made.constants, strict=True))
-    return Optimum("optimal", made.value, tuple(levels.get(j, ZERO) for j in range(len(cost))))
+    levels = dict(zip(dictionary.basic, dictionary.constants, strict=True))
+    return Optimum("optimal", dictionary.value, tuple(levels.get(j, ZERO) for j in range(len(cost))))
 
 
 @dataclass(frozen=True)
@@ -122,10 +122,10 @@ class Region:
     def sides(self) -> list[tuple[Vector, Fraction]]:
         """All of it as rows ``a x <= b``."""
         unit = [[ONE if j == k else ZERO for j in range(len(self.lower))] for k in range(len(self.lower))]
-        given = [(row, low, high) for row, low, high in zip(self.rows, self.row_lower, self.row_upper, strict=True)]
-        given += list(zip(unit, self.lower, self.upper, strict=True))
-        made = [(list(row), Fraction(high)) for row, _, high in given if not math.isinf(high)]
-        return made + [([-e for e in row], -Fraction(low)) for row, low, _ in given if not math.isinf(low)]
+        ranges = [(row, low, high) for row, low, high in zip(self.rows, self.row_lower, self.row_upper, strict=True)]
+        ranges += list(zip(unit, self.lower, self.upper, strict=True))
+        upper_sides = [(list(row), Fraction(high)) for row, _, high in ranges if not math.isinf(high)]
+        return upper_sides + [([-e for e in row], -Fraction(low)) for row, low, _ in ranges if not math.isinf(low)]
 
     def minimised(self, cost: Sequence[Fraction]) -> Optimum:
         """The least ``cost x``; the point is left out."""
@@ -140,7 +140,7 @@ class Region:
         return Optimum(found.status, found.value, point)
 
     def falls_for_ever(self, cost: Sequence[Fraction]) -> bool:
-        """Whether some direction that no side limits lowers ``cost x``."""
+        """Look for a direction that no side limits and that lowers ``cost x``."""
         width = len(cost)
         sides = [row for row, _ in self.sides()]
         box = Region(sides, [-math.inf] * len(sides), [ZERO] * len(sides), [-ONE] * width, [ONE] * width)

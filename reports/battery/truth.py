@@ -1,7 +1,7 @@
-"""What is true of small problems and programs, by enumeration in fractions.
+"""Optima of small problems and programs, by enumeration in fractions.
 
 Doubles are taken for the fractions that they are, and nothing is read of a problem but its data: no judge, form, checker or heuristic has
-a say.
+a say. The exact truths of the tests (``tests/truth``) share no code with these, so that the two check each other.
 """
 
 from __future__ import annotations
@@ -69,8 +69,8 @@ def truth(problem: Problem) -> Truth:
 
 
 def _best(sense: str, values: Iterator[Fraction]) -> Truth:
-    found = min(values, default=None) if sense == "min" else max(values, default=None)
-    return Truth("infeasible") if found is None else Truth("optimal", found)
+    best = min(values, default=None) if sense == "min" else max(values, default=None)
+    return Truth("infeasible") if best is None else Truth("optimal", best)
 
 
 # -- routing ---------------------------------------------------------------------------------------------------------
@@ -102,7 +102,7 @@ def _routes(problem: RoutingProblem, vehicle: VehicleType) -> dict[frozenset[int
     sites = problem.sites
     distance, duration = fractions(problem.travel.distances.tolist()), fractions(problem.travel.durations.tolist())
     demand, ready, due, service = (fractions(a.tolist()) for a in (sites.demand, sites.ready, sites.due, sites.service))
-    depot, found = vehicle.start, dict[frozenset[int], Fraction]()
+    depot, cheapest = vehicle.start, dict[frozenset[int], Fraction]()
     spread = np.zeros(problem.travel.distances.shape) if problem.travel.variances is None else problem.travel.variances
     begun: list[tuple[tuple[int, ...], Fraction, Fraction, Fraction]] = [((), ready[depot], ZERO, ZERO)]
     while begun:
@@ -113,16 +113,16 @@ def _routes(problem: RoutingProblem, vehicle: VehicleType) -> dict[frozenset[int
         returns = leaves + duration[at][depot]
         if visits and returns <= due[depot] and back <= vehicle.max_distance and _in_time(vehicle, spread, visits, returns - ready[depot]):
             cost = Fraction(vehicle.fixed_cost) + Fraction(vehicle.unit_cost) * back
-            found[frozenset(visits)] = min(found.get(frozenset(visits), cost), cost)
+            cheapest[frozenset(visits)] = min(cheapest.get(frozenset(visits), cost), cost)
         for to in problem.customers.tolist():
             arrives, longer, heavier = leaves + duration[at][to], length + distance[at][to], load + demand[to]
             if to not in visits and arrives <= due[to] and longer <= vehicle.max_distance and heavier <= vehicle.capacity:
                 begun.append(((*visits, to), max(arrives, ready[to]), longer, heavier))
-    return found
+    return cheapest
 
 
 def _in_time(vehicle: VehicleType, variances: Floats, visits: tuple[int, ...], takes: Fraction) -> bool:
-    """Whether a route of mean duration ``takes``, on which nobody waits, overruns no more likely than it may."""
+    """Check that a route of mean duration ``takes``, on which nobody waits, overruns no more likely than it may."""
     moves = itertools.pairwise((vehicle.start, *visits, vehicle.end))
     variance = math.fsum(float(variances[move]) for move in moves)
     margin = NormalDist().inv_cdf(1.0 - vehicle.risk) * math.sqrt(variance) if vehicle.risk is not None else 0.0
@@ -134,19 +134,19 @@ def _in_time(vehicle: VehicleType, variances: Floats, visits: tuple[int, ...], t
 
 def selection_values(problem: SubmodularSelection) -> Iterator[Fraction]:
     """Value of every set that the constraint allows: each item is worth the most that a chosen element gives it."""
-    given = problem.function.as_item_weights()
-    assert given is not None
-    worth = [[ZERO] * given.num_items for _ in range(problem.num_elements)]
+    views = problem.function.as_item_weights()
+    assert views is not None
+    worth = [[ZERO] * views.num_items for _ in range(problem.num_elements)]
     for element in range(problem.num_elements):
-        items, weights = given.given_by(element)
+        items, weights = views.given_by(element)
         for item, weight in zip(
-            range(given.num_items)[items] if isinstance(items, slice) else items.tolist(), weights.tolist(), strict=True
+            range(views.num_items)[items] if isinstance(items, slice) else items.tolist(), weights.tolist(), strict=True
         ):
             worth[element][item] = Fraction(weight)
     for size in range(problem.num_elements + 1):
         for chosen in itertools.combinations(range(problem.num_elements), size):
             if _allows(problem.constraint, chosen):
-                yield sum((max((worth[e][item] for e in chosen), default=ZERO) for item in range(given.num_items)), ZERO)
+                yield sum((max((worth[e][item] for e in chosen), default=ZERO) for item in range(views.num_items)), ZERO)
 
 
 def _allows(constraint: Any, chosen: tuple[int, ...]) -> bool:
@@ -192,16 +192,16 @@ def max_min_truth(problem: BottleneckSATA | MaxMinLP) -> Truth:
     packed, needed = (ZERO, ONE) if most else (-ONE, ZERO)  # coefficients of the level, the last variable
     rows = [[*row, packed] for row in packing] + [[*(-e for e in row), needed] for row in covering]
     limits = [ONE if most else ZERO] * len(packing) + [ZERO if most else -ONE] * len(covering)
-    found = minimised([ZERO] * width + [-ONE if most else ONE], rows, limits)
-    return Truth(found.status, abs(found.value)) if found.status == "optimal" else Truth(found.status)
+    optimum = minimised([ZERO] * width + [-ONE if most else ONE], rows, limits)
+    return Truth(optimum.status, abs(optimum.value)) if optimum.status == "optimal" else Truth(optimum.status)
 
 
 def _dense(matrix: Any, columns: int) -> list[Vector]:
-    made = [[ZERO] * columns for _ in range(matrix.rows)]
+    rows = [[ZERO] * columns for _ in range(matrix.rows)]
     for row in range(matrix.rows):
         for entry in range(int(matrix.indptr[row]), int(matrix.indptr[row + 1])):
-            made[row][int(matrix.indices[entry])] += Fraction(float(matrix.data[entry]))
-    return made
+            rows[row][int(matrix.indices[entry])] += Fraction(float(matrix.data[entry]))
+    return rows
 
 
 # -- risk ------------------------------------------------------------------------------------------------------------
@@ -229,9 +229,9 @@ def path_hazards(problem: RiskyPath) -> Iterator[Fraction]:
         for at, to in arcs:
             if at == path[-1] and to not in path:
                 before = path[-2] if len(path) > 1 else None
-                left = survives * places[to] * moves.get((-1, at, to), ONE) * moves.get((before, at, to), ONE)
-                if left:
-                    begun.append(((*path, to), left))
+                survives_move = survives * places[to] * moves.get((-1, at, to), ONE) * moves.get((before, at, to), ONE)
+                if survives_move:
+                    begun.append(((*path, to), survives_move))
 
 
 # -- programs --------------------------------------------------------------------------------------------------------
@@ -286,8 +286,8 @@ def _least_beside(whole: dict[int, int], region: Region, cost: Vector, curved: l
         linear = [c + sum((curved[i][j] * a for i, a in whole.items()), ZERO) for c, j in zip(linear, free, strict=True)]
         bent = [[curved[i][j] for j in free] for i in free]
         if any(any(row) for row in bent):
-            found = least_convex(linear, bent, within)
-            return None if found is None else value + found
+            curved_part = least_convex(linear, bent, within)
+            return None if curved_part is None else value + curved_part
     if not free:
         return value
     least = within.minimised(linear)

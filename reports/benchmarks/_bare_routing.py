@@ -1,4 +1,4 @@
-"""What the scripts that drive a bare routing library share: integers in, routes and CPU seconds out. No waybound in here.
+"""Integers in, routes and CPU seconds out, for the scripts that drive a bare routing library. No waybound in here.
 
 The arrays, by name: one entry a site of ``xy``, ``service``, ``ready``, ``due``, ``demand``, ``pickup``, ``prize`` and ``required``, square
 ones of ``distance`` and ``duration``, ``depots``; the two ends and the load of each pair, ``shipments`` and ``shipped``; for each kind of
@@ -23,7 +23,7 @@ def load(path: str) -> dict[str, Any]:
     return dict(np.load(path))
 
 
-def tell(routes: list[list[int]], engine: float) -> None:
+def tell(routes: list[list[int]], engine: float | None) -> None:
     """Print routes, CPU seconds of the library, and of the whole process, as JSON."""
     usage = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     whole = sum(u.ru_utime + u.ru_stime for u in usage)

@@ -1,7 +1,5 @@
 """The default solver of assignments against other libraries on the same costs, in turn in one process: CPU seconds, dense and sparse.
 
-``python -m waybound.reports.benchmarks.assignment [--sizes 1000,3000] [--sparse 10000,30000,100000] [--repeats 3]``
-
 The default's seconds are for all of ``solve(from_matrix(costs))``: reading, auction, judging the answer, and multiplying out its prices;
 those of the auction and its prices alone stand apart. Others return no prices: ``linear_sum_assignment`` and
 ``min_weight_full_bipartite_matching`` of scipy, and, where they are installed, ``lapjv`` of the packages lap and lapjv.
@@ -9,41 +7,29 @@ those of the auction and its prices alone stand apart. Others return no prices: 
 
 from __future__ import annotations
 
-import argparse
 import statistics
 import sys
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from ...formulations.auctions.bin_assignment import BinAssignment
-from ...formulations.certificate import verified_bound
-from ...formulations.evidence import Evidence
-from ...formulations.problem import problem_from_instance
-from ...formulations.stop import NEVER
-from ...formulations.tolerance import same
-from ...instances.generating import generate
+import waybound as wb
+from waybound.extending import NEVER, same, verified_bound
+
 from ...solvers.engines.auctions.assignment_steps.auction import auction
 from ...solvers.packages import is_installed
 from ...solving.solve import solve
+from ._harness import Option, command, generated, timed
 
 ARCS = 21
 
 
-def timed(work: Callable[[], Any]) -> tuple[float, Any]:
-    """CPU seconds and what came of it."""
-    began = time.process_time()
-    made = work()
-    return time.process_time() - began, made
-
-
-def proved(problem: BinAssignment) -> tuple[tuple[int, ...], Evidence]:
+def proved(problem: wb.BinAssignment) -> tuple[tuple[int, ...], wb.Evidence]:
     """Answer and prices of the auction."""
-    found = auction(problem, NEVER)
-    return found.answer, found.evidence(problem, "auction prices")
+    outcome = auction(problem, NEVER)
+    return outcome.answer, outcome.evidence(problem, "auction prices")
 
 
 def scipy_dense(costs: Any) -> float:
@@ -82,51 +68,49 @@ def compare(label: str, costs: Any, peers: dict[str, Callable[[Any], float]], re
         for name, peer in peers.items():
             spent, optima[name] = timed(partial(peer, costs))
             seconds.setdefault(name, []).append(spent)
-        spent, solution = timed(lambda: solve(BinAssignment.from_matrix(costs)))
+        spent, solution = timed(lambda: solve(wb.BinAssignment.from_matrix(costs)))
         seconds.setdefault("solve", []).append(spent)
-        problem = BinAssignment.from_matrix(costs)
+        problem = wb.BinAssignment.from_matrix(costs)
         spent, (answer, evidence) = timed(partial(proved, problem))
         seconds.setdefault("auction", []).append(spent)
     checked, bound = timed(lambda: verified_bound(problem, evidence))
     judged = problem.evaluate(answer)
     value = judged.values[0]
-    others = [solution.objective, solution.bound, bound, *optima.values()]
+    others: list[Any] = [solution.objective, solution.bound, bound, *optima.values()]
     good = judged.feasible and solution.bound_kind == "verified" and all(same(value, other, judged.size) for other in others)
     medians = {name: statistics.median(spent) for name, spent in seconds.items()}
-    told = "   ".join(f"{name} {spent:7.3f}" for name, spent in medians.items())
-    print(f"{label:28s} {told}   check {checked:6.3f}   {value:.9g} {'proved' if good else f'NOT PROVED: {others}'}", flush=True)
+    figures = "   ".join(f"{name} {spent:7.3f}" for name, spent in medians.items())
+    print(f"{label:28s} {figures}   check {checked:6.3f}   {value:.9g} {'proved' if good else f'NOT PROVED: {others}'}", flush=True)
     return good
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0] if __doc__ else "")
-    parser.add_argument("--sizes", default="1000,3000")
-    parser.add_argument("--sparse", default="10000,30000")
-    parser.add_argument("--alone", default="", help="sparse sizes at which no other library runs")
-    parser.add_argument("--repeats", type=int, default=3)
-    asked = parser.parse_args(arguments)
-    sizes, many, alone = ([int(k) for k in text.split(",") if k] for text in (asked.sizes, asked.sparse, asked.alone))
+@command
+def main(
+    sizes: str = "1000,3000",
+    sparse: str = "10000,30000",
+    alone: Annotated[str, Option(help="sparse sizes at which no other library runs")] = "",
+    repeats: int = 3,
+) -> bool:
+    dense, many, unmatched = ([int(k) for k in text.split(",") if k] for text in (sizes, sparse, alone))
     for robots, bins, arcs in ((30, 30, 0), (30, 40, 0), (30, 30, 2), (30, 40, 2), (3000, 3000, ARCS)):  # compiles all loops
-        solve(_made(robots=robots, bins=bins, arcs=arcs))
+        solve(_generated(robots=robots, bins=bins, arcs=arcs))
     peers = {name: peer for name, peer in DENSE.items() if is_installed(name)}
     good = True
-    for n in sizes:
+    for n in dense:
         for kind, drawn in (("whole", {"largest": 999}), ("uniform", {}), ("euclidean", {})):
-            good &= compare(f"{n} x {n} {kind}", _made(robots=n, bins=n, costs=kind, **drawn).matrix(), peers, asked.repeats)
-    for n in many + alone:
+            good &= compare(f"{n} x {n} {kind}", _generated(robots=n, bins=n, costs=kind, **drawn).matrix(), peers, repeats)
+    for n in many + unmatched:
         for kind in ("whole", "uniform"):
-            costs = _shifted(_made(robots=n, bins=n, costs=kind, arcs=ARCS))  # a stored 0 is no pair to scipy
-            good &= compare(f"{n} sparse x {ARCS} {kind}", costs, {} if n in alone else SPARSE, 1)
-    return 0 if good else 1
+            costs = _shifted(_generated(robots=n, bins=n, costs=kind, arcs=ARCS))  # a stored 0 is no pair to scipy
+            good &= compare(f"{n} sparse x {ARCS} {kind}", costs, {} if n in unmatched else SPARSE, 1)
+    return good
 
 
-def _made(**settings: Any) -> BinAssignment:
-    problem = problem_from_instance(generate("assignment", 1, **settings))
-    assert isinstance(problem, BinAssignment)
-    return problem
+def _generated(**settings: Any) -> wb.BinAssignment:
+    return wb.BinAssignment(generated(wb.AssignmentInstance, "assignment", 1, **settings))
 
 
-def _shifted(problem: BinAssignment) -> Any:
+def _shifted(problem: wb.BinAssignment) -> Any:
     from scipy.sparse import csr_matrix
 
     return csr_matrix((problem.cost + 1.0, problem.bins, problem.indptr), shape=(problem.num_robots, problem.num_bins))

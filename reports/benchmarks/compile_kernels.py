@@ -1,7 +1,6 @@
 """CPU seconds that each kernel takes to compile, in an empty cache and one process: what all share counts for the first.
 
-Run: ``python -m waybound.reports.benchmarks.compile_kernels``, with names of modules for these alone. Exit code 1 if all of them take
-more than 30 s.
+Names of modules as arguments list these alone. Exit code 1 if all of them take more than 30 s.
 """
 
 from __future__ import annotations

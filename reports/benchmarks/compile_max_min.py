@@ -1,30 +1,27 @@
 """Time from a sensing graph to a solver's model of the max-min LP: waybound and PuLP side by side.
 
-Run as ``python -m waybound.reports.benchmarks.compile_max_min [--actions 100000] [--seed 1] [--repeats 5]``.
-
 Robots with 10 actions each, each robot near a window of the targets, one target for every 20 actions, up to 10 targets seen by an action:
-at 100,000 actions 100,001 columns, 15,000 rows and some 970,000 entries. waybound goes from a graph whose other directions were never
-asked for to a HiGHS model ready to start. PuLP gets the edges of each target and the actions of each robot ready-made as lists, outside
-its clock, builds the same model and writes it as MPS, which is how it hands a model over; that the two are the same is checked.
+at 100,000 actions 100,001 columns, 15,000 rows and some 970,000 entries. waybound goes from a graph whose other directions were never asked
+for to a HiGHS model ready to start. PuLP gets the edges of each target and the actions of each robot ready-made as lists, outside its
+clock, builds the same model and writes it as MPS, which is how it hands a model over; that the two are the same is checked.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-import statistics
-import tempfile
+import sys
 import time
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
-from waybound.reports.benchmarks.side_by_side import in_a_fresh_process, same_model, timed
+
+from ._harness import Option, command, met
+from .side_by_side import MODEL, Medians, Once, print_clocks
 
 PER_ROBOT, PER_TARGET, SEEN, REACH = 10, 20, 10, 15
 """Actions of a robot, actions for each target, targets drawn for each action, and how far from the robot's own they lie."""
@@ -44,12 +41,12 @@ def generate(actions: int, seed: int) -> SensingGraph:
 
 
 def with_waybound(graph: SensingGraph) -> Any:
-    """From the graph to a HiGHS model ready to start."""
+    """Compile the graph to a HiGHS model ready to start."""
     return BottleneckSATA(graph, fractional=True).compile().to_highs(names=False)
 
 
 def lists_for_pulp(graph: SensingGraph) -> dict[str, Any]:
-    """What a modeller would hold in lists before the first variable is made."""
+    """The lists that a modeller would hold before the first variable is made."""
     starts, actions = graph.by_robot
     seen = graph.by_target
     return {
@@ -76,7 +73,7 @@ def with_pulp(data: dict[str, Any], path: Path) -> tuple[Any, float]:
     return model, time.perf_counter() - began
 
 
-def run_once(which: str, actions: int, seed: int, folder: Path) -> dict[str, float]:
+def run_once(which: str, actions: int, seed: int, folder: Path) -> None:
     """One measurement in this process, after imports and data."""
     import highspy  # noqa: F401  (imports are not part of any clock)
 
@@ -84,56 +81,41 @@ def run_once(which: str, actions: int, seed: int, folder: Path) -> dict[str, flo
     if which == "pulp":
         import pulp  # noqa: F401
 
-        return timed(partial(with_pulp, lists_for_pulp(graph), folder / "max_min.mps"))
+        print_clocks(partial(with_pulp, lists_for_pulp(graph), folder / MODEL))
+        return
     with_waybound(generate(100, seed))  # loads the modules
-    return timed(partial(with_waybound, graph))
+    print_clocks(partial(with_waybound, graph))
 
 
 def report(actions: int, seed: int, repeats: int) -> str:
     """Measure, and say what came out."""
+    program = BottleneckSATA(generate(actions, seed), fractional=True).compile().program
     module = __spec__.name if __spec__ else __name__
-    runs: dict[str, list[dict[str, float]]] = {"waybound": [], "pulp": []}
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for number in range(repeats):  # in turn, so that both meet the same load of the machine
-            for which, found in runs.items():
-                if which != "pulp" or number < 3:
-                    found.append(in_a_fresh_process(module, "--actions", actions, "--seed", seed, "--once", which, "--folder", folder))
-        program = BottleneckSATA(generate(actions, seed), fractional=True).compile().program
-        same_model(program, folder / "max_min.mps")
-
-    def median(which: str, clock: str) -> float:
-        return statistics.median(run[clock] for run in runs[which])
-
-    (a, a_cpu), (b, b_cpu) = ((median(which, "wall"), median(which, "cpu")) for which in runs)
-    heading = f"medians of {repeats} runs (PuLP: {len(runs['pulp'])})"
+    median = Medians(module, ["--actions", actions, "--seed", seed], ["waybound", "pulp"], program, repeats)
+    (a, a_cpu), (b, b_cpu) = ((median(which, "wall"), median(which, "cpu")) for which in median.runs)
     lines = [
         f"max-min LP, {actions} actions, seed {seed}; each run in a fresh process",
         f"  {program.num_variables} columns, {program.num_rows} rows, {len(program.data)} entries",
         "",
-        f"{heading:44}{'wall s':>9}{'CPU s':>9}   waybound, by wall (CPU) time",
+        f"{median.heading:44}{'wall s':>9}{'CPU s':>9}   waybound, by wall (CPU) time",
         f"{'waybound: sensing graph to HiGHS model':44}{a:>9.4f}{a_cpu:>9.4f}",
         f"{'PuLP: lists to MPS file, same model':44}{b:>9.4f}{b_cpu:>9.4f}   {b / a:.0f}x ({b_cpu / a_cpu:.0f}x) as fast",
         f"{'  of these the file':44}{median('pulp', 'part'):>9.4f}",
         "",
-        f"target: at least {TARGET:.0f}x as fast as PuLP: {'met' if min(b / a, b_cpu / a_cpu) >= TARGET else 'MISSED'}",
+        f"target: at least {TARGET:.0f}x as fast as PuLP: {met(min(b / a, b_cpu / a_cpu) >= TARGET)}",
     ]
     return "\n".join(lines)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--actions", type=int, default=100_000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--repeats", type=int, default=5)
-    parser.add_argument("--once", choices=["waybound", "pulp"], help=argparse.SUPPRESS)
-    parser.add_argument("--folder", type=Path, help=argparse.SUPPRESS)
-    given = parser.parse_args()
-    if given.once:
-        print(json.dumps(run_once(given.once, given.actions, given.seed, given.folder)))
+@command
+def main(
+    actions: int = 100_000, seed: int = 1, repeats: int = 5, once: Once = "", folder: Annotated[Path, Option(type=Path)] = Path()
+) -> None:
+    if once:
+        run_once(once, actions, seed, folder)
     else:
-        print(report(given.actions, given.seed, given.repeats))
+        print(report(actions, seed, repeats))
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,33 +1,27 @@
 """Time from a routing problem to a solver's model: waybound, PuLP and bare HiGHS calls on ready arrays, side by side.
 
-Run as ``python -m waybound.reports.benchmarks.compile_three_index [--customers 100] [--vehicles 10] [--seed 1] [--repeats 7]``.
-
-All three write the three-index form of one generated problem with time windows. PuLP gets arcs, big-M constants and tightened
-windows ready-made as lists, outside its clock, and writes the same rows and columns; that they are the same is checked through its
-MPS file. Windows are wide by default, so that the arc filters remove nothing; ``--windows narrow`` shows what they remove otherwise.
+All three write the three-index form of one generated problem with time windows. PuLP gets arcs, big-M constants and tightened windows
+ready-made as lists, outside its clock, and writes the same rows and columns; that they are the same is checked through its MPS file.
+Windows are wide by default, so that the arc filters remove nothing; ``--windows narrow`` shows what they remove otherwise.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
-import statistics
-import tempfile
+import sys
 import time
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from waybound.formulations.programs.program import Program
+import waybound as wb
 from waybound.formulations.routing.forms._routes import ArcIndex
 from waybound.formulations.routing.preparation import prepare
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.reachability import minimum_vehicles
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
-from waybound.reports.benchmarks.side_by_side import in_a_fresh_process, same_model, timed
+
+from ._harness import Option, command, met
+from .side_by_side import MODEL, Medians, Once, print_clocks
 
 WINDOWS = {"wide": (2000.0, 3000.0), "medium": (200.0, 400.0), "narrow": (20.0, 60.0)}
 """Widths of the time windows, within a day of 1000 units on a square of 100 x 100."""
@@ -35,28 +29,28 @@ WINDOWS = {"wide": (2000.0, 3000.0), "medium": (200.0, 400.0), "narrow": (20.0, 
 TARGET_PULP, TARGET_BARE = 40.0, 3.0
 
 
-def generate(customers: int, vehicles: int, windows: str, seed: int) -> RoutingProblem:
+def generate(customers: int, vehicles: int, windows: str, seed: int) -> wb.RoutingProblem:
     """Uniform customers with demands 1 to 19, services of 10, and windows around a uniform midpoint."""
     rng = np.random.default_rng(seed)
     xy = rng.uniform(0.0, 100.0, (customers + 1, 2)).round(1)
     middle, width = rng.uniform(150.0, 850.0, customers), rng.uniform(*WINDOWS[windows], customers)
     ready, due = np.clip(middle - width / 2, 0.0, 850.0), np.clip(middle + width / 2, 150.0, 850.0)
     demand = np.append(0.0, rng.integers(1, 20, customers).astype(float))
-    sites = Sites.of(
+    sites = wb.Sites.of(
         range(customers + 1), demand=demand, ready=np.append(0.0, ready.round(1)), due=np.append(1000.0, due.round(1)),
         service=np.append(0.0, np.full(customers, 10.0)), coordinates=xy,
     )  # fmt: skip
     capacity = float(np.ceil(1.3 * demand.sum() / vehicles))
-    travel = Travel("euclidean", coordinates=xy, convention="trunc1")
-    return RoutingProblem(sites, travel, (VehicleType(count=vehicles, capacity=capacity),), name=f"generated-{customers}")
+    travel = wb.Travel("euclidean", coordinates=xy, convention="trunc1")
+    return wb.RoutingProblem(sites, travel, (wb.VehicleType(count=vehicles, capacity=capacity),), name=f"generated-{customers}")
 
 
-def with_waybound(problem: RoutingProblem) -> Any:
-    """From the problem to a HiGHS model ready to start."""
+def with_waybound(problem: wb.RoutingProblem) -> Any:
+    """Compile the problem to a HiGHS model ready to start."""
     return problem.compile("three-index").to_highs(names=False)
 
 
-def with_bare_highs(program: Program) -> tuple[Any, float]:
+def with_bare_highs(program: wb.Program) -> tuple[Any, float]:
     """HiGHS calls on arrays that exist; also the seconds that ``addRows`` alone took."""
     import highspy
 
@@ -73,8 +67,8 @@ def with_bare_highs(program: Program) -> tuple[Any, float]:
     return model, time.perf_counter() - began
 
 
-def lists_for_pulp(problem: RoutingProblem) -> dict[str, Any]:
-    """What a modeller would hold in lists before the first variable is made: arcs with the idle one, windows, big-M."""
+def lists_for_pulp(problem: wb.RoutingProblem) -> dict[str, Any]:
+    """The lists that a modeller would hold before the first variable is made: arcs with the idle one, windows, big-M."""
     prep = prepare(problem)
     clock, idle = prep.time, (0, prep.end)
     find = ArcIndex(prep).find
@@ -90,7 +84,7 @@ def lists_for_pulp(problem: RoutingProblem) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _upper_of_arcs(problem: RoutingProblem, tails: Any, heads: Any) -> list[list[float]]:
+def _upper_of_arcs(problem: wb.RoutingProblem, tails: Any, heads: Any) -> list[list[float]]:
     """1, or 0 where vehicle k would visit a customer before the k-th: see the form's text."""
     end = len(problem.customers) + 1
     firsts = [min([node for node in arc if 0 < node < end], default=end) for arc in zip(tails.tolist(), heads.tolist(), strict=True)]
@@ -132,7 +126,7 @@ def with_pulp(data: dict[str, Any], path: Path) -> Any:
     return model
 
 
-def run_once(which: str, size: tuple[int, int, str, int], folder: Path) -> dict[str, float]:
+def run_once(which: str, size: tuple[int, int, str, int], folder: Path) -> None:
     """One measurement in this process, after imports and data; ``size`` holds the arguments of ``generate``."""
     import highspy  # noqa: F401  (imports are not part of any clock)
     import scipy.sparse  # noqa: F401
@@ -141,14 +135,16 @@ def run_once(which: str, size: tuple[int, int, str, int], folder: Path) -> dict[
     if which == "pulp":
         import pulp  # noqa: F401
 
-        return timed(partial(with_pulp, lists_for_pulp(problem), folder / "three_index.mps"))
+        print_clocks(partial(with_pulp, lists_for_pulp(problem), folder / MODEL))
+        return
     with_waybound(generate(2, 1, size[2], size[3]))  # loads the modules
     if which == "waybound":
-        return timed(partial(with_waybound, problem))
+        print_clocks(partial(with_waybound, problem))
+        return
     program = problem.compile("three-index").program
     for name in ("cost", "lower", "upper", "integer", "row_lower", "row_upper", "indptr", "indices", "data"):
         getattr(program, name)  # made on first use
-    return timed(partial(with_bare_highs, program))
+    print_clocks(partial(with_bare_highs, program))
 
 
 def report(customers: int, vehicles: int, windows: str, seed: int, repeats: int) -> str:
@@ -158,56 +154,44 @@ def report(customers: int, vehicles: int, windows: str, seed: int, repeats: int)
     unfiltered = (customers * (customers - 1) + 2 * customers + 1) * vehicles
     time_rows = sum(b.size for b in program.rows if b.name == "time")
     module = __spec__.name if __spec__ else __name__
-    numbers = ("--customers", customers, "--vehicles", vehicles, "--windows", windows, "--seed", seed)
-    runs: dict[str, list[dict[str, float]]] = {"waybound": [], "bare": [], "pulp": []}
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        for number in range(repeats):  # in turn, so that all meet the same load of the machine
-            for which, found in runs.items():
-                if which != "pulp" or number < 3:
-                    found.append(in_a_fresh_process(module, *numbers, "--once", which, "--folder", folder))
-        same_model(program, folder / "three_index.mps")
-
-    def median(which: str, clock: str) -> float:
-        return statistics.median(run[clock] for run in runs[which])
-
-    a, b, c = (median(which, "wall") for which in runs)
-    a_cpu, b_cpu, c_cpu = (median(which, "cpu") for which in runs)
+    options = ("--customers", customers, "--vehicles", vehicles, "--windows", windows, "--seed", seed)
+    median = Medians(module, options, ["waybound", "bare", "pulp"], program, repeats)
+    a, b, c = (median(which, "wall") for which in median.runs)
+    a_cpu, b_cpu, c_cpu = (median(which, "cpu") for which in median.runs)
     rows = median("bare", "part")
-    heading = f"medians of {repeats} runs (PuLP: {len(runs['pulp'])})"
-    met = c / a >= TARGET_PULP and a / rows <= TARGET_BARE
+    good = c / a >= TARGET_PULP and a / rows <= TARGET_BARE
     lines = [
         f"three-index form, {customers} customers, {vehicles} vehicles, {windows} windows, seed {seed}; each run in a fresh process",
         f"  {program.num_variables} columns, {program.num_rows} rows, {len(program.data)} entries",
         f"  arc variables left by the filters: {program.variables[0].size} of {unfiltered}; time rows with M > 0: {time_rows}",
         "",
-        f"{heading:40}{'wall s':>9}{'CPU s':>9}   waybound, by wall (CPU) time",
+        f"{median.heading:40}{'wall s':>9}{'CPU s':>9}   waybound, by wall (CPU) time",
         f"{'waybound: problem to HiGHS model':40}{a:>9.4f}{a_cpu:>9.4f}",
         f"{'bare HiGHS calls on ready arrays':40}{b:>9.4f}{b_cpu:>9.4f}   {a / b:.2f}x ({a_cpu / b_cpu:.2f}x) as long",
         f"{'  of these addRows alone':40}{rows:>9.4f}{'':9}   {a / rows:.2f}x as long",
         f"{'PuLP: lists to MPS file, same model':40}{c:>9.4f}{c_cpu:>9.4f}   {c / a:.0f}x ({c_cpu / a_cpu:.0f}x) as fast",
         "",
-        f"targets: at least {TARGET_PULP:.0f}x as fast as PuLP, at most {TARGET_BARE:.0f}x addRows alone: {'met' if met else 'MISSED'}",
+        f"targets: at least {TARGET_PULP:.0f}x as fast as PuLP, at most {TARGET_BARE:.0f}x addRows alone: {met(good)}",
     ]
     return "\n".join(lines)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--customers", type=int, default=100)
-    parser.add_argument("--vehicles", type=int, default=10)
-    parser.add_argument("--windows", choices=list(WINDOWS), default="wide")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--repeats", type=int, default=7)
-    parser.add_argument("--once", choices=["waybound", "bare", "pulp"], help=argparse.SUPPRESS)
-    parser.add_argument("--folder", type=Path, help=argparse.SUPPRESS)
-    given = parser.parse_args()
-    size = (given.customers, given.vehicles, given.windows, given.seed)
-    if given.once:
-        print(json.dumps(run_once(given.once, size, given.folder)))
+@command
+def main(
+    customers: int = 100,
+    vehicles: int = 10,
+    windows: Annotated[str, Option(choices=list(WINDOWS))] = "wide",
+    seed: int = 1,
+    repeats: int = 7,
+    once: Once = "",
+    folder: Annotated[Path, Option(type=Path)] = Path(),
+) -> None:
+    size = (customers, vehicles, windows, seed)
+    if once:
+        run_once(once, size, folder)
     else:
-        print(report(*size, given.repeats))
+        print(report(*size, repeats))
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

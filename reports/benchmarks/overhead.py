@@ -1,33 +1,32 @@
 """CPU time of PyVRP, OR-Tools and VROOM through waybound against the bare libraries, on the same integers, with the same routes.
 
-Run as ``python -m waybound.reports.benchmarks.overhead [--repeats 3] [--iterations 20000] [--solutions 1500] [--level 5]
-[--instance NAME ...]``. Each run is a fresh process; bare and wrapped runs alternate. Work is fixed, so that both sides do the same:
-iterations of PyVRP, solutions of OR-Tools, the exploration level of VROOM (before which waybound has it search at level 0). ``engine`` is
-the CPU time of building the library's model and searching, ``whole`` that of the whole process and its children, with imports, reading,
-checking and, for OR-Tools and VROOM, the process of its own that they need. The bare scripts, ``_bare_pyvrp`` and so on, know nothing of
-waybound. Instances are bundled ones, and if ``WAYBOUND_BENCHMARKS`` names their folder a file of each routing family, which a library
-takes or lacks features of. Exits with 1 if routes differ.
+Each run is a fresh process; bare and wrapped runs alternate. Work is fixed, so that both sides do the same: iterations of PyVRP, solutions
+of OR-Tools, the exploration level of VROOM (before which waybound has it search at level 0). ``engine`` is the CPU time of building the
+library's model and searching, ``whole`` that of the whole process and its children, with imports, reading, checking and, for OR-Tools and
+VROOM, the process of its own that they need. The bare scripts, ``_bare_pyvrp`` and so on, know nothing of waybound. Instances are bundled
+ones, and if ``WAYBOUND_BENCHMARKS`` names their folder a file of each routing family, which a library takes or lacks features of. Exits
+with 1 if routes differ.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import statistics
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from waybound import read
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.solvers.backend import BACKENDS
+
+from ._harness import Option, command, in_a_fresh_process
 
 TARGET = 1.03
 """Most CPU time that the wrapped library may take, relative to the bare one."""
@@ -48,56 +47,11 @@ BENCHMARKS: dict[str, dict[str, Any]] = {
     "minmax-mtsp/mtsplib/eil51-m5.txt": {},
 }
 
-TELL = """
-usage = [resource.getrusage(w) for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-whole = sum(u.ru_utime + u.ru_stime for u in usage)
-print(json.dumps({"routes": sorted(routes), "engine": engine, "whole": whole}))
-"""
-
-FIXED = """
-work = int(sys.argv[2])
-options, limits = ({"exploration_level": work}, {}) if sys.argv[3] == "vroom" else ({}, {"iterations": work})
-"""
-
-ENGINE = (
-    """
-import json, resource, sys, time
-import waybound as wb
-from waybound.solvers.backend import BACKENDS, Control, Options
-problem = wb.read(sys.argv[1], **json.loads(sys.argv[4]))
-"""
-    + FIXED
-    + """
-backend = BACKENDS[sys.argv[3]]()
-import importlib
-for module in backend.modules:
-    importlib.import_module(module)
-start = time.process_time()
-result = backend.run(problem, Options(time_limit=3600.0, seed=1, extra=options, **limits), Control())
-engine = time.process_time() - start
-routes = [list(r.visits) for r in result.answer]
-"""
-    + TELL
-)
-
-WHOLE = (
-    """
-import json, resource, sys
-import waybound as wb
-problem = wb.read(sys.argv[1], **json.loads(sys.argv[4]))
-"""
-    + FIXED
-    + """
-solution = wb.solve(problem, sys.argv[3], time_limit=3600.0, seed=1, bound_time=0, options=options, **limits)
-engine = None
-routes = [list(r.visits) for r in solution.answer]
-"""
-    + TELL
-)
-
+WRAPPED = "waybound.reports.benchmarks._wrapped"
+"""The module that runs a library through waybound."""
 
 BISECTED = frozenset({"this objective by itself, and takes it by bisection over limits of routes"})
-"""What the bare library does not solve in one run has no bare run to be compared with."""
+"""An objective that the bare library does not solve in one run has no bare run to be compared with."""
 
 
 def integers(problem: RoutingProblem, engine: str = "pyvrp") -> dict[str, Any]:
@@ -137,21 +91,12 @@ def integers(problem: RoutingProblem, engine: str = "pyvrp") -> dict[str, Any]:
     }  # fmt: skip
 
 
-def run(code: str, *arguments: str) -> dict[str, Any]:
-    """Output of a fresh process, of Python code or of a script."""
-    command = [code] if code.endswith(".py") else ["-c", code]
-    done = subprocess.run([sys.executable, *command, *arguments], capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise RuntimeError(done.stderr)
-    return dict(json.loads(done.stdout.splitlines()[-1]))
-
-
 def bare(problem: RoutingProblem, engine: str, work: int) -> dict[str, Any]:
-    """What the bare library makes of a problem: routes and CPU seconds."""
+    """Routes and CPU seconds of the bare library on a problem."""
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder) / "data.npz"
         np.savez(data, **integers(problem, engine))
-        return run(str(Path(__file__).with_name(f"_bare_{engine}.py")), str(data), str(work))
+        return in_a_fresh_process(Path(__file__).with_name(f"_bare_{engine}.py"), data, work)
 
 
 def shown(routes: list[list[int]], engine: str) -> list[list[int]]:
@@ -166,8 +111,8 @@ def compare(name: str, source: str, settings: dict[str, Any], engine: str, work:
     runs: dict[str, list[dict[str, Any]]] = {"bare": [], "engine": [], "whole": []}
     for _ in range(repeats):
         runs["bare"].append(bare(problem, engine, work))
-        for kind, code in (("engine", ENGINE), ("whole", WHOLE)):
-            runs[kind].append(run(code, source, str(work), engine, json.dumps(settings)))
+        for part in ("engine", "whole"):
+            runs[part].append(in_a_fresh_process("-m", WRAPPED, part, source, work, engine, json.dumps(settings)))
     routes = [json.dumps(shown(r["routes"], engine)) for kind in runs.values() for r in kind]
     middle: Callable[[str, str], float] = lambda kind, what: statistics.median(r[what] for r in runs[kind])  # noqa: E731
     return {
@@ -179,27 +124,26 @@ def compare(name: str, source: str, settings: dict[str, Any], engine: str, work:
 
 def cases(names: list[str] | None) -> list[tuple[str, str, dict[str, Any]]]:
     """Name, source and settings of the instances; all that are there by default."""
-    found: list[tuple[str, str, dict[str, Any]]] = [(name, name, settings) for name, settings in BUNDLED.items()]
+    listed = [(name, name, settings) for name, settings in BUNDLED.items()]
     folder = os.environ.get("WAYBOUND_BENCHMARKS")
     if folder:
-        found += [(Path(path).stem, str(Path(folder) / path), settings) for path, settings in BENCHMARKS.items()]
-    return [case for case in found if not names or case[0] in names]
+        listed += [(Path(path).stem, str(Path(folder) / path), settings) for path, settings in BENCHMARKS.items()]
+    return [case for case in listed if not names or case[0] in names]
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Print one line a comparison; 1 if any routes differ."""
-    parser = argparse.ArgumentParser(prog="python -m waybound.reports.benchmarks.overhead", description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--iterations", type=int, default=20_000, help="of PyVRP")
-    parser.add_argument("--solutions", type=int, default=1_500, help="of OR-Tools")
-    parser.add_argument("--level", type=int, default=5, help="of VROOM's exploration")
-    parser.add_argument("--instance", action="append", help="only this one; may be repeated")
-    given = parser.parse_args(arguments)
+@command
+def main(
+    repeats: int = 3,
+    iterations: Annotated[int, Option(help="of PyVRP")] = 20_000,
+    solutions: Annotated[int, Option(help="of OR-Tools")] = 1_500,
+    level: Annotated[int, Option(help="of VROOM's exploration")] = 5,
+    instance: Annotated[list[str] | None, Option(action="append", help="only this one; may be repeated")] = None,
+) -> bool:
     heads = ("instance", "engine", "work", "routes", "bare s", "wrapped s", "ratio", "bare whole s", "wrapped whole s", "ratio")
     print("  ".join(heads))
     sound = True
-    for name, source, settings in cases(given.instance):
-        for engine, work in (("pyvrp", given.iterations), ("ortools", given.solutions), ("vroom", given.level)):
+    for name, source, settings in cases(instance):
+        for engine, work in (("pyvrp", iterations), ("ortools", solutions), ("vroom", level)):
             if not BACKENDS[engine].installed():
                 print(f"{name}: {engine} is not installed")
                 continue
@@ -210,14 +154,14 @@ def main(arguments: list[str] | None = None) -> int:
             if lacking:
                 print(f"{name}: {engine} lacks {', '.join(sorted(lacking))}")
                 continue
-            row = compare(name, source, settings, engine, work, given.repeats)
+            row = compare(name, source, settings, engine, work, repeats)
             sound = sound and row["same"]
             figures = [name, engine, str(work), "same" if row["same"] else "DIFFER"]
             for bare, wrapped in (("bare", "wrapped"), ("bare_whole", "wrapped_whole")):
                 figures += [f"{row[bare]:.2f}", f"{row[wrapped]:.2f}", f"{row[wrapped] / row[bare]:.3f}"]
             print("  ".join(f"{figure:>{len(head)}}" for figure, head in zip(figures, heads, strict=True)), flush=True)
     print(f"target: ratio of at most {TARGET}")
-    return 0 if sound else 1
+    return sound
 
 
 if __name__ == "__main__":

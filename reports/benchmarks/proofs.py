@@ -1,35 +1,28 @@
-"""What is proved, and how fast: the battery's programs, winner takes all, covers, and Solomon's files cut to 25 customers.
+"""Proofs, and how fast they are found: the battery's programs, winner takes all, covers, and Solomon's files cut to 25 customers.
 
-Run as ``python -m waybound.reports.benchmarks.proofs [--battery 3000] [--seconds 1] [--solomon FOLDER] [--files C101 R101 ...]``. Exits
-with 1 if anything that is verified of the battery is not true.
+Exits with 1 if anything that is verified of the battery is not true.
 """
 
 from __future__ import annotations
 
-import argparse
 import itertools
 import math
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from functools import partial
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
+import waybound as wb
 from waybound.api import read
+from waybound.extending import same
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import beats_bound, verified_bound
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.problem import Problem
-from waybound.formulations.programs.program import Program, Rows, Variables
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.formulations.solution import Solution
-from waybound.formulations.tolerance import same
-from waybound.instances.generating import generate
 from waybound.instances.routing.formats import solomon
-from waybound.instances.sata.sensing_graph import SensingGraph
 from waybound.reports.battery.cases import Draw, cases
 from waybound.reports.battery.truth import Truth
 from waybound.solvers.backend import solver_named
@@ -38,48 +31,42 @@ from waybound.solving.bounding import find_bounds
 from waybound.solving.request import Request
 from waybound.solving.solve import solve
 
+from ._harness import Option, command, generated, timed
+
 FIRST_CLASS = (*(f"C10{k}" for k in range(1, 10)), *(f"R1{k:02d}" for k in range(1, 13)), *(f"RC10{k}" for k in range(1, 9)))
 
 
-def sensing(seed: int, **settings: object) -> SensingGraph:
-    """A sensing graph of the generator ``sata``."""
-    graph = generate("sata", seed, **settings)
-    assert isinstance(graph, SensingGraph)
-    return graph
-
-
-def proof(problem: Problem, value: float | None, seconds: float) -> tuple[float | None, float, Evidence | None]:
+def proof(problem: wb.Problem, value: float | None, seconds: float) -> tuple[float | None, float, wb.Evidence | None]:
     """The best verified bound found in ``seconds``, the time that it took, and its evidence; the bound is None where there is none."""
     began = time.perf_counter()
-    found = find_bounds(problem, seconds, target=value)
+    evidence = find_bounds(problem, seconds, target=value)
     took = time.perf_counter() - began
     sign = 1.0 if problem.sense == "min" else -1.0
-    bounds = [(sign * verified_bound(problem, e), k) for k, e in enumerate(found)]
+    bounds = [(sign * verified_bound(problem, e), k) for k, e in enumerate(evidence)]
     best = max(bounds, default=(-math.inf, -1))
-    return (None, took, None) if best[0] == -math.inf else (sign * best[0], took, found[best[1]])
+    return (None, took, None) if best[0] == -math.inf else (sign * best[0], took, evidence[best[1]])
 
 
-def battery(count: int, seconds: float, seed: int) -> int:
-    """What is verified of the battery's programs, whose optima are known; how many verdicts are false."""
-    told, left, spent = Counter[tuple[str, str, str]](), list[str](), list[tuple[float, float, int]]()
+def verified_of_battery(count: int, seconds: float, seed: int) -> int:
+    """Count the verified verdicts on the battery's programs, whose optima are known; returns how many are false."""
+    counts, unverified, spent = Counter[tuple[str, str, str]](), list[str](), list[tuple[float, float, int]]()
     for case in cases(Draw(count, seed)):
-        made = case.problem.compile(case.form)
-        began = time.process_time()
-        able = (name for name in ("highs", *takers(made.program.features())) if not solver_named(name).missing(made.program))  # type: ignore[attr-defined]
-        found = solve(made, Request(solver=next(able), time_limit=60.0, bound_time=seconds))
-        spent.append((time.process_time() - began, found.seconds["bound"], case.number))
-        verdict = _verdict(found, case.truth)
-        told[case.kind, case.truth.status, verdict] += 1
+        model = case.problem.compile(case.form)
+        able = (name for name in ("highs", *takers(model.program.features())) if not solver_named(name).missing(model.program))  # type: ignore[attr-defined]
+        cpu_seconds, solution = timed(partial(solve, model, Request(solver=next(able), time_limit=60.0, bound_time=seconds)))
+        spent.append((cpu_seconds, solution.seconds["bound"], case.number))
+        verdict = _verdict(solution, case.truth)
+        counts[case.kind, case.truth.status, verdict] += 1
         if verdict != VERIFIED:
-            left.append(f"case {case.number}, {case.kind}, {case.form}, {case.truth}: {verdict}; {found!r}")
-    kinds = list(dict.fromkeys(kind for kind, *_ in told))
+            unverified.append(f"case {case.number}, {case.kind}, {case.form}, {case.truth}: {verdict}; {solution!r}")
+    kinds = list(dict.fromkeys(kind for kind, *_ in counts))
     print(f"{'kind':20s}" + "".join(f"{word:>22s}" for word in STATUSES))
     for kind in kinds:
-        row = [(told[kind, word, VERIFIED], sum(told[kind, word, v] for v in (VERIFIED, FALSE, OPEN))) for word in STATUSES]
+        row = [(counts[kind, word, VERIFIED], sum(counts[kind, word, v] for v in (VERIFIED, FALSE, OPEN))) for word in STATUSES]
         print(f"{kind:20s}" + "".join(f"{f'{good} of {of}' if of else '-':>22s}" for good, of in row))
-    print("\n".join(left))
-    false = sum(n for (*_, verdict), n in told.items() if verdict == FALSE)
-    verified = sum(n for (*_, verdict), n in told.items() if verdict == VERIFIED)
+    print("\n".join(unverified))
+    false = sum(n for (*_, verdict), n in counts.items() if verdict == FALSE)
+    verified = sum(n for (*_, verdict), n in counts.items() if verdict == VERIFIED)
     (cpu, _, slow), wall = max(spent), max(bounding for _, bounding, _ in spent)
     within = sum(used <= 1.0 for used, *_ in spent)
     print(f"{verified} of {count} verified, {false} false; CPU seconds with the search: {within} within 1, at most {cpu:.2f} (case {slow})")
@@ -91,29 +78,28 @@ VERIFIED, FALSE, OPEN = "verified", "FALSE", "not verified"
 STATUSES = ("optimal", "infeasible", "unbounded")
 
 
-def _verdict(found: Solution, truth: Truth) -> str:
-    """Whether what is shown as verified is all that is true."""
-    c, e = found.certificate, found.evaluation
+def _verdict(solution: wb.Solution, truth: Truth) -> str:
+    """Compare what is shown as verified with the truth."""
+    c, e = solution.certificate, solution.evaluation
     if truth.value is None:
         verified = c.infeasible if truth.status == "infeasible" else c.unbounded
         return VERIFIED if verified else FALSE if c.infeasible or c.unbounded or c.bound is not None else OPEN
     best, size = float(truth.value), 0.0 if e is None else e.size
-    if c.infeasible or c.unbounded or (c.bound is not None and beats_bound(found.problem.sense, best, c.bound, size)):
+    if c.infeasible or c.unbounded or (c.bound is not None and beats_bound(solution.problem.sense, best, c.bound, size)):
         return FALSE
-    closed = found.status == "optimal" and found.bound_kind == "verified" and e is not None
+    closed = solution.status == "optimal" and solution.bound_kind == "verified" and e is not None
     return VERIFIED if closed and same(e.values[0], best, size, e.precision) else OPEN  # type: ignore[union-attr]
 
 
-def winner_takes_all(seeds: int) -> None:
+def winners(seeds: int) -> None:
     """20 robots of 2 actions and 150 targets."""
-    problems = (
-        (f"{seed}", WinnerTakesAllSATA(sensing(seed, robots=20, actions=2, targets=150, phi=15, weights="uniform")))
-        for seed in range(1, seeds + 1)
-    )
+    size = {"robots": 20, "actions": 2, "targets": 150, "phi": 15}
+    graphs = ((seed, generated(wb.SensingGraph, "sata", seed, **size, weights="uniform")) for seed in range(1, seeds + 1))
+    problems = ((f"{seed}", wb.WinnerTakesAllSATA(graph)) for seed, graph in graphs)
     beside_highs("winner takes all", problems)
 
 
-def covers(seeds: int) -> None:
+def set_covers(seeds: int) -> None:
     """The bundled cover of 30 elements, and set covers of 200 rows and 2,000 columns, density 2 %, costs of 1 to 100."""
     cover = read("cover-30")
     random = ((f"200x2000-{seed}", set_cover(seed)) for seed in range(1, seeds + 1))
@@ -129,23 +115,20 @@ def set_cover(seed: int, rows: int = 200, columns: int = 2000, density: float = 
         row[rng.choice(columns, 2, replace=False)] = True
     row, column = np.nonzero(covered)
     starts = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=rows))]).astype(np.int32)
-    x = Variables("x", lower=np.zeros(columns), upper=np.ones(columns), cost=rng.integers(1, 101, columns).astype(float), integer=True)
-    need = Rows(
+    x = wb.Variables("x", lower=np.zeros(columns), upper=np.ones(columns), cost=rng.integers(1, 101, columns).astype(float), integer=True)
+    need = wb.Rows(
         "row", indptr=starts, indices=column.astype(np.int32), data=np.ones(len(column)), lower=np.ones(rows), upper=np.full(rows, np.inf)
     )
-    return ArrayProblem(Program(f"cover-{rows}x{columns}-{seed}", "min", (x,), (need,)))
+    return ArrayProblem(wb.Program(f"cover-{rows}x{columns}-{seed}", "min", (x,), (need,)))
 
 
-def beside_highs(title: str, problems: Iterable[tuple[str, Problem]]) -> None:
+def beside_highs(title: str, problems: Iterable[tuple[str, wb.Problem]]) -> None:
     """CPU seconds of HiGHS' own search, of the proof that its answer is optimal, and what that proves in 60 s."""
     print(f"{title:18s}  answer        bound         highs s  proof s  ratio  leaves  proved")
     for name, problem in problems:
-        began = time.process_time()
-        answer = solve(problem, Request(solver="highs", bound_time=0))
-        searched = time.process_time()
+        own, answer = timed(partial(solve, problem, Request(solver="highs", bound_time=0)))
         assert isinstance(answer.objective, float)
-        bound, _, evidence = proof(problem, answer.objective, 60.0)
-        own, took = searched - began, time.process_time() - searched
+        took, (bound, _, evidence) = timed(partial(proof, problem, answer.objective, 60.0))
         proved = bound is not None and same(bound, answer.objective)
         shown = "-" if bound is None else f"{bound:.8g}"
         print(
@@ -160,40 +143,35 @@ def checking(leaves: int, rows: int = 100, columns: int = 150) -> None:
     rng = np.random.default_rng(1)
     matrix = rng.integers(1, 100, (rows, columns)).astype(float)
     starts, indices = np.arange(rows + 1, dtype=np.int32) * columns, np.tile(np.arange(columns, dtype=np.int32), rows)
-    row = Rows("row", indptr=starts, indices=indices, data=matrix.ravel(), lower=np.full(rows, -np.inf), upper=matrix.sum(axis=1) / 2.0)
-    x = Variables("x", lower=np.zeros(columns), upper=np.ones(columns), cost=matrix.sum(axis=0) / rows, integer=True)
-    problem = ArrayProblem(Program("tree", "max", (x,), (row,)))
-    nodes, waiting, left = list[object](), [0], leaves - 1
+    row = wb.Rows("row", indptr=starts, indices=indices, data=matrix.ravel(), lower=np.full(rows, -np.inf), upper=matrix.sum(axis=1) / 2.0)
+    x = wb.Variables("x", lower=np.zeros(columns), upper=np.ones(columns), cost=matrix.sum(axis=0) / rows, integer=True)
+    problem = ArrayProblem(wb.Program("tree", "max", (x,), (row,)))
+    nodes, waiting, unmade = list[object](), [0], leaves - 1
     while waiting:
         depth = waiting.pop()
-        if left and depth < math.ceil(math.log2(leaves)):
-            left -= 1
+        if unmade and depth < math.ceil(math.log2(leaves)):
+            unmade -= 1
             nodes.append({"branch": {"variable": depth, "most": 0}})
             waiting += [depth + 1, depth + 1]
         else:
             nodes.append({"kind": "lp-dual", "data": {"duals": rng.random(rows).tolist()}})
-    evidence = Evidence("branching-tree", "a tree", math.inf, {"nodes": nodes})
-    began = time.process_time()
-    verified_bound(problem, evidence)
-    print(f"the checker takes {time.process_time() - began:.1f} CPU s for {_leaves(evidence)} leaves of a program of {rows} rows\n")
+    evidence = wb.Evidence("branching-tree", "a tree", math.inf, {"nodes": nodes})
+    seconds, _ = timed(lambda: verified_bound(problem, evidence))
+    print(f"the checker takes {seconds:.1f} CPU s for {_leaves(evidence)} leaves of a program of {rows} rows\n")
 
 
-def files(folder: Path, names: list[str], seconds: float) -> None:
+def proved_files(folder: Path, names: Sequence[str], seconds: float) -> None:
     """Solomon's files cut to 25 customers: what HiGHS proves in 20 s by its own word, and what is verified."""
     print("file   answer    highs s  (CPU)  bound    proof s  (CPU)  leaves  proved")
     for name in names:
         path = folder / f"{name}.txt"
         if not path.exists():
             continue
-        problem = RoutingProblem.from_instance(solomon.read(path.read_text(), path), settings={"customers": 25, "convention": "trunc1"})
-        began = time.process_time()
-        word = solve(problem, Request(solver="highs", time_limit=20.0, bound_time=0))
-        searching = time.process_time() - began
+        problem = wb.RoutingProblem.from_instance(solomon.read(path.read_text(), path), settings={"customers": 25, "convention": "trunc1"})
+        searching, word = timed(partial(solve, problem, Request(solver="highs", time_limit=20.0, bound_time=0)))
         answer = solve(problem, Request(solver="pyvrp", time_limit=2.0, bound_time=0, start=word.answer))
         assert isinstance(answer.objective, float)
-        began = time.process_time()
-        bound, took, evidence = proof(problem, answer.objective, seconds)
-        proving = time.process_time() - began
+        proving, (bound, took, evidence) = timed(partial(proof, problem, answer.objective, seconds))
         proved = bound is not None and same(bound, answer.objective)
         own = f"{word.seconds['solve']:.1f}" if word.status == "optimal" else "-"
         shown, verdict = "-" if bound is None else f"{bound:.1f}", "yes" if proved else "no"
@@ -201,32 +179,32 @@ def files(folder: Path, names: list[str], seconds: float) -> None:
         print(f"{name:6s} {answer.objective:7.1f}  {figures}  {verdict}", flush=True)
 
 
-def _leaves(evidence: Evidence | None) -> int:
+def _leaves(evidence: wb.Evidence | None) -> int:
     return 0 if evidence is None else sum("branch" not in node for node in evidence.data.get("nodes", [{}]))
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--battery", type=int, default=3000)
-    parser.add_argument("--seconds", type=float, default=1.0)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--winner-takes-all", type=int, default=10)
-    parser.add_argument("--covers", type=int, default=5)
-    parser.add_argument("--leaves", type=int, default=10_000)
-    parser.add_argument("--solomon", type=Path)
-    parser.add_argument("--files", nargs="*", default=list(FIRST_CLASS))
-    parser.add_argument("--file-seconds", type=float, default=60.0)
-    chosen = parser.parse_args()
-    wrong = battery(chosen.battery, chosen.seconds, chosen.seed) if chosen.battery else 0
-    if chosen.winner_takes_all:
-        winner_takes_all(chosen.winner_takes_all)
-    if chosen.leaves:
-        checking(chosen.leaves)
-    if chosen.covers:
-        covers(chosen.covers)
-    if chosen.solomon is not None:
-        files(chosen.solomon, chosen.files, chosen.file_seconds)
-    return 1 if wrong else 0
+@command
+def main(
+    battery: int = 3000,
+    seconds: float = 1.0,
+    seed: int = 1,
+    winner_takes_all: int = 10,
+    covers: int = 5,
+    leaves: int = 10_000,
+    solomon: Annotated[Path | None, Option(type=Path, help="the folder of Solomon's files")] = None,
+    files: tuple[str, ...] = FIRST_CLASS,
+    file_seconds: float = 60.0,
+) -> bool:
+    false = verified_of_battery(battery, seconds, seed) if battery else 0
+    if winner_takes_all:
+        winners(winner_takes_all)
+    if leaves:
+        checking(leaves)
+    if covers:
+        set_covers(covers)
+    if solomon is not None:
+        proved_files(solomon, files, file_seconds)
+    return not false
 
 
 if __name__ == "__main__":

@@ -1,6 +1,4 @@
-"""What it costs that waybound switches off parts of solvers that the battery found wrong.
-
-Run as ``python -m waybound.reports.benchmarks.protections [--limit 300] [--seeds 3]``.
+"""The cost of switching off parts of solvers that the battery found wrong.
 
 Mixed-integer programs of all families, each with waybound's options, with the library's own, and for HiGHS without any presolve. Seconds
 are CPU time of reductions and search, children included, one thread; all proven optima must be equal.
@@ -8,9 +6,9 @@ are CPU time of reductions and search, children included, one thread; all proven
 
 from __future__ import annotations
 
-import argparse
 import math
 import resource
+import sys
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -22,6 +20,8 @@ from waybound.instances.generating import generate
 from waybound.instances.reading import read_instance
 from waybound.solvers.backend import Control, Options, RawResult, solver_named
 from waybound.solvers.program_backend import ProgramBackend
+
+from ._harness import command
 
 RUNS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("highs", "waybound's", {}),
@@ -45,14 +45,11 @@ GROUPS: dict[str, tuple[str, Callable[[int], Problem]]] = {
     "routing, windows": ("two-index-load-flow", lambda k: routing(BUNDLED[k % 2], 13 + k)),
     "routing, node levels": ("two-index-mtz", lambda k: routing(BUNDLED[k % 2], 11 + k)),
     "routing, three indices": ("three-index", lambda k: routing(BUNDLED[k % 2], 9 + k)),
-    "winner takes all": (
-        "strong-linearisation",
-        lambda k: problem_from_instance(generate("sata", k, **SIZE), "winner-takes-all"),
-    ),
+    "winner takes all": ("strong-linearisation", lambda k: problem_from_instance(generate("sata", k, **SIZE), "winner-takes-all")),
     "coverage": ("facility-location", lambda k: problem_from_instance(generate("coverage", k, **COVERAGE))),
     "bottleneck": ("max-min", lambda k: problem_from_instance(generate("sata", k, robots=12, actions=3, targets=25, phi=15), "bottleneck")),
 }
-"""By name, a form and a problem from a number."""
+"""A form, and a problem by number, for each group."""
 
 
 def cpu() -> float:
@@ -90,16 +87,13 @@ def rows(seeds: int, limit: float, groups: dict[str, tuple[str, Callable[[int], 
             yield f"{group:24} {form:22} {solver:6} {word:12} {proven:>3}/{seeds:<2} {seconds:>9.2f} s"
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--limit", type=float, default=300.0)
-    given = parser.parse_args()
+@command
+def main(seeds: int = 3, limit: float = 300.0) -> None:
     for solver in ("highs", "pulp"):  # loads the modules
         run(GROUPS["bottleneck"][1](0).compile().program, solver, {}, 5.0)
-    for line in rows(given.seeds, given.limit):
+    for line in rows(seeds, limit):
         print(line, flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,39 +1,32 @@
-"""How far verified bounds stay from the best answers known, on the benchmark files of the literature.
+"""Gaps between verified bounds and the best answers known, on the benchmark files of the literature.
 
-Run as ``python -m waybound.reports.benchmarks.routing_bounds [--folder FOLDER] [--families cvrp top ...] [--every 1] [--seconds 1]``.
-
-``FOLDER`` (by default what ``WAYBOUND_BENCHMARKS`` names) holds ``bks.csv``, with the columns ``family, instance, convention, objective,
-vehicles, value``, and the files of each family. Every bound is what its checker derives. The budget is one for all methods together, in
-seconds of the processor, so that a busy machine gives the same figures; kernels are compiled before. Exits with 1 if a bound excludes the
-best known value.
+The folder of benchmark files holds ``bks.csv``, with the columns ``family, instance, convention, objective, vehicles, value``, and the
+files of each family. Every bound is what its checker derives. The budget is one for all methods together, in seconds of the processor, so
+that a busy machine gives the same figures; kernels are compiled before. Exits with 1 if a bound excludes the best known value.
 """
 
 from __future__ import annotations
 
-import argparse
-import csv
 import math
-import os
 import statistics
 import sys
 import threading
 import time
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from waybound.formulations.certificate import verified_bound
+import waybound as wb
+from waybound.extending import BOUNDS, LinearPrograms, verified_bound
 from waybound.formulations.problem import problem_from_instance
-from waybound.formulations.routing.objective import LongestRoute, Objective, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Flag, Stop
-from waybound.instances.errors import WayboundError
 from waybound.instances.reading import read_instance
-from waybound.solvers.bounds import BOUNDS
-from waybound.solvers.linear_programs import LinearPrograms
+
+from ._harness import Folder, Option, command, known_values, markdown
 
 CONVENTIONS = {"tsplib-nint": "file", "tsplib": "file", "dimacs-trunc1": "trunc1", "euclidean-double": "exact"}
 FLEETS = ("top", "toptw", "minmax-mtsp")
@@ -52,9 +45,9 @@ class ProcessorTime(Stop):
         return max(0.0, self._processor_end - time.process_time())
 
     def after(self, seconds: float) -> Stop:
-        made = ProcessorTime(seconds)
-        made._wish = self._wish
-        return made
+        later = ProcessorTime(seconds)
+        later._wish = self._wish
+        return later
 
     @property
     def flag(self) -> Flag:
@@ -79,18 +72,13 @@ class Row:
     """One file with its best known value."""
 
     family: str
-    problem: RoutingProblem
+    problem: wb.RoutingProblem
     best: float
 
 
 def rows(folder: Path, families: Sequence[str], every: int) -> Iterator[Row]:
     """The files of some families, or of all; values of 0 have no gap."""
-    with (folder / "bks.csv").open(newline="") as stream:
-        lines = [
-            line for line in csv.DictReader(stream)
-            if (not families or line["family"] in families or line["family"].partition("/")[0] in families)
-            and float(line["value"]) and "routes)" not in line["objective"]
-        ]  # fmt: skip
+    lines = [line for line in known_values(folder, families) if float(line["value"]) and "routes)" not in line["objective"]]
     for line in lines[::every]:
         group = line["family"].partition("/")[0]
         places = [p for p in sorted((folder / line["family"]).glob(f"{line['instance']}.*")) if p.suffix not in (".sol", ".tour")]
@@ -101,88 +89,76 @@ def rows(folder: Path, families: Sequence[str], every: int) -> Iterator[Row]:
             settings["vehicles"] = "unlimited"
         try:
             problem = problem_from_instance(read_instance(places[0]), **settings)
-        except (WayboundError, IndexError) as fault:
+        except (wb.WayboundError, IndexError) as fault:
             print(f"{line['family']}/{line['instance']} is left out: {fault}", file=sys.stderr)
             continue
-        assert isinstance(problem, RoutingProblem)
+        assert isinstance(problem, wb.RoutingProblem)
         if line["objective"] == "longest route":
-            problem = replace(problem, objective=Objective.of(LongestRoute()))
+            problem = replace(problem, objective=wb.Objective.of(wb.LongestRoute()))
         elif line["objective"].startswith("vehicles"):
             if not line["vehicles"]:
                 continue
-            yield Row(f"{line['family']} vehicles", replace(problem, objective=Objective.of(Vehicles())), float(line["vehicles"]))
+            yield Row(f"{line['family']} vehicles", replace(problem, objective=wb.Objective.of(wb.Vehicles())), float(line["vehicles"]))
             continue
         yield Row(line["family"], problem, float(line["value"]))
 
 
-def best_bound(problem: RoutingProblem, seconds: float) -> tuple[float | None, str, float]:
+def best_bound(problem: wb.RoutingProblem, seconds: float) -> tuple[float | None, str, float]:
     """The best verified bound that all methods find in ``seconds``, its source, and the seconds that they took."""
     sign = 1.0 if problem.sense == "min" else -1.0
     able = [m for m in sorted(BOUNDS.values(), key=lambda m: m.order) if not m.missing(problem)]
     for method in able:
         method.prepare()
     began, stop = time.process_time(), ProcessorTime(seconds)
-    found = []
+    proofs = []
     for method in able:
         evidence = None if stop.reached() else method.evidence(problem, stop, LinearPrograms())
         if evidence is not None:
-            found.append((evidence, time.process_time()))
+            proofs.append(evidence)
     took = time.process_time() - began
-    proved = [(sign * verified_bound(problem, evidence), evidence.kind) for evidence, _ in found]
+    proved = [(sign * verified_bound(problem, evidence), evidence.kind) for evidence in proofs]
     bound, kind = max(proved, default=(-math.inf, ""))
     return (sign * bound if math.isfinite(bound) else None), kind, took
 
 
-def report(found: Iterator[Row], seconds: float) -> tuple[str, bool]:
+def report(listed: Iterator[Row], seconds: float) -> tuple[str, bool]:
     """The table, and whether no bound excludes a best known value."""
-    gaps: dict[str, list[float]] = {}
-    times: dict[str, list[float]] = {}
-    kinds: dict[str, dict[str, int]] = {}
+    proved: dict[str, list[tuple[float, float, str]]] = {}  # gap, seconds and kind of evidence, by family
     good = True
-    for row in found:
+    for row in listed:
         bound, kind, took = best_bound(row.problem, seconds)
         sign = 1.0 if row.problem.sense == "min" else -1.0
         if bound is not None and sign * (bound - row.best) > 1e-6 * abs(row.best):
             print(f"{row.problem.name}: {kind} proves {bound}, best known {row.best}", file=sys.stderr)
             good = False
         gap = math.inf if bound is None else 100.0 * abs(bound - row.best) / abs(row.best)
-        gaps.setdefault(row.family, []).append(gap)
-        times.setdefault(row.family, []).append(took)
-        own = kinds.setdefault(row.family, {})
-        own[kind] = own.get(kind, 0) + 1
-    lines = ["| family | files | median gap | worst | seconds | best by |", "|---|---|---|---|---|---|"]
+        proved.setdefault(row.family, []).append((gap, took, kind))
     groups: dict[str, list[str]] = {}
-    for family in gaps:
+    for family in proved:
         groups.setdefault(family.partition("/")[0], []).append(family)
+    rows = []
     for group, members in groups.items():
         named = [(member, [member]) for member in members]
-        for name, own_families in [*named, *([(f"{group}, all", [m for m in members if " " not in m])] if len(members) > 1 else [])]:
-            own_gaps = [gap for member in own_families for gap in gaps[member]]
-            spent = [took for member in own_families for took in times[member]]
-            if not own_gaps:
-                continue
-            count: dict[str, int] = {}
-            for member in own_families:
-                for kind, n in kinds[member].items():
-                    count[kind] = count.get(kind, 0) + n
-            by = ", ".join(f"{kind} {n}" for kind, n in sorted(count.items(), key=lambda item: -item[1]))
-            figures = f"{statistics.median(own_gaps):.1f} % | {max(own_gaps):.1f} % | {statistics.median(spent):.2f}"
-            lines.append(f"| {name} | {len(own_gaps)} | {figures} | {by} |")
-    return "\n".join(lines), good
+        if len(members) > 1:
+            named.append((f"{group}, all", [member for member in members if " " not in member]))
+        for name, families in named:
+            every = [proof for family in families for proof in proved[family]]
+            if every:
+                gaps, spent, kinds = zip(*every, strict=True)
+                by = ", ".join(f"{kind} {count}" for kind, count in Counter(kinds).most_common())
+                middle, time_taken = statistics.median(gaps), statistics.median(spent)
+                rows.append((name, len(every), f"{middle:.1f} %", f"{max(gaps):.1f} %", f"{time_taken:.2f}", by))
+    return "\n".join(markdown(("family", "files", "median gap", "worst", "seconds", "best by"), rows)), good
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--folder", type=Path, default=os.environ.get("WAYBOUND_BENCHMARKS"))
-    parser.add_argument("--families", nargs="*", default=[])
-    parser.add_argument("--every", type=int, default=1, help="take every so many rows")
-    parser.add_argument("--seconds", type=float, default=1.0)
-    chosen = parser.parse_args(arguments)
-    if chosen.folder is None:
-        parser.error("--folder or WAYBOUND_BENCHMARKS must name the folder of the files")
-    text, good = report(rows(Path(chosen.folder), chosen.families, chosen.every), chosen.seconds)
-    print(text)
-    return 0 if good else 1
+@command
+def main(
+    folder: Folder,
+    families: tuple[str, ...] = (),
+    every: Annotated[int, Option(help="take every so many rows")] = 1,
+    seconds: float = 1.0,
+) -> tuple[str, bool]:
+    return report(rows(folder, families, every), seconds)
 
 
 if __name__ == "__main__":

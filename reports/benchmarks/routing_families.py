@@ -1,10 +1,8 @@
-"""One file of each routing family on every solver that its users would try: ``python -m waybound.reports.benchmarks.routing_families``.
+"""One file of each routing family on every solver that its users would try.
 
-``[--folder FOLDER] [--family NAME ...] [--method NAME ...] [--seconds 5]``. ``FOLDER`` (by default what ``WAYBOUND_BENCHMARKS`` names)
-holds ``bks.csv`` with the values known, and the files. Each run is ``waybound solve FILE --solver NAME --time-limit SECONDS`` in a process
-of its own, with the heuristics that take the problem after the solvers: objective, best value known and how far it is, the bound that was
-verified and how far that is, and wall seconds of the search and of the whole process. A solver that cannot take a problem stands there
-with what it lacks.
+Each run is ``waybound solve FILE --solver NAME --time-limit SECONDS`` in a process of its own, with the heuristics that take the problem
+after the solvers: objective, best value known and how far it is, the bound that was verified and how far that is, and wall seconds of the
+search and of the whole process. A solver that cannot take a problem stands there with what it lacks.
 
 Exits with 1 if a run fails, or says no in other words than what it lacks, if an answer goes beyond a verified bound, or if a family has
 fewer than two solvers that answer.
@@ -12,11 +10,8 @@ fewer than two solvers that answer.
 
 from __future__ import annotations
 
-import argparse
-import csv
 import json
 import math
-import os
 import subprocess
 import sys
 import tempfile
@@ -24,10 +19,12 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from waybound import read
 from waybound.heuristics.heuristic import HEURISTICS
+
+from ._harness import Folder, Option, command, known_values, markdown, markdown_row
 
 SOLVERS = ("pyvrp", "ortools", "vroom", "highs")
 
@@ -36,18 +33,9 @@ REFUSED = "cannot take this problem: it does not handle "
 
 @dataclass(frozen=True)
 class Sample:
-    """A file of a family.
+    """A file of a family, within the folder; ``rewritten`` where it is first converted to VROOM's JSON.
 
-    Parameters
-    ----------
-    path : str
-        Within the folder.
-    row : mapping
-        Columns of ``bks.csv`` that its row has besides family and instance.
-    given : sequence of str
-        Arguments of the command besides the file.
-    rewritten : bool
-        Whether the file is first converted to VROOM's JSON.
+    ``row`` holds columns of its row of ``bks.csv`` besides family and instance, ``given`` arguments of the command besides the file.
     """
 
     path: str
@@ -57,10 +45,10 @@ class Sample:
 
     def settings(self) -> dict[str, Any]:
         """``given`` as Python's callers say it."""
-        found: dict[str, Any] = {}
+        settings: dict[str, Any] = {}
         for name, value in zip(self.given[::2], self.given[1::2], strict=True):
-            found |= dict([value.split("=")]) if name == "--set" else {name.removeprefix("--"): value}
-        return found
+            settings |= dict([value.split("=")]) if name == "--set" else {name.removeprefix("--"): value}
+        return settings
 
 
 FAMILIES = {
@@ -90,16 +78,14 @@ class Known:
 
 
 def best_known(folder: Path, sample: Sample) -> Known | None:
-    """What ``bks.csv`` says of a sample; None where it says nothing."""
+    """The best known values of a sample in ``bks.csv``; None where it has none."""
     place = Path(sample.path)
-    with (folder / "bks.csv").open(newline="") as stream:
-        for line in csv.DictReader(stream):
-            if (line["family"], line["instance"]) != (str(place.parent), place.stem):
-                continue
-            if all(line[name] == value for name, value in sample.row.items()):
-                first = [line["vehicles"]] if line["objective"].startswith("vehicles") else []
-                shown = [*first, line["value"]]
-                return Known(tuple(map(float, shown)), ", ".join(shown))
+    wanted = {"family": str(place.parent), "instance": place.stem, **sample.row}
+    for line in known_values(folder, [wanted["family"]]):
+        if line.items() >= wanted.items():
+            first = [line["vehicles"]] if line["objective"].startswith("vehicles") else []
+            shown = [*first, line["value"]]
+            return Known(tuple(map(float, shown)), ", ".join(shown))
     return None
 
 
@@ -118,7 +104,7 @@ def distance(values: Sequence[float], other: Sequence[float]) -> float:
 
 @dataclass(frozen=True)
 class Ran:
-    """What came of one run: exit code, the command's JSON, its complaint, and wall seconds."""
+    """The result of one run: exit code, the command's JSON, its complaint, and wall seconds."""
 
     code: int
     said: dict[str, Any]
@@ -130,25 +116,12 @@ class Ran:
         return self.code == 2 and REFUSED in self.complaint
 
 
-def solve(path: Path, method: str, seconds: float, given: Sequence[str]) -> Ran:
+def solve(path: Path, method: str, seconds: float, settings: Sequence[str]) -> Ran:
     """One ``waybound solve``."""
     kind = "--solver" if method in SOLVERS else "--heuristic"
-    command = [
-        sys.executable,
-        "-m",
-        "waybound",
-        "solve",
-        str(path),
-        kind,
-        method,
-        "--time-limit",
-        str(seconds),
-        "--json",
-        "--quiet",
-        *given,
-    ]
+    words = ["-m", "waybound", "solve", str(path), kind, method, "--time-limit", str(seconds), "--json", "--quiet", *settings]
     began = time.perf_counter()
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False)
     complaint = next((line for line in done.stderr.splitlines() if line.startswith("error: ")), done.stderr.strip()[-300:])
     said = json.loads(done.stdout) if done.stdout.startswith("{") else {}
     return Ran(done.returncode, said, complaint.removeprefix("error: "), time.perf_counter() - began)
@@ -187,13 +160,13 @@ HEADS = ("family", "method", "objective", "best known", "gap", "verified bound (
 def table(folder: Path, families: Sequence[str], methods: Sequence[str], seconds: float) -> bool:
     """Print the table as it grows; whether nothing is wrong."""
     good = True
-    print("| " + " | ".join(HEADS) + " |\n" + "|---" * len(HEADS) + "|", flush=True)
-    with tempfile.TemporaryDirectory() as made:
+    print("\n".join(markdown(HEADS)), flush=True)
+    with tempfile.TemporaryDirectory() as converted:
         for family in families:
             sample = FAMILIES[family]
             path, known = folder / sample.path, best_known(folder, sample)
             if sample.rewritten:
-                source, path = path, Path(made) / f"{path.stem}.json"
+                source, path = path, Path(converted) / f"{path.stem}.json"
                 convert = [sys.executable, "-m", "waybound", "convert", str(source), "--to", str(path), "--to-format", "vroom"]
                 subprocess.run(convert, capture_output=True, check=True)
             problem = read(path, **sample.settings())
@@ -206,23 +179,21 @@ def table(folder: Path, families: Sequence[str], methods: Sequence[str], seconds
                 cells, right = row(family, method, ran, known)
                 answered += method in SOLVERS and ran.code == 0
                 good = good and right
-                print("| " + " | ".join(cells) + " |", flush=True)
+                print(markdown_row(cells), flush=True)
             if not methods and answered < 2:
                 print(f"{family}: {answered} solvers answer")
                 good = False
     return good
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--folder", type=Path, default=os.environ.get("WAYBOUND_BENCHMARKS"))
-    parser.add_argument("--family", choices=FAMILIES, action="append", help="only this one; may be repeated")
-    parser.add_argument("--method", action="append", help="only this solver or heuristic; may be repeated")
-    parser.add_argument("--seconds", type=float, default=5.0, help="time limit of each run")
-    chosen = parser.parse_args(arguments)
-    if chosen.folder is None:
-        parser.error("--folder or WAYBOUND_BENCHMARKS must name the folder of the files")
-    return 0 if table(Path(chosen.folder), chosen.family or tuple(FAMILIES), chosen.method or (), chosen.seconds) else 1
+@command
+def main(
+    folder: Folder,
+    family: Annotated[list[str] | None, Option(choices=FAMILIES, action="append", help="only this one; may be repeated")] = None,
+    method: Annotated[list[str] | None, Option(action="append", help="only this solver or heuristic; may be repeated")] = None,
+    seconds: Annotated[float, Option(help="time limit of each run")] = 5.0,
+) -> bool:
+    return table(folder, family or tuple(FAMILIES), method or (), seconds)
 
 
 if __name__ == "__main__":

@@ -1,32 +1,27 @@
-"""How far routing heuristics stay from the best answers known, on the benchmark files of the literature.
+"""Gaps between routing heuristics and the best answers known, on the benchmark files of the literature.
 
-Run as ``python -m waybound.reports.benchmarks.routing_heuristics [--folder FOLDER] [--families cvrp/A ...] [--every 1] [--seconds 60]``.
-
-``FOLDER`` (by default what ``WAYBOUND_BENCHMARKS`` names) holds ``bks.csv``, with the columns ``family, instance, convention, objective,
-vehicles, value``, and the files of each family. Files with loads and windows are run with as many vehicles as are wanted, as their best
-distances are; min-max files with as many as the row says. Exits with 1 if an answer fails its check, or is better than the best known by
-more than rounding.
+The folder of benchmark files holds ``bks.csv``, with the columns ``family, instance, convention, objective, vehicles, value``, and the
+files of each family. Files with loads and windows are run with as many vehicles as are wanted, as their best distances are; min-max files
+with as many as the row says. Exits with 1 if an answer fails its check, or is better than the best known by more than rounding.
 """
 
 from __future__ import annotations
 
-import argparse
-import csv
-import os
 import statistics
 import sys
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
+from typing import Annotated
 
-from waybound.formulations.routing.objective import LongestRoute, Objective
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.heuristics.heuristic import HEURISTICS
+import waybound as wb
+from waybound.extending import HEURISTICS
 from waybound.instances.reading import read_instance
-from waybound.instances.routing.instance import RoutingInstance
 from waybound.solving.request import Request
 from waybound.solving.solve import solve
+
+from ._harness import Folder, Option, command, known_values, timed
 
 HEURISTICS_OF = {
     "cvrp": ("savings", "split", "tour-partitioning", "insertion"),
@@ -48,51 +43,48 @@ class Row:
     """One file with its best known value."""
 
     family: str
-    problem: RoutingProblem
+    problem: wb.RoutingProblem
     best: float
 
 
 def rows(folder: Path, families: Sequence[str]) -> Iterator[Row]:
     """The files of some families, or of all."""
-    with (folder / "bks.csv").open(newline="") as stream:
-        for line in csv.DictReader(stream):
-            family, name = line["family"], line["instance"]
-            group = family.partition("/")[0]
-            wanted = not families or family in families or group in families
-            if group not in HEURISTICS_OF or not wanted or line["convention"] == LEFT_OUT.get(group) or "routes)" in line["objective"]:
-                continue
-            vehicles = int(line["vehicles"]) if group in ("minmax-mtsp", "tsplib") else None
-            stem = name.rpartition("-m")[0] if group == "minmax-mtsp" else name
-            places = [folder / ("tsplib" if group == "minmax-mtsp" else family) / f"{stem}{end}" for end in (".vrp", ".txt", ".tsp")]
-            path = next((place for place in places if place.exists()), None)
-            if path is None:
-                continue
-            instance = read_instance(path)
-            if not isinstance(instance, RoutingInstance) or len(instance.sites) > WHOLE:
-                continue
-            settings: dict[str, object] = {"vehicles": vehicles or "unlimited"}
-            if CONVENTIONS[line["convention"]]:
-                settings["convention"] = CONVENTIONS[line["convention"]]
-            problem = RoutingProblem.from_instance(instance, settings=settings)
-            if group == "minmax-mtsp":
-                problem = replace(problem, objective=Objective.of(LongestRoute()))
-            yield Row(family, problem, float(line["value"]))
+    for line in known_values(folder, families):
+        family, name = line["family"], line["instance"]
+        group = family.partition("/")[0]
+        if group not in HEURISTICS_OF or line["convention"] == LEFT_OUT.get(group) or "routes)" in line["objective"]:
+            continue
+        vehicles = int(line["vehicles"]) if group in ("minmax-mtsp", "tsplib") else None
+        stem = name.rpartition("-m")[0] if group == "minmax-mtsp" else name
+        places = [folder / ("tsplib" if group == "minmax-mtsp" else family) / f"{stem}{end}" for end in (".vrp", ".txt", ".tsp")]
+        path = next((place for place in places if place.exists()), None)
+        if path is None:
+            continue
+        instance = read_instance(path)
+        if not isinstance(instance, wb.RoutingInstance) or len(instance.sites) > WHOLE:
+            continue
+        settings: dict[str, object] = {"vehicles": vehicles or "unlimited"}
+        if CONVENTIONS[line["convention"]]:
+            settings["convention"] = CONVENTIONS[line["convention"]]
+        problem = wb.RoutingProblem.from_instance(instance, settings=settings)
+        if group == "minmax-mtsp":
+            problem = replace(problem, objective=wb.Objective.of(wb.LongestRoute()))
+        yield Row(family, problem, float(line["value"]))
 
 
-def report(found: Sequence[Row], seconds: float) -> tuple[str, bool]:
+def report(listed: Sequence[Row], seconds: float) -> tuple[str, bool]:
     """The table, and whether every answer holds up."""
     lines = [f"{'family':22} {'files':>5} {'heuristic':18} {'median gap':>10} {'worst':>8} {'seconds':>8} {'longest':>8} {'stated':>6}"]
     good = True
-    for family in dict.fromkeys(row.family for row in found):
-        own = [row for row in found if row.family == family]
+    for family in dict.fromkeys(row.family for row in listed):
+        own = [row for row in listed if row.family == family]
         for name in HEURISTICS_OF[family.partition("/")[0]]:
             gaps, times, stated = [], [], 0
             for row in own:
                 if HEURISTICS[name].missing(row.problem):
                     continue
-                began = time.process_time()
-                solution = solve(row.problem, Request(heuristic=name, bound_time=0, time_limit=seconds))
-                times.append(time.process_time() - began)
+                spent, solution = timed(partial(solve, row.problem, Request(heuristic=name, bound_time=0, time_limit=seconds)))
+                times.append(spent)
                 value = solution.objective
                 if solution.status not in ("feasible", "optimal") or not isinstance(value, float) or value < row.best * (1 - 1e-6):
                     print(f"{row.problem.name}: {name} has {value}, best known {row.best}: {solution.status} {solution.message}")
@@ -106,21 +98,18 @@ def report(found: Sequence[Row], seconds: float) -> tuple[str, bool]:
     return "\n".join(lines), good
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--folder", type=Path, default=os.environ.get("WAYBOUND_BENCHMARKS"))
-    parser.add_argument("--families", nargs="*", default=[])
-    parser.add_argument("--every", type=int, default=1, help="take every so many files of a family")
-    parser.add_argument("--seconds", type=float, default=60.0)
-    chosen = parser.parse_args(arguments)
-    if chosen.folder is None:
-        parser.error("--folder or WAYBOUND_BENCHMARKS must name the folder of the files")
-    found = list(rows(Path(chosen.folder), chosen.families))
-    families = dict.fromkeys(row.family for row in found)
-    taken = [row for family in families for row in [row for row in found if row.family == family][:: chosen.every]]
-    text, good = report(taken, chosen.seconds)
+@command
+def main(
+    folder: Folder,
+    families: tuple[str, ...] = (),
+    every: Annotated[int, Option(help="take every so many files of a family")] = 1,
+    seconds: float = 60.0,
+) -> bool:
+    listed = list(rows(folder, families))
+    names = dict.fromkeys(row.family for row in listed)
+    text, good = report([row for name in names for row in [row for row in listed if row.family == name][::every]], seconds)
     print(text)
-    return 0 if good else 1
+    return good
 
 
 if __name__ == "__main__":

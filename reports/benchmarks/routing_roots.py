@@ -6,19 +6,18 @@ integer optimum. A dash stands for a form that cannot take the problem; forms wi
 
 from __future__ import annotations
 
-import argparse
+import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from ...formulations.forms import FORMS
-from ...formulations.programs.exactness import Exactness
-from ...formulations.programs.program import INTEGERS
+import waybound as wb
+from waybound.extending import FORMS, INTEGERS
+
 from ...formulations.routing.objective import Composable, Makespan, TotalCost
-from ...formulations.routing.problem import RoutingProblem
-from ...instances.routing.instance import Sites, VehicleType
 from ...instances.routing.travel import EXPLICIT, Travel
+from ._harness import Option, command, markdown_row
 
 SQUARE_4 = [(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)]
 GAP_5 = [(5, 5), (0, 7), (1, 6), (2, 10), (0, 2), (1, 8)]
@@ -38,14 +37,14 @@ CASES: dict[str, tuple[Travel, int, float, Composable]] = {
 """Travel, vehicles, limit of distance and objective; the numbers of a name are vehicles and limit."""
 
 
-def case(name: str) -> RoutingProblem:
+def case(name: str) -> wb.RoutingProblem:
     """One of ``CASES``."""
     travel, vehicles, limit, objective = CASES[name]
-    return RoutingProblem(Sites.of(range(len(travel))), travel, (VehicleType(vehicles, max_distance=limit),), objective, name=name)
+    return wb.RoutingProblem(wb.Sites.of(range(len(travel))), travel, (wb.VehicleType(vehicles, max_distance=limit),), objective, name=name)
 
 
-def optimum(problem: RoutingProblem, form: str, *, relax: bool = False) -> float:
-    """What HiGHS proves of one form."""
+def optimum(problem: wb.RoutingProblem, form: str, *, relax: bool = False) -> float:
+    """The optimum that HiGHS proves for one form."""
     model: Any = problem.compile(form, relax=relax).program.to_highs()
     # HiGHS 1.12 to 1.15 cut optima of tiny routing programs off with this rule (HiGHS#3090).
     for option, value in (("mip_rel_gap", 0.0), ("threads", 1), ("presolve_rule_off", 4096), ("output_flag", False)):
@@ -56,25 +55,22 @@ def optimum(problem: RoutingProblem, form: str, *, relax: bool = False) -> float
 
 def table(names: Sequence[str] = tuple(CASES)) -> list[list[str]]:
     """Rows of text, the header first."""
-    ordered = sorted((f for f in FORMS.values() if f.family == "routing" and f.exactness is Exactness.EXACT), key=lambda f: f.order)
+    ordered = sorted((f for f in FORMS.values() if f.family == "routing" and f.exactness is wb.Exactness.EXACT), key=lambda f: f.order)
     forms = [f.name for f in ordered if f.makes(case(next(iter(CASES)))) <= INTEGERS]
-    made = [["instance, vehicles, limit", *forms, "optimum"]]
+    lines = [["instance, vehicles, limit", *forms, "optimum"]]
     for name in names:
         problem = case(name)
         can = problem.forms()
         roots = [f"{optimum(problem, form, relax=True):.6g}" if form in can else "-" for form in forms]
-        made.append([name, *roots, f"{optimum(problem, can[0]):.6g}"])
-    return made
+        lines.append([name, *roots, f"{optimum(problem, can[0]):.6g}"])
+    return lines
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--only", choices=CASES, action="append", help="an instance; all of them without it")
-    chosen = parser.parse_args(arguments).only
-    for row in table(chosen or tuple(CASES)):
-        print("| " + " | ".join(row) + " |")
-    return 0
+@command
+def main(only: Annotated[list[str] | None, Option(choices=CASES, action="append", help="an instance; all by default")] = None) -> None:
+    for row in table(only or tuple(CASES)):
+        print(markdown_row(row))
 
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    sys.exit(main())

@@ -236,7 +236,7 @@ def _risks(d: _Draft) -> float:
 
 
 def _set(**changes: Callable[[_Draft], Any]) -> Callable[[_Draft], None]:
-    """Of the first vehicle type."""
+    """A change that sets attributes of the first vehicle type."""
 
     def change(d: _Draft) -> None:
         d.vehicle |= {name: value(d) for name, value in changes.items()}
@@ -286,7 +286,7 @@ CHANGES: dict[str, Callable[[_Draft], None]] = {
     "team-risk": lambda d: setattr(d, "team_risk", _risks(d)),
     **dict.fromkeys(sorted({name for goal in GOALS for name in Objective.of(goal).features()}), lambda d: None),
 }  # fmt: skip
-"""By feature: what it changes. Those of objectives choose among ``GOALS``."""
+"""The change that each feature makes; features of objectives choose among ``GOALS``."""
 
 TURNS = tuple(name for name in CHANGES if name not in RISKS | {"uncertain-durations", "forbidden-moves"})
 """Features that ``drawn`` has in turn, and chooses more from. Risks are ``risky``'s, and moves are forbidden by ``with_features`` alone, so
@@ -301,7 +301,7 @@ PAID = {"duration-cost", "overtime", "fixed-cost", "unit-cost"}
 """Features that total cost alone knows."""
 
 NEEDED = {"rewards": "objective:reward", "penalties": "objective:penalties", **dict.fromkeys(PAID, "objective:total-cost")}
-"""What an objective must hold for a feature to matter, unless another one is asked for."""
+"""The term that an objective must hold for a feature to matter, unless another one is asked for."""
 
 
 def _most(wanted: tuple[str, ...]) -> int:
@@ -354,12 +354,12 @@ def _made(rng: np.random.Generator, wanted: tuple[str, ...], name: str) -> Routi
     travel = replace(d.travel, duration_matrix=d.durations, closing=d.closing, variances=d.variances)
     fleet: list[VehicleType] = []
     for k, changes in enumerate(({}, *d.others)):
-        given = {"name": f"type-{k + 1}", **d.vehicle, **changes}
-        if "travel" in given:
-            given["travel"] = Travel(
-                EXPLICIT, matrix=given["travel"], closing=d.closing, convention=d.travel.convention, variances=d.variances
+        attributes = {"name": f"type-{k + 1}", **d.vehicle, **changes}
+        if "travel" in attributes:
+            attributes["travel"] = Travel(
+                EXPLICIT, matrix=attributes["travel"], closing=d.closing, convention=d.travel.convention, variances=d.variances
             )
-        fleet.append(VehicleType(**given))
+        fleet.append(VehicleType(**attributes))
     total = fleet_size(fleet)
     least = d.min_vehicles if total is None else min(d.min_vehicles, total)
     sites = Sites.of(range(d.size), depot=d.depot, coordinates=d.xy, **d.sites)
@@ -375,10 +375,10 @@ def with_features(wanted: Sequence[str], seed: int) -> RoutingProblem | None:
     """A problem drawn for these features; None where they do not go together, or came to nothing in this one."""
     rng = np.random.default_rng([seed, *"".join(wanted).encode()])
     try:
-        made = _made(rng, tuple(wanted), f"{'-'.join(wanted)}-{seed}")
+        problem = _made(rng, tuple(wanted), f"{'-'.join(wanted)}-{seed}")
     except InputError:
         return None
-    return made if features_of(made) >= set(wanted) else None
+    return problem if features_of(problem) >= set(wanted) else None
 
 
 def drawn(seed: int, number: int) -> RoutingProblem:
@@ -387,11 +387,11 @@ def drawn(seed: int, number: int) -> RoutingProblem:
     feature = TURNS[number % len(TURNS)]
     for _ in range(200):
         try:
-            made = _made(rng, _chosen(rng, number), f"{feature}-{number}")
+            problem = _made(rng, _chosen(rng, number), f"{feature}-{number}")
         except InputError:  # such as a delivery that would come before its pickup
             continue
-        if feature in features_of(made):
-            return made
+        if feature in features_of(problem):
+            return problem
     raise AssertionError(f"no problem has {feature}")
 
 
@@ -409,12 +409,12 @@ def risky(seed: int, number: int) -> RoutingProblem:
         fleet = [v if asked == 1 else replace(v, risk=risk) for v in limited]
         fleet = [v if v.travel is None else replace(v, travel=replace(v.travel, variances=variances)) for v in fleet]
         try:
-            made = replace(
+            problem = replace(
                 base, travel=replace(base.travel, variances=variances), fleet=tuple(fleet), team_risk=None if asked == 0 else team,
                 name=f"{base.name}-at-risk",
             )  # fmt: skip
         except InputError:  # somebody may have to wait
             continue
-        if made.features() & RISKS:
-            return made
+        if problem.features() & RISKS:
+            return problem
     raise AssertionError("no problem has a risk")

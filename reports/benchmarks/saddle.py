@@ -1,47 +1,40 @@
 """The saddle engine on max-min linear programs of up to a million robots, beside HiGHS on the same program.
 
-Run as ``python -m waybound.reports.benchmarks.saddle [--families near-regular geometric expander torus] [--robots 10000 100000 1000000]
-[--gap 1e-6] [--limit 60] [--repeats 3] [--highs-limit 120] [--full]``. One thread, CPU seconds. The engine's clock starts with a
-``SensingGraph`` of which nothing else is computed, and ends with answer and bound; what its certificate takes (recomputing the objective,
-multiplying the prices out) is told apart. The seconds to a gap are those after which best value and best bound, as published, were that
-close; of the repeats the one that took least is shown. Compiling the kernels is outside and told apart. HiGHS starts with the compiled
-program, with simplex and with the interior point; it gets the programs of up to 10,000 robots, with ``--full`` also those of
-100,000, and is given up after ``--highs-limit`` seconds of CPU time, which on a busy machine may be more by the clock.
+One thread, CPU seconds. The engine's clock starts with a ``SensingGraph`` of which nothing else is computed, and ends with answer and
+bound; what its certificate takes (recomputing the objective, multiplying the prices out) is told apart. The seconds to a gap are those
+after which best value and best bound, as published, were that close; of the repeats the one that took least is shown. Compiling the kernels
+is outside and told apart. HiGHS starts with the compiled program, with simplex and with the interior point; it gets the programs of up to
+10,000 robots, with ``--full`` also those of 100,000, and is given up after ``--highs-limit`` seconds of CPU time, which on a busy machine
+may be more by the clock.
 
-Near-regular and geometric graphs are the kinds ``sensing-regular`` and ``sensing-geometric`` with the number of robots as seed; their
-value is a matter of a few targets. The other two are the engine's weak side, for all targets matter: in the expander, two actions a robot,
-two targets an action and four actions a target are joined at random; on the torus, a robot has one action for each corner of its
-square. Weights are uniform in [0.5, 1.5] and [0.7, 1.3].
+Near-regular and geometric graphs are the kinds ``sensing-regular`` and ``sensing-geometric`` with the number of robots as seed; their value
+is a matter of a few targets. The other two are the engine's weak side, for all targets matter: in the expander, two actions a robot, two
+targets an action and four actions a target are joined at random; on the torus, a robot has one action for each corner of its square.
+Weights are uniform in [0.5, 1.5] and [0.7, 1.3].
 """
 
 from __future__ import annotations
 
-import argparse
 import math
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
+import waybound as wb
+from waybound.extending import Control, Options
 from waybound.formulations.certificate import certify
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.instances.generating import generate
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
-from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.engines.sata.saddle import Saddle
-from waybound.solvers.program_backend import ProgramBackend
+
+from ._harness import Option, command, generated, solved, timed
 
 GAPS = (1e-1, 1e-2, 1e-3, 1e-4)
 
 LARGEST_FOR_HIGHS, LARGEST_FOR_HIGHS_FULL = 10_000, 100_000
-
-
-def generated(kind: str, robots: int) -> SensingGraph:
-    made = generate(kind, seed=robots, robots=robots)
-    assert isinstance(made, SensingGraph)
-    return made
 
 
 def expander(robots: int) -> SensingGraph:
@@ -60,8 +53,8 @@ def torus(robots: int) -> SensingGraph:
 
 
 FAMILIES: dict[str, Callable[[int], SensingGraph]] = {
-    "near-regular": lambda robots: generated("sensing-regular", robots),
-    "geometric": lambda robots: generated("sensing-geometric", robots),
+    "near-regular": lambda robots: generated(SensingGraph, "sensing-regular", robots, robots=robots),
+    "geometric": lambda robots: generated(SensingGraph, "sensing-geometric", robots, robots=robots),
     "expander": expander,
     "torus": torus,
 }
@@ -89,7 +82,7 @@ class Measured:
 
 def measure(graph: SensingGraph, gap: float, limit: float) -> Measured:
     """Run the engine once; the certificate must prove its bound."""
-    problem = BottleneckSATA(fresh(graph), fractional=True)
+    problem = wb.BottleneckSATA(fresh(graph), fractional=True)
     until = [math.nan] * len(GAPS)
 
     def hear(event: dict[str, Any]) -> None:
@@ -103,27 +96,19 @@ def measure(graph: SensingGraph, gap: float, limit: float) -> Measured:
     began = time.process_time()
     result = Saddle().run(problem, Options(time_limit=limit, gap=gap), Control(hear))
     seconds = time.process_time() - began
-    began = time.process_time()
-    certificate = certify(problem, problem.evaluate(result.answer), result.evidence)
-    checked = time.process_time() - began
-    assert certificate.feasible
-    assert isinstance(certificate.objective, float)
-    assert certificate.bound is not None
-    assert certificate.gap is not None
+    checked, certificate = timed(lambda: certify(problem, problem.evaluate(result.answer), result.evidence))
+    assert certificate.feasible and isinstance(certificate.objective, float)
+    assert certificate.bound is not None and certificate.gap is not None
     return Measured(
         certificate.objective, certificate.bound, certificate.gap, tuple(until), seconds, checked, result.status, result.limit,
         result.statistics,
     )  # fmt: skip
 
 
-def highs(graph: SensingGraph, method: str, limit: float) -> str:
+def by_highs(graph: SensingGraph, method: str, limit: float) -> str:
     """HiGHS on the compiled program: CPU seconds and optimum, or that it was given up."""
-    program = replace(BottleneckSATA(graph, fractional=True).compile("max-min").program, name="unknown")
-    backend = BACKENDS["highs"]()
-    assert isinstance(backend, ProgramBackend)
-    began = time.process_time()
-    result = backend.run(program, Options(time_limit=limit, extra={"solver": method}), Control())
-    seconds = time.process_time() - began
+    program = replace(wb.BottleneckSATA(graph, fractional=True).compile("max-min").program, name="unknown")
+    seconds, result = solved(program, "highs", limit, solver=method)
     if result.status != "optimal":
         return f"{method} given up after {seconds:.1f} s"
     return f"{method} {seconds:.2f} s, optimum {result.objective:.6f}"
@@ -133,39 +118,39 @@ def _seconds(value: float) -> str:
     return f"{value:9.2f}" if math.isfinite(value) else f"{'-':>9s}"
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--families", nargs="*", choices=FAMILIES, default=list(FAMILIES))
-    parser.add_argument("--robots", type=int, nargs="*", default=[10_000, 100_000, 1_000_000])
-    parser.add_argument("--gap", type=float, default=1e-6, help="at which the engine ends")
-    parser.add_argument("--limit", type=float, default=60.0, help="of the engine, in seconds by the clock")
-    parser.add_argument("--repeats", type=int, default=3, help="for runs of less than two seconds")
-    parser.add_argument("--highs-limit", type=float, default=120.0)
-    parser.add_argument("--full", action="store_true")
-    chosen = parser.parse_args()
+@command
+def main(
+    families: Annotated[tuple[str, ...], Option(choices=FAMILIES)] = tuple(FAMILIES),
+    robots: tuple[int, ...] = (10_000, 100_000, 1_000_000),
+    gap: Annotated[float, Option(help="at which the engine ends")] = 1e-6,
+    limit: Annotated[float, Option(help="of the engine, in seconds by the clock")] = 60.0,
+    repeats: Annotated[int, Option(help="for runs of less than two seconds")] = 3,
+    highs_limit: float = 120.0,
+    full: bool = False,
+) -> None:
     began = time.perf_counter()
     measure(expander(200), 1e-3, 60.0)
     print(f"kernels ready after {time.perf_counter() - began:.1f} s (compiled, or read from the disk's cache); CPU seconds of one thread")
     heads = "".join(f"{f'to {gap:.0e}':>9s}" for gap in GAPS)
     print(f"{'family':13s}{'robots':>9s}{'edges':>9s}{'value':>11s}{'bound':>11s}{'gap':>9s}{heads}{'end':>9s}{'certify':>9s}  how")
-    for family in chosen.families:
-        for robots in chosen.robots:
-            graph = FAMILIES[family](robots)
-            best = measure(graph, chosen.gap, chosen.limit)
-            for _ in range(chosen.repeats - 1):
+    for family in families:
+        for size in robots:
+            graph = FAMILIES[family](size)
+            best = measure(graph, gap, limit)
+            for _ in range(repeats - 1):
                 if best.seconds < 2.0:
-                    best = min(best, measure(graph, chosen.gap, chosen.limit), key=lambda m: m.seconds)
+                    best = min(best, measure(graph, gap, limit), key=lambda m: m.seconds)
             s = best.statistics
             how = f"{s['steps']} steps, {s['passes']:.4g} passes, {s['linear_programs']} programs, {s['priced_targets']} priced"
             print(
-                f"{family:13s}{robots:9d}{graph.num_edges:9d}{best.value:11.6f}{best.bound:11.6f}{best.gap:9.1e}"
+                f"{family:13s}{size:9d}{graph.num_edges:9d}{best.value:11.6f}{best.bound:11.6f}{best.gap:9.1e}"
                 f"{''.join(map(_seconds, best.until))}{_seconds(best.seconds)}{_seconds(best.certificate)}  {how}; {best.limit}",
                 flush=True,
             )
-            if robots <= (LARGEST_FOR_HIGHS_FULL if chosen.full else LARGEST_FOR_HIGHS):
+            if size <= (LARGEST_FOR_HIGHS_FULL if full else LARGEST_FOR_HIGHS):
                 for method in ("simplex", "ipm"):
-                    print(f"{'':13s}HiGHS {highs(graph, method, chosen.highs_limit)}", flush=True)
+                    print(f"{'':13s}HiGHS {by_highs(graph, method, highs_limit)}", flush=True)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -1,18 +1,26 @@
-"""What the compile benchmarks share: fresh processes, clocks, and the check that two models are the same."""
+"""Medians of clocks in fresh processes, and the check that two models are the same, for the compile benchmarks."""
 
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
+import statistics
+import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from waybound.formulations.programs.program import Program
+
+from ._harness import Option, in_a_fresh_process
+
+Once = Annotated[str, Option(help="one measurement of this alone, as JSON: what the fresh processes do")]
+"""The contestant that a fresh process measures; "" for the table."""
+
+PULP_RUNS = 3
+"""PuLP takes long, so that more runs of it would be most of the time."""
 
 
 def same_model(program: Program, path: Path) -> None:
@@ -38,7 +46,7 @@ def same_model(program: Program, path: Path) -> None:
         assert np.allclose(np.sort(theirs), np.sort(ours), rtol=1e-9, atol=1e-9), f"the {name} differ"
 
 
-def timed(run: Callable[[], Any]) -> dict[str, float]:
+def clocks(run: Callable[[], Any]) -> dict[str, float]:
     """Wall and CPU seconds of one call; ``part`` where it returns a pair, whose second is the seconds that a part of it took."""
     wall, cpu = time.perf_counter(), time.process_time()
     result = run()
@@ -48,7 +56,27 @@ def timed(run: Callable[[], Any]) -> dict[str, float]:
     return seconds
 
 
-def in_a_fresh_process(module: str, *arguments: object) -> dict[str, float]:
-    """The JSON that ``python -m module`` prints; in a new interpreter all meet untouched memory, whose first use is part of the cost."""
-    command = [sys.executable, "-m", module, *map(str, arguments)]
-    return dict(json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout))
+class Medians:
+    """Medians of clocks over runs in fresh processes, in which all meet untouched memory, whose first use is part of the cost."""
+
+    def __init__(self, module: str, options: Sequence[object], contestants: Sequence[str], program: Program, repeats: int) -> None:
+        self.runs: dict[str, list[dict[str, float]]] = {name: [] for name in contestants}
+        self.heading = f"medians of {repeats} runs (PuLP: {min(repeats, PULP_RUNS)})"
+        with tempfile.TemporaryDirectory() as folder:
+            for number in range(repeats):  # in turn, so that all meet the same load of the machine
+                for name, runs in self.runs.items():
+                    if name != "pulp" or number < PULP_RUNS:
+                        runs.append(in_a_fresh_process("-m", module, *options, "--once", name, "--folder", folder))
+            same_model(program, Path(folder) / MODEL)
+
+    def __call__(self, name: str, clock: str) -> float:
+        return statistics.median(run[clock] for run in self.runs[name])
+
+
+MODEL = "model.mps"
+"""The file that PuLP writes."""
+
+
+def print_clocks(run: Callable[[], Any]) -> None:
+    """Measure in this process, after imports and data."""
+    print(json.dumps(clocks(run)))

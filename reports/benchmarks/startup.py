@@ -1,6 +1,6 @@
 """Start of ``import waybound`` and ``waybound --help`` against a bare interpreter that imports numpy: at most 3 times as long.
 
-Run: ``python -m waybound.reports.benchmarks.startup``. Exit code 1 if a ratio is above 3, or if a solver is imported.
+Exit code 1 if a ratio is above 3, or if a solver is imported.
 """
 
 from __future__ import annotations
@@ -10,6 +10,8 @@ import statistics
 import subprocess
 import sys
 import time
+
+from ._harness import command
 
 LIMIT = 3.0
 REPEATS = 15
@@ -35,6 +37,9 @@ print(json.dumps(sorted({{name.partition(".")[0] for name in sys.modules}})), fi
 """
 
 
+_ACTIONS = {"import waybound": "import waybound", "waybound --help": "import waybound.cli; waybound.cli.main()"}
+
+
 def seconds(arguments: list[str]) -> float:
     """Wall time of one fresh interpreter."""
     began = time.perf_counter()
@@ -58,7 +63,8 @@ def measure(repeats: int = REPEATS) -> dict[str, float]:
     return {name: statistics.median(values) for name, values in taken.items()}
 
 
-def main() -> int:
+@command
+def main() -> bool:
     measured = measure()
     base = measured.pop("interpreter and numpy")
     print(f"{'interpreter and numpy':<24} {base * 1000:7.0f} ms   (median of {REPEATS})")
@@ -69,10 +75,7 @@ def main() -> int:
     loaded = {what: heavy_modules(action) for what, action in _ACTIONS.items()}
     for what, names in loaded.items():
         print(f"{what:<24} loads {', '.join(names) or 'no solver, no pandas, no scipy'}")
-    return int(worst > LIMIT or any(loaded.values()))
-
-
-_ACTIONS = {"import waybound": "import waybound", "waybound --help": "import waybound.cli; waybound.cli.main()"}
+    return worst <= LIMIT and not any(loaded.values())
 
 
 if __name__ == "__main__":

@@ -1,7 +1,5 @@
 """Uncertain paths: comparisons a second, agreement with sampling, non-dominated sets, and what each policy takes.
 
-Run as ``python -m waybound.reports.benchmarks.uncertain_path [--comparisons 2000] [--samples 1000000] [--graphs 100]``.
-
 - Pairs of random sets of up to 20 paths, and of exactly 20: CPU time of ``cheaper_probability``, one pair after the other.
 - The same probabilities by sampling the paths' costs, in standard errors; and those of paths that share edges, by the joint
   distribution, against sampling the edges.
@@ -13,38 +11,30 @@ One thread. Medians and largest values, after a first call outside the clock.
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
-import time
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 
+import waybound as wb
+from waybound.extending import NEVER
 from waybound.formulations.risk.path_sets import PathSet, cheaper_probability, cheapest_set_probabilities
 from waybound.formulations.risk.shared_edges import JointCosts, joint_probabilities, sampled_probabilities
-from waybound.formulations.risk.uncertain_path import UncertainPath
-from waybound.formulations.stop import NEVER
 from waybound.heuristics.risk._graph_policies import DStarLite, Greedy, LeastMean, Policy
 from waybound.heuristics.risk.rags import RiskAware
-from waybound.instances.generating import generate
-from waybound.instances.risk.uncertain_graph import UncertainGraph
 from waybound.instances.risk.worlds.uncertain_graph import UncertainGraphWorld
 from waybound.solvers.engines.risk.non_dominated_paths import non_dominated_paths
 from waybound.solvers.engines.risk.supported_paths import supported_paths
 
+from ._harness import Option, command, generated, met, timed
+
 MOST_PATHS = 20
 RATE, SECONDS, ERRORS = 1e4, 0.1, 4.0
 """Targets: comparisons a second, seconds a non-dominated set, standard errors."""
-
-
-def clock(work: Callable[[], Any]) -> float:
-    began = time.process_time()
-    work()
-    return time.process_time() - began
 
 
 def random_sets(rng: np.random.Generator, size: int) -> tuple[PathSet, PathSet]:
@@ -56,14 +46,13 @@ def random_sets(rng: np.random.Generator, size: int) -> tuple[PathSet, PathSet]:
 
 def compare(comparisons: int, samples: int, seed: int) -> tuple[list[str], bool]:
     rng = np.random.default_rng(seed)
-    lines, met = [], True
+    lines, good = [], True
     for size, what in ((0, f"up to {MOST_PATHS}"), (MOST_PATHS, f"of {MOST_PATHS}")):
         pairs = [random_sets(rng, size) for _ in range(comparisons)]
         cheaper_probability(*pairs[0])
-        rates = []
-        for _ in range(3):
-            rates.append(comparisons / clock(lambda pairs=pairs: [cheaper_probability(a, b) for a, b in pairs]))  # type: ignore[misc]
-        met = met and max(rates) >= RATE
+        runs = [timed(lambda pairs=pairs: [cheaper_probability(a, b) for a, b in pairs]) for _ in range(3)]  # type: ignore[misc]
+        rates = [comparisons / seconds for seconds, _ in runs]
+        good = good and max(rates) >= RATE
         lines.append(f"sets {what:9} {comparisons:,} comparisons: {max(rates):,.0f} a second (best of 3; least {min(rates):,.0f})")
     worst = 0.0
     for a, b in [random_sets(rng, 0) for _ in range(20)]:
@@ -73,7 +62,7 @@ def compare(comparisons: int, samples: int, seed: int) -> tuple[list[str], bool]
         drawn, error = sampled_probabilities(JointCosts(means, np.eye(len(means)), variances), groups, samples, rng)
         worst = max(worst, abs(p - drawn[0]) / max(error[0], 1e-12) if 0 < drawn[0] < 1 else 0.0)
     lines.append(f"20 pairs against {samples:,} samples each: at most {worst:.2f} standard errors apart")
-    return lines, met and worst <= ERRORS
+    return lines, good and worst <= ERRORS
 
 
 def share(samples: int, graphs: int, seed: int) -> tuple[list[str], bool]:
@@ -87,9 +76,8 @@ def share(samples: int, graphs: int, seed: int) -> tuple[list[str], bool]:
         if len(heads) < 2:
             continue
         costs = JointCosts.of_paths(g, paths)
-        began = time.process_time()
-        exact, own = joint_probabilities(costs.mean, costs.covariance, groups)
-        seconds.append(time.process_time() - began)
+        spent, (exact, own) = timed(lambda costs=costs, groups=groups: joint_probabilities(costs.mean, costs.covariance, groups))  # type: ignore[misc]
+        seconds.append(spent)
         drawn, _ = sampled_probabilities(costs, groups, samples, np.random.default_rng(seed))
         error = np.sqrt(np.maximum(exact, 1.0 / samples) / samples)  # one win in all is no deviation of none
         worst = max(worst, float((np.abs(exact - drawn) / np.hypot(error, own)).max()))
@@ -106,16 +94,15 @@ def share(samples: int, graphs: int, seed: int) -> tuple[list[str], bool]:
 def sets(graphs: int) -> tuple[list[str], bool]:
     sizes, seconds, labels, proofs = [], [], [], []
     non_dominated_paths(_roadmap(1, 20.0))
-    supported_paths(UncertainPath(_roadmap(1, 20.0)), NEVER)
+    supported_paths(wb.UncertainPath(_roadmap(1, 20.0)), NEVER)
     for graph in range(1, graphs + 1):
         g = _roadmap(graph, 20.0)
-        began = time.process_time()
-        found = non_dominated_paths(g)
-        seconds.append(time.process_time() - began)
-        sizes.append(len(found.paths))
-        labels.append(found.labels)
-        problem = UncertainPath(g)
-        proofs.append(clock(lambda problem=problem: supported_paths(problem, NEVER)))  # type: ignore[misc]
+        spent, frontier = timed(lambda g=g: non_dominated_paths(g))  # type: ignore[misc]
+        seconds.append(spent)
+        sizes.append(len(frontier.paths))
+        labels.append(frontier.labels)
+        problem = wb.UncertainPath(g)
+        proofs.append(timed(lambda problem=problem: supported_paths(problem, NEVER))[0])  # type: ignore[misc]
     lines = [
         f"non-dominated paths, {graphs} roadmaps of 100 vertices: {np.mean(sizes):.1f} (deviation {np.std(sizes):.1f}, {min(sizes)} to "
         f"{max(sizes)}), {np.mean(labels):.0f} labels; {1e3 * np.median(seconds):.1f} ms (median), {1e3 * max(seconds):.1f} ms (largest)",
@@ -126,7 +113,7 @@ def sets(graphs: int) -> tuple[list[str], bool]:
 
 def policies(graphs: int, draws: int) -> list[str]:
     lines = [f"policies on {graphs} roadmaps, {draws} walks each: ms once a graph, ms a walk (mean, deviation)"]
-    makers: dict[str, Callable[[UncertainGraph], Policy]] = {
+    makers: dict[str, Callable[[wb.UncertainGraph], Policy]] = {
         "rags": lambda g: RiskAware(g, non_dominated_paths(g)),
         "a-star": LeastMean,
         "greedy": lambda g: Greedy(g, non_dominated_paths(g)),
@@ -137,9 +124,8 @@ def policies(graphs: int, draws: int) -> list[str]:
             once, walks = [], []
             for graph in range(1, graphs + 1):
                 g = _roadmap(graph, variance)
-                began = time.process_time()
-                policy = make(g)
-                once.append(time.process_time() - began)
+                spent, policy = timed(lambda make=make, g=g: make(g))  # type: ignore[misc]
+                once.append(spent)
                 for draw in range(draws):
                     world = UncertainGraphWorld(g, np.random.default_rng(draw))
                     walks.append(_walk(policy.fresh(), world))
@@ -153,46 +139,40 @@ def _walk(policy: Policy, world: UncertainGraphWorld) -> float:
     """CPU seconds of all decisions of one walk."""
     spent = 0.0
     while not (o := world.observe()).arrived:
-        began = time.process_time()
-        to = policy.next_vertex(o.at, o.known)
-        spent += time.process_time() - began
+        seconds, to = timed(lambda o=o: policy.next_vertex(o.at, o.known))  # type: ignore[misc]
+        spent += seconds
         world.step({0: to})
     return spent
 
 
-def _roadmap(seed: int, variance: float) -> UncertainGraph:
-    made = generate("prm-graph", seed, variance=variance)
-    assert isinstance(made, UncertainGraph)
-    return made
+def _roadmap(seed: int, variance: float) -> wb.UncertainGraph:
+    return generated(wb.UncertainGraph, "prm-graph", seed, variance=variance)
 
 
 def report(comparisons: int, samples: int, graphs: int, walked: int, draws: int, seed: int) -> tuple[str, bool]:
     """Measure, and say what came out and whether the targets are met."""
     parts = [compare(comparisons, samples, seed), share(samples, min(graphs, 10), seed), sets(graphs), (policies(walked, draws), True)]
-    verdicts = [met for _, met in parts]
-    lines = [line for found, _ in parts for line in found]
+    verdicts = [good for _, good in parts]
+    lines = [line for part, _ in parts for line in part]
     targets = (
         f"{RATE:,.0f} comparisons a second, within {ERRORS:g} standard errors",
         "the same where edges are shared",
         f"non-dominated sets in {SECONDS:g} s",
     )
-    lines += [f"{what}: {'met' if met else 'MISSED'}" for what, met in zip(targets, verdicts, strict=False)]
+    lines += [f"{what}: {met(good)}" for what, good in zip(targets, verdicts, strict=False)]
     return "\n".join(lines), all(verdicts)
 
 
-def main(arguments: list[str] | None = None) -> int:
-    name = "python -m waybound.reports.benchmarks.uncertain_path"
-    parser = argparse.ArgumentParser(prog=name, description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--comparisons", type=int, default=2000)
-    parser.add_argument("--samples", type=int, default=1_000_000)
-    parser.add_argument("--graphs", type=int, default=100, help="roadmaps for the non-dominated sets")
-    parser.add_argument("--walked", type=int, default=5, help="roadmaps that policies walk")
-    parser.add_argument("--draws", type=int, default=20, help="walks on each")
-    parser.add_argument("--seed", type=int, default=1)
-    given = parser.parse_args(arguments)
-    text, met = report(given.comparisons, given.samples, given.graphs, given.walked, given.draws, given.seed)
-    print(text)
-    return 0 if met else 1
+@command
+def main(
+    comparisons: int = 2000,
+    samples: int = 1_000_000,
+    graphs: Annotated[int, Option(help="roadmaps for the non-dominated sets")] = 100,
+    walked: Annotated[int, Option(help="roadmaps that policies walk")] = 5,
+    draws: Annotated[int, Option(help="walks on each")] = 20,
+    seed: int = 1,
+) -> tuple[str, bool]:
+    return report(comparisons, samples, graphs, walked, draws, seed)
 
 
 if __name__ == "__main__":

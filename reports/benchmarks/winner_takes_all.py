@@ -1,24 +1,20 @@
 """Winner takes all solved to proven optimality: the forms against each other, ten seeds, one thread.
 
-Run as ``python -m waybound.reports.benchmarks.winner_takes_all [--seeds 10] [--weights binary] [--limit 20]``.
-
 20 robots with 2 actions each, 150 targets, density 15 %, the largest of the SATA experiments. The linear forms run with HiGHS; the product
-as it stands with those who take it: CP-SAT, and SCIP through MathOpt and, where it is installed, through PySCIPOpt. Seconds are CPU
-time of compiling and solving in one process (modules loaded before). All answers are judged from the data, and all proven optima
-must be equal.
+as it stands with those who take it: CP-SAT, and SCIP through MathOpt and, where it is installed, through PySCIPOpt. Seconds are CPU time of
+compiling and solving in one process (modules loaded before). All answers are judged from the data, and all proven optima must be equal.
 """
 
 from __future__ import annotations
 
-import argparse
 import statistics
-import time
+import sys
+from typing import Annotated
 
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.instances.generating import generate
-from waybound.instances.sata.sensing_graph import SensingGraph
-from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
-from waybound.solvers.program_backend import ProgramBackend
+import waybound as wb
+from waybound.solvers.backend import BACKENDS, RawResult
+
+from ._harness import Option, command, generated, met, solved, timed
 
 SIZE = {"robots": 20, "actions": 2, "targets": 150, "phi": 15}
 
@@ -35,26 +31,18 @@ TARGET_FORM, TARGET = "strong-linearisation", 3.0
 """Median CPU seconds that the strong form may take."""
 
 
-def instance(seed: int, weights: str, **size: int) -> WinnerTakesAllSATA:
+def instance(seed: int, weights: str, **size: int) -> wb.WinnerTakesAllSATA:
     """One problem of the given size (by default the largest of the experiments)."""
-    graph = generate("sata", seed, weights=weights, **{**SIZE, **size})
-    assert isinstance(graph, SensingGraph)
-    return WinnerTakesAllSATA(graph)
+    return wb.WinnerTakesAllSATA(generated(wb.SensingGraph, "sata", seed, weights=weights, **{**SIZE, **size}))
 
 
-def run(problem: WinnerTakesAllSATA, form: str, solver: str, limit: float) -> tuple[float, RawResult, float]:
+def run(problem: wb.WinnerTakesAllSATA, form: str, solver: str, limit: float) -> tuple[float, RawResult, float]:
     """CPU seconds, the solver's account, and the answer's value recomputed from the data."""
-    base, _, variant = solver.partition(":")
-    backend = BACKENDS[base](variant) if variant else BACKENDS[base]()
-    assert isinstance(backend, ProgramBackend)
-    began = time.process_time()
-    made = problem.compile(form)
-    program = made.program
-    result = backend.run(program, Options(time_limit=limit), Control())
-    seconds = time.process_time() - began
-    judged = problem.evaluate(made.decode(result.answer))
+    compiling, model = timed(lambda: problem.compile(form))
+    solving, result = solved(model.program, solver, limit)
+    judged = problem.evaluate(model.decode(result.answer))
     assert judged.feasible, judged.violations
-    return seconds, result, judged.values[0]
+    return compiling + solving, result, judged.values[0]
 
 
 def report(seeds: int, weights: str, limit: float, **size: int) -> str:
@@ -91,18 +79,14 @@ def report(seeds: int, weights: str, limit: float, **size: int) -> str:
         )
     lines.append(f"optima: {', '.join(f'{v:g}' for v in optima)}")
     strong = medians[TARGET_FORM, "highs"]
-    lines.append(f"target: median of {TARGET_FORM} below {TARGET:g} s: {'met' if strong < TARGET else 'MISSED'} ({strong:.3f} s)")
+    lines.append(f"target: median of {TARGET_FORM} below {TARGET:g} s: {met(strong < TARGET)} ({strong:.3f} s)")
     return "\n".join(lines)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--weights", choices=["binary", "uniform"], default="binary")
-    parser.add_argument("--limit", type=float, default=20.0)
-    given = parser.parse_args()
-    print(report(given.seeds, given.weights, given.limit))
+@command
+def main(seeds: int = 10, weights: Annotated[str, Option(choices=["binary", "uniform"])] = "binary", limit: float = 20.0) -> str:
+    return report(seeds, weights, limit)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

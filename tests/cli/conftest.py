@@ -14,10 +14,12 @@ from waybound.cli.app import app
 
 @pytest.fixture
 def run() -> Callable[..., Any]:
-    """``run("solve", "demo-tiny", ...)``: what the command printed on either stream, and its exit code."""
+    """``run("solve", "demo-tiny", ...)``: what the command printed on either stream, and its exit code, which must be ``code`` if given."""
 
-    def call(*arguments: object) -> Any:
-        return CliRunner(env={"COLUMNS": "200"}).invoke(app, [str(a) for a in arguments])
+    def call(*arguments: object, code: int | None = None) -> Any:
+        result = CliRunner(env={"COLUMNS": "200"}).invoke(app, [str(a) for a in arguments])
+        assert code in (None, result.exit_code), (result.exit_code, result.stdout, result.stderr)
+        return result
 
     return call
 
@@ -38,12 +40,21 @@ def strict_json() -> Callable[[str], Any]:
 
 
 @pytest.fixture
+def json_of(run: Callable[..., Any], strict_json: Callable[[str], Any]) -> Callable[..., Any]:
+    """``json_of("solve", "demo-tiny", ...)``: the object that a command prints with ``--json`` where it ends with exit code ``code``."""
+
+    def call(*arguments: object, code: int = 0) -> Any:
+        return strict_json(run(*arguments, "--json", code=code).stdout)
+
+    return call
+
+
+@pytest.fixture
 def refused(run: Callable[..., Any]) -> Callable[..., str]:
     """Runs a command that must fail with one line on standard error and nothing on standard output; returns the line."""
 
     def call(*arguments: object, code: int = 2) -> str:
-        result = run(*arguments)
-        assert result.exit_code == code, (result.stdout, result.stderr)
+        result = run(*arguments, code=code)
         assert result.stdout == ""
         (line,) = result.stderr.strip().splitlines()
         assert line.startswith("error: ")

@@ -22,24 +22,19 @@ def max_min_file(tmp_path):
 
 
 @pytest.mark.parametrize("problem", SENSING)
-def test_solve_writes_an_answer_and_a_certificate_that_check_verifies(run, strict_json, tmp_path, problem):
+def test_solve_writes_an_answer_and_a_certificate_that_check_verifies(json_of, run, strict_json, tmp_path, problem):
     out, certificate = tmp_path / "a.json", tmp_path / "c.json"
-    result = run(
-        "solve", "figure-3-3", "--problem", problem, "--solver", "highs", "--out", out, "--certificate", certificate, "--json", "-q"
-    )
-    assert result.exit_code == 0, result.stderr
-    data = strict_json(result.stdout)
+    data = json_of("solve", "figure-3-3", "--problem", problem, "--solver", "highs", "--out", out, "--certificate", certificate, "-q")
     assert data["problem"] == problem
     assert data["objective"] == pytest.approx(VALUES[problem], abs=1e-9)
-    verdict = run("check", "figure-3-3", out, "--problem", problem, "--certificate", certificate, "--json")
-    assert verdict.exit_code == 0, verdict.stderr
+    verdict = run("check", "figure-3-3", out, "--problem", problem, "--certificate", certificate, "--json", code=0)
     assert strict_json(verdict.stdout)["objective"] == pytest.approx(VALUES[problem], abs=1e-9)
 
 
-def test_a_selection_and_a_max_min_program_are_solved_too(run, strict_json, max_min_file):
-    cover = strict_json(run("solve", "cover-30", "--solver", "highs", "--json", "-q").stdout)
+def test_a_selection_and_a_max_min_program_are_solved_too(json_of, max_min_file):
+    cover = json_of("solve", "cover-30", "--solver", "highs", "-q")
     assert cover["objective"] == 142.0
-    program = strict_json(run("solve", max_min_file, "--solver", "highs", "--json", "-q").stdout)
+    program = json_of("solve", max_min_file, "--solver", "highs", "-q")
     assert program["objective"] == pytest.approx(3 / 4, abs=1e-9)  # x = 3/4, 1/4
 
 
@@ -52,16 +47,14 @@ def test_a_selection_and_a_max_min_program_are_solved_too(run, strict_json, max_
     ],
 )
 def test_people_see_the_answer_as_a_table(run, arguments, shown):
-    result = run("solve", *arguments, "--solver", "highs", "-q")
-    assert result.exit_code == 0, result.stderr
+    result = run("solve", *arguments, "--solver", "highs", "-q", code=0)
     assert all(word in result.stdout for word in ("Answer", *shown))
 
 
 def test_a_long_answer_is_cut_in_the_table_and_whole_in_the_file(run, tmp_path):
     graph, out = tmp_path / "g.json", tmp_path / "a.json"
-    assert run("generate", "sensing-regular", "--set", "robots=40", "--seed", 40, "--out", graph).exit_code == 0
-    result = run("solve", graph, "--solver", "highs", "--out", out, "-q")
-    assert result.exit_code == 0, result.stderr
+    run("generate", "sensing-regular", "--set", "robots=40", "--seed", 40, "--out", graph, code=0)
+    result = run("solve", graph, "--solver", "highs", "--out", out, "-q", code=0)
     shares = json.loads(out.read_text())["answer"]["actions"]
     assert f"and {len(shares) - 20} more" in result.stdout
 
@@ -77,14 +70,13 @@ def test_answers_other_than_routes_are_json_alone(refused, tmp_path, suffix):
 def test_an_answer_that_breaks_a_rule_is_found_out(run, tmp_path):
     path = tmp_path / "a.json"
     path.write_text(json.dumps({"kind": "assignment", "actions": [{"action": "p1"}, {"action": "p2"}]}))
-    result = run("check", "figure-3-3", path)
-    assert result.exit_code == 5
+    result = run("check", "figure-3-3", path, code=5)
     assert "robot r1 takes 2 actions" in result.stdout
 
 
 @pytest.mark.parametrize("problem", SENSING)
-def test_info_tells_sizes_and_who_takes_it(run, strict_json, problem):
-    data = strict_json(run("info", "figure-3-3", "--problem", problem, "--json").stdout)
+def test_info_tells_sizes_and_who_takes_it(json_of, problem):
+    data = json_of("info", "figure-3-3", "--problem", problem)
     assert data["problems"] == list(SENSING)
     assert {"highs", "ortools"} <= {s["name"] for s in data["solvers"]}
     assert data["heuristics"]
@@ -96,29 +88,28 @@ def test_info_tells_sizes_and_who_takes_it(run, strict_json, problem):
         assert (graph["delta_r"], graph["delta_t"], graph["idle_robots"], graph["unseen_targets"]) == (2, 3, [], [])
 
 
-def test_info_names_idle_robots_and_unseen_targets(run, strict_json, tmp_path):
+def test_info_names_idle_robots_and_unseen_targets(json_of, run, tmp_path):
     path = tmp_path / "g.csv"
     path.write_text("robot,action,target\na,p,x\nb,q,\nc,,\n,,y\n")
-    table = run("info", path)
-    assert table.exit_code == 0
+    table = run("info", path, code=0)
     assert "2: b, c" in table.stdout
     assert "1: y" in table.stdout
     assert "UserWarning" not in table.stderr
-    graph = strict_json(run("info", path, "--json").stdout)["graph"]
+    graph = json_of("info", path)["graph"]
     assert (graph["idle_robots"], graph["unseen_targets"], graph["seeing_actions"]) == (["b", "c"], ["y"], 1)
 
 
-def test_info_of_a_selection_and_of_a_max_min_program(run, strict_json, max_min_file):
+def test_info_of_a_selection_and_of_a_max_min_program(json_of, run, max_min_file):
     assert "coverage of 61 items by 30 elements" in run("info", "cover-30").stdout
-    data = strict_json(run("info", max_min_file, "--json").stdout)
+    data = json_of("info", max_min_file)
     assert data["packing"] == {"rows": 2, "entries": 3, "longest_row": 2}
     assert data["one_packing_row"] is False
     assert "some variables in several packing rows" in run("info", max_min_file).stdout
 
 
 def test_instances_go_from_one_format_to_another_and_back(run, tmp_path):
-    assert run("convert", "figure-3-3", "--to", tmp_path / "a.json").exit_code == 0
-    assert run("convert", tmp_path / "a.json", "--to", tmp_path / "b.csv").exit_code == 0
+    run("convert", "figure-3-3", "--to", tmp_path / "a.json", code=0)
+    run("convert", tmp_path / "a.json", "--to", tmp_path / "b.csv", code=0)
     from waybound.instances.bundled import bundled_path
 
     assert (tmp_path / "b.csv").read_bytes() == bundled_path("figure-3-3").read_bytes()
@@ -128,7 +119,7 @@ def test_conversion_names_what_a_format_cannot_hold(run, refused, tmp_path):
     assert "no format of a sensing instance" in refused("convert", "figure-3-3", "--to", tmp_path / "a.vrp")
     assert "holds no routing data" in refused("convert", "figure-3-3", "--to", tmp_path / "a.txt", "--to-format", "solomon")
     assert "no format of a selection instance" in refused("convert", "cover-30", "--to", tmp_path / "a.csv")
-    assert run("generate", "sensing-geometric", "--set", "robots=9", "--out", tmp_path / "g.json").exit_code == 0
+    run("generate", "sensing-geometric", "--set", "robots=9", "--out", tmp_path / "g.json", code=0)
     assert "no place for positions" in refused("convert", tmp_path / "g.json", "--to", tmp_path / "g.csv")
     assert {p.name for p in tmp_path.iterdir()} == {"g.json"}
 
@@ -136,7 +127,7 @@ def test_conversion_names_what_a_format_cannot_hold(run, refused, tmp_path):
 @pytest.mark.parametrize("kind", ["sata", "sensing-regular", "sensing-ring", "sensing-geometric", "coverage"])
 def test_generated_instances_repeat_themselves_and_are_read_back(run, tmp_path, kind):
     for name, seed in (("a", 3), ("b", 3), ("c", 4)):
-        assert run("generate", kind, "--set", "name=x", "--seed", seed, "--out", tmp_path / f"{name}.json").exit_code == 0
+        run("generate", kind, "--set", "name=x", "--seed", seed, "--out", tmp_path / f"{name}.json", code=0)
     a, b, c = ((tmp_path / f"{name}.json").read_text() for name in "abc")
     assert a == b != c
     assert wb.read(tmp_path / "a.json").name == "x"
@@ -183,29 +174,25 @@ def test_a_bad_edge_list_is_one_line_with_its_place(refused, tmp_path, rows, lin
 
 @pytest.mark.parametrize("arguments", [("figure-3-3",), ("figure-3-3", "--problem", "winner-takes-all"), ("cover-30",)])
 def test_bound_and_explain_take_them(run, arguments):
-    bounded = run("bound", *arguments, "--bound-time", "60", "-q")
-    assert bounded.exit_code == 0, bounded.stderr
+    bounded = run("bound", *arguments, "--bound-time", "60", "-q", code=0)
     assert "verified" in bounded.stdout
-    explained = run("explain", *arguments)
-    assert explained.exit_code == 0, explained.stderr
+    explained = run("explain", *arguments, code=0)
     assert "there is a solution" in explained.stdout
 
 
 @pytest.mark.parametrize("problem", SENSING)
 def test_a_plot_is_written(run, tmp_path, problem):
-    result = run("solve", "figure-3-3", "--problem", problem, "--solver", "highs", "--bound-time", 0, "--plot", tmp_path / "a.png", "-q")
-    assert result.exit_code == 0, result.stderr
+    run("solve", "figure-3-3", "--problem", problem, "--solver", "highs", "--bound-time", 0, "--plot", tmp_path / "a.png", "-q", code=0)
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_a_program_of_a_sensing_graph_is_exported(run, tmp_path):
-    result = run("export", "figure-3-3", "--to", tmp_path / "a.mps")
-    assert result.exit_code == 0, result.stderr
+    result = run("export", "figure-3-3", "--to", tmp_path / "a.mps", code=0)
     assert "variables" in result.stdout
 
 
-def test_small_cases_are_listed_with_their_source(run, strict_json):
-    listed = {entry["name"]: entry for entry in strict_json(run("instances", "list", "--json").stdout)["bundled"]}
+def test_small_cases_are_listed_with_their_source(json_of):
+    listed = {entry["name"]: entry for entry in json_of("instances", "list")["bundled"]}
     assert listed["figure-3-3"]["recipe"] is None
     assert "Figure 3.3" in listed["figure-3-3"]["source"]
     assert listed["demo-c25"]["source"] is None

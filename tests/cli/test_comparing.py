@@ -23,21 +23,20 @@ def test_the_table_is_printed_and_files_are_written(run: Any, tmp_path: Path) ->
         plot,
         "--log",
         log,
+        code=0,
     )
-    assert result.exit_code == 0, result.stderr
     assert "savings" in result.stdout and "every answer in the table was checked" in result.stdout
     assert out.read_text().startswith("method,objective,verified_bound,gap,seconds,status,remark")
     assert plot.read_bytes().startswith(b"\x89PNG") and "search by savings" in log.read_text()
 
 
-def test_json_is_one_object(run: Any, strict_json: Any) -> None:
-    result = run("compare", "demo-tiny", "--heuristic", "savings", "--bound-time", 0, "--json")
-    data = strict_json(result.stdout)
+def test_json_is_one_object(json_of: Any) -> None:
+    data = json_of("compare", "demo-tiny", "--heuristic", "savings", "--bound-time", 0)
     assert data["runs"][0]["method"] == "savings" and data["runs"][0]["solution"]["answer"] is not None
 
 
 def test_nothing_found_is_4(run: Any) -> None:
-    assert run("compare", "demo-tiny", "--heuristic", "local", "--bound-time", 0).exit_code == 4
+    run("compare", "demo-tiny", "--heuristic", "local", "--bound-time", 0, code=4)
 
 
 def test_what_cannot_be_done_is_refused_before_anything_runs(refused: Any, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Every output is tried, and the code tells the first that failed."""
+"""Outputs that could not be written are refused beforehand; every output is tried, and the code tells the first that failed."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from waybound.cli.delivery import Delivery
+from waybound.cli.delivery import Delivery, distinct_paths, output_path
 from waybound.instances.atomic import atomic_write
+from waybound.instances.errors import UsageError
 
 
 def broken(*_: object) -> str:
@@ -54,3 +55,22 @@ def test_a_second_interrupt_is_heeded(tmp_path: Path, capsys: pytest.CaptureFixt
     delivery.file("--out", tmp_path / "a", asked_again)
     assert delivery.code == 130
     assert "cannot be written: interrupted" in capsys.readouterr().err
+
+
+def test_paths_that_could_not_be_written_are_refused_beforehand(tmp_path):
+    (tmp_path / "folder.sol").mkdir()
+    (tmp_path / "in.sol").touch()
+    output_path("--out", tmp_path / "a.sol", (".sol",))
+    for path, says in (
+        (tmp_path / "a.xyz", "suffix"),
+        (tmp_path / "folder.sol", "directory"),
+        (tmp_path / "missing" / "a.sol", "no folder"),
+        (tmp_path / "in.sol", "overwrite the input"),
+    ):
+        with pytest.raises(UsageError, match=says):
+            output_path("--out", path, (".sol",), unlike=[str(tmp_path / "in.sol")])
+
+
+def test_two_outputs_cannot_go_to_one_file(tmp_path):
+    with pytest.raises(UsageError, match="--out and --certificate"):
+        distinct_paths(out=tmp_path / "a.json", certificate=tmp_path / "." / "a.json", plot=None)

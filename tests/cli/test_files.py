@@ -14,8 +14,7 @@ def test_export_writes_a_program_that_highs_reads_back(run, tmp_path, suffix):
     import highspy
 
     path = tmp_path / f"model{suffix}"
-    result = run("export", "demo-tiny", "--form", "two-index-mtz", "--to", path)
-    assert result.exit_code == 0
+    result = run("export", "demo-tiny", "--form", "two-index-mtz", "--to", path, code=0)
     made = wb.read("demo-tiny").compile("two-index-mtz")
     model = highspy.Highs()
     model.setOptionValue("output_flag", False)
@@ -42,7 +41,7 @@ def test_export_refuses_before_it_writes(refused, tmp_path, monkeypatch, argumen
 
 
 def test_an_instance_survives_conversion(run, tmp_path):
-    assert run("convert", "demo-c25", "--to", tmp_path / "c.json").exit_code == 0
+    run("convert", "demo-c25", "--to", tmp_path / "c.json", code=0)
     before, after = wb.read("demo-c25", convention="trunc1"), wb.read(tmp_path / "c.json", convention="trunc1")
     answer = wb.Routes.of([[1, 2, 3], [4, 5]])
     assert before.evaluate(answer) == after.evaluate(answer)
@@ -50,13 +49,13 @@ def test_an_instance_survives_conversion(run, tmp_path):
 
 def test_conversion_takes_the_settings_that_solve_takes(run, refused, tmp_path):
     made = tmp_path / "c.json"
-    assert run("convert", "demo-c25", "--to", made, "--set", "customers=5", "--set", "vehicles=2", "--convention", "trunc1").exit_code == 0
+    run("convert", "demo-c25", "--to", made, "--set", "customers=5", "--set", "vehicles=2", "--convention", "trunc1", code=0)
     asked = wb.read("demo-c25", customers=5, vehicles=2, convention="trunc1")
     assert wb.read(made).digest() == asked.digest()
     sites = tmp_path / "s.csv"
     sites.write_text("id,lat,lon,service\no,45.8,16.0,0\na,45.9,16.1,5\nb,46.0,15.9,5\n")
     options = ("--set", "speed=30", "--set", "time-unit=min", "--objective", "vehicles then total-cost")
-    assert run("convert", sites, "--to", made, *options).exit_code == 0
+    run("convert", sites, "--to", made, *options, code=0)
     assert wb.read(made).digest() == wb.read(sites, speed=30, time_unit="min", objective="vehicles then total-cost").digest()
     assert "unknown setting vehicle; " in refused("convert", "demo-c25", "--to", made, "--set", "vehicle=2")
 
@@ -71,7 +70,7 @@ def test_tables_beside_a_csv_of_sites_say_what_python_says_with_lists(run, refus
     beside = [
         part for key, name in (("windows", "w"), ("shipments", "p"), ("groups", "g")) for part in ("--set", f"{key}={tmp_path}/{name}.csv")
     ]
-    assert run("convert", tmp_path / "s.csv", *beside, "--to", tmp_path / "made.json").exit_code == 0
+    run("convert", tmp_path / "s.csv", *beside, "--to", tmp_path / "made.json", code=0)
     asked = wb.read(
         tmp_path / "s.csv", windows={"a": [(0, 4), (9, 20)]}, shipments=[("a", "b", 2)], groups=[{"sites": ["7", "8"], "required": False}]
     )
@@ -104,7 +103,7 @@ def test_a_fault_inside_a_table_is_told_with_its_file_and_line(refused, tmp_path
 
 def test_conversion_names_what_a_format_cannot_express(run, refused, tmp_path):
     path, target = tmp_path / "least.json", tmp_path / "least.txt"
-    assert run("convert", "demo-tiny", "--to", path).exit_code == 0
+    run("convert", "demo-tiny", "--to", path, code=0)
     path.write_text(json.dumps({**json.loads(path.read_text()), "min_vehicles": 2}))
     told = refused("convert", path, "--to", target, "--to-format", "solomon")
     assert "no place for" in told
@@ -114,7 +113,7 @@ def test_conversion_names_what_a_format_cannot_express(run, refused, tmp_path):
 
 def test_conversion_does_not_overwrite_its_input(run, refused, tmp_path):
     path = tmp_path / "c.json"
-    assert run("convert", "demo-tiny", "--to", path).exit_code == 0
+    run("convert", "demo-tiny", "--to", path, code=0)
     kept = path.read_bytes()
     assert "overwrite the input" in refused("convert", path, "--to", path)
     assert path.read_bytes() == kept
@@ -133,8 +132,7 @@ def test_nothing_overwrites_a_table_beside_the_input(refused, tmp_path, setting)
 
 def test_generation_repeats_itself_from_the_seed(run, tmp_path):
     for name, seed in (("a", 3), ("b", 3), ("c", 4)):
-        result = run("generate", "random", "--set", "customers=6", "--set", "name=x", "--seed", seed, "--out", tmp_path / f"{name}.json")
-        assert result.exit_code == 0
+        run("generate", "random", "--set", "customers=6", "--set", "name=x", "--seed", seed, "--out", tmp_path / f"{name}.json", code=0)
     a, b, c = ((tmp_path / f"{name}.json").read_text() for name in "abc")
     assert a == b != c
     made = wb.read(tmp_path / "a.json")
@@ -180,4 +178,4 @@ def test_a_name_of_300_characters_is_refused_in_a_line(refused, tmp_path, monkey
 
 def test_sites_and_problems_may_have_long_names(run, tmp_path):
     (tmp_path / "s.csv").write_text(f"# name: {LONG}\nid,x,y\nyard,0,0\n{LONG},1,1\n")
-    assert run("solve", tmp_path / "s.csv", "--bound-time", "0", "--out", tmp_path / "s.sol").exit_code == 0
+    run("solve", tmp_path / "s.csv", "--bound-time", "0", "--out", tmp_path / "s.sol", code=0)

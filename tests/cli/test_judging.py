@@ -15,8 +15,7 @@ from waybound.solvers.backend import BACKENDS
 def solved(run, tmp_path):
     """Files of a solved instance: answer, certificate."""
     out, proof = tmp_path / "a.sol", tmp_path / "c.json"
-    result = run("solve", "demo-tiny", "--solver", "pyvrp", "--iterations", "50", "--out", out, "--certificate", proof, "-q")
-    assert result.exit_code == 0
+    run("solve", "demo-tiny", "--solver", "pyvrp", "--iterations", "50", "--out", out, "--certificate", proof, "-q", code=0)
     return out, proof
 
 
@@ -53,8 +52,7 @@ def test_a_stated_cost_that_is_not_the_recomputed_one_is_told_with_both(run, str
 
 
 def test_a_certificate_is_verified(run, strict_json, solved):
-    result = run("check", "demo-tiny", solved[0], "--certificate", solved[1], "--json")
-    assert result.exit_code == 0
+    result = run("check", "demo-tiny", solved[0], "--certificate", solved[1], "--json", code=0)
     assert strict_json(result.stdout)["bound"] == json.loads(solved[1].read_text())["bound"]
 
 
@@ -93,12 +91,12 @@ def test_a_file_that_is_no_solution_is_refused_by_name(refused, tmp_path, text):
 
 
 def test_settings_are_part_of_the_instance_that_is_checked_against(run, solved):
-    assert run("check", "demo-tiny", solved[0], "--set", "capacity=10").exit_code == 5
+    run("check", "demo-tiny", solved[0], "--set", "capacity=10", code=5)
 
 
-def test_published_solutions_are_feasible_at_their_value(run, strict_json, benchmarks):
+def test_published_solutions_are_feasible_at_their_value(json_of, benchmarks):
     folder = benchmarks / "vrptw-solomon"
-    data = strict_json(run("check", folder / "C101.txt", folder / "C101.dimacs.sol", "--convention", "dimacs", "--json").stdout)
+    data = json_of("check", folder / "C101.txt", folder / "C101.dimacs.sol", "--convention", "dimacs")
     assert (data["feasible"], data["objective"]) == (True, pytest.approx(827.3, abs=1e-6))
 
 
@@ -115,23 +113,22 @@ def test_a_bound_is_told_with_its_source(run, strict_json, tmp_path):
 
 
 @pytest.mark.slow
-def test_each_level_of_an_objective_is_bounded(run, strict_json, tmp_path):
+def test_each_level_of_an_objective_is_bounded(json_of, run, tmp_path):
     proof, answer = tmp_path / "b.json", tmp_path / "a.json"
     asked = ("demo-tiny", "--objective", "vehicles then total-cost")
-    data = strict_json(run("bound", *asked, "--bound-time", "60", "--json", "-q", "--certificate", proof).stdout)
+    data = json_of("bound", *asked, "--bound-time", "60", "-q", "--certificate", proof)
     (level,) = data["levels"]
     assert data["bound"] == [2.0, level["bound"]] and level["given"] == [2.0] and 300 < level["bound"] <= 384.7341402
     assert data["bound_source"].endswith(f", then {level['source']}")
     told = run("bound", *asked, "--bound-time", "60", "-q").stdout
     assert "2 then " in told and "level 2: of solutions that are worth 2 before it" in told
-    assert run("solve", *asked, "--heuristic", "insertion", "--bound-time", "0", "--out", answer, "-q").exit_code == 0
+    run("solve", *asked, "--heuristic", "insertion", "--bound-time", "0", "--out", answer, "-q", code=0)
     checked = run("check", *asked, answer, "--certificate", proof)
     assert checked.exit_code == 0 and "bound" in checked.stdout
 
 
 def test_bounding_what_has_no_solution_says_so_and_is_exit_3(run, strict_json):
-    result = run("bound", "demo-tiny", "--set", "capacity=9", "--bound-time", "60", "-q")
-    assert result.exit_code == 3
+    result = run("bound", "demo-tiny", "--set", "capacity=9", "--bound-time", "60", "-q", code=3)
     assert "there is no solution, verified: no vehicle can serve site" in result.stdout
     assert "inf" not in result.stdout.split()
     result = run("bound", "demo-tiny", "--set", "capacity=9", "--bound-time", "60", "-q", "--json")
@@ -183,8 +180,7 @@ def test_explain_names_sites_and_is_exit_3(run, strict_json):
 
 
 def test_explain_names_the_fleet(run):
-    result = run("explain", "demo-c25", "--set", "vehicles=2")
-    assert result.exit_code == 3
+    result = run("explain", "demo-c25", "--set", "vehicles=2", code=3)
     assert "2 vehicles can carry" in result.stdout
 
 
@@ -197,16 +193,16 @@ def test_explain_refuses_an_unknown_form(refused):
     assert "unknown form" in refused("explain", "demo-tiny", "--form", "four-index")
 
 
-def test_a_certificate_that_holds_a_tree_is_verified_and_refused_where_a_leaf_was_lost(run, strict_json, refused, tmp_path):
+def test_a_certificate_that_holds_a_tree_is_verified_and_refused_where_a_leaf_was_lost(json_of, run, refused, tmp_path):
     graph, answer, proof = (tmp_path / name for name in ("graph.json", "answer.json", "proof.json"))
     sizes = ("robots=10", "actions=2", "targets=40", "phi=25", "weights=uniform")
     run("generate", "sata", *(word for size in sizes for word in ("--set", size)), "--seed", "3", "--out", graph)
     asked = (graph, "--problem", "winner-takes-all")
-    told = strict_json(run("solve", *asked, "--solver", "highs", "--out", answer, "--certificate", proof, "--json", "-q").stdout)
+    told = json_of("solve", *asked, "--solver", "highs", "--out", answer, "--certificate", proof, "-q")
     assert told["status"] == "optimal" and told["bound_kind"] == "verified"
     data = json.loads(proof.read_text())
     assert data["evidence"][0]["kind"] == "branching-tree"
-    verdict = strict_json(run("check", graph, answer, "--problem", "winner-takes-all", "--certificate", proof, "--json").stdout)
+    verdict = json_of("check", graph, answer, "--problem", "winner-takes-all", "--certificate", proof)
     assert verdict["feasible"] and verdict["bound"] == pytest.approx(told["objective"])
     data["evidence"][0]["data"]["nodes"].pop()
     proof.write_text(json.dumps(data))
@@ -243,15 +239,14 @@ def test_a_solution_file_of_each_family_is_exit_0_and_a_visit_made_twice_exit_5(
     else:
         first = next(line for line in text.split("\n") if ":" in line)
         spoilt.write_text(text.replace(first, f"{first} {first.split()[-1]}", 1))
-    assert run("check", benchmarks / instance, spoilt, *options).exit_code == 5
+    run("check", benchmarks / instance, spoilt, *options, code=5)
 
 
 def test_a_file_of_two_formats_is_exit_2_until_one_is_chosen(run, benchmarks):
     path = benchmarks / "toptw" / "c101.txt"
-    refused = run("info", path)
-    assert refused.exit_code == 2
+    refused = run("info", path, code=2)
     assert (
         "choose with --format, or --problem, from cordeau (mdvrp, cvrp, vrptw, min-cost-vrp); toptw (team-orienteering," in refused.output
     )
     for options in (("--format", "toptw"), ("--problem", "team-orienteering", "--set", "vehicles=3", "--convention", "trunc1")):
-        assert run("info", path, *options).exit_code == 0
+        run("info", path, *options, code=0)

@@ -1,4 +1,4 @@
-"""``waybound info, solvers, heuristics``."""
+"""``waybound info, solvers, heuristics, instances``."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ import json
 import subprocess
 import sys
 
+import pytest
+
 import waybound as wb
 from waybound.instances.bundled import bundled_path
 
 
-def test_info_tells_what_an_instance_holds(run, strict_json):
-    data = strict_json(run("info", "demo-c25", "--json").stdout)
+def test_info_tells_what_an_instance_holds(json_of):
+    data = json_of("info", "demo-c25")
     problem = wb.read("demo-c25")
     assert isinstance(problem, wb.RoutingProblem)
     assert data["sites"]["customers"] == len(problem.customers)
@@ -23,8 +25,8 @@ def test_info_tells_what_an_instance_holds(run, strict_json):
     assert data["format"] == "solomon"
 
 
-def test_infinite_limits_are_null_in_json(run, strict_json):
-    assert strict_json(run("info", "demo-tiny", "--json").stdout)["fleet"][0]["max_duration"] is None
+def test_infinite_limits_are_null_in_json(json_of):
+    assert json_of("info", "demo-tiny")["fleet"][0]["max_duration"] is None
 
 
 def test_info_for_people_names_features_and_takers(run):
@@ -37,8 +39,8 @@ def test_info_counts_sites_out_of_reach(run):
     assert "cannot be reached" in run("info", "demo-tiny", "--set", "capacity=9").stdout
 
 
-def test_solvers_are_listed_with_versions(run, strict_json):
-    listed = {s["name"]: s for s in strict_json(run("solvers", "--json").stdout)["solvers"]}
+def test_solvers_are_listed_with_versions(json_of, run):
+    listed = {s["name"]: s for s in json_of("solvers")["solvers"]}
     assert listed["highs"]["installed"]
     assert listed["highs"]["version"].startswith("1.")
     assert "OR-Tools" in run("solvers").stdout
@@ -58,13 +60,13 @@ def test_a_solver_that_is_not_installed_cannot_be_used_and_says_how_to_get_it(re
     assert "pip install pyvrp" in refused("solve", "demo-tiny", "--solver", "pyvrp", "-q")
 
 
-def test_with_a_file_solvers_say_whether_they_take_it(run, strict_json):
-    listed = strict_json(run("solvers", "demo-tiny", "--json").stdout)["solvers"]
+def test_with_a_file_solvers_say_whether_they_take_it(json_of):
+    listed = json_of("solvers", "demo-tiny")["solvers"]
     assert any(not s["missing"] for s in listed)
 
 
-def test_heuristics_say_what_they_guarantee(run, strict_json):
-    listed = strict_json(run("heuristics", "--json").stdout)["heuristics"]
+def test_heuristics_say_what_they_guarantee(json_of, run):
+    listed = json_of("heuristics")["heuristics"]
     assert all(h["guarantee"] for h in listed)
     assert "guarantee" in run("heuristics", "demo-tiny").stdout
 
@@ -80,3 +82,48 @@ def test_info_leaves_out_who_takes_other_families(run):
     assert " pyvrp " in shown and " outer-approximation " in shown and " lapjv " not in shown and " auction " not in shown
     assert "solvers for other families are left out; `waybound solvers demo-tiny` lists all" in " ".join(shown.split())
     assert " lapjv " in run("solvers", "demo-tiny").stdout
+
+
+def test_bundled_instances_are_listed_shown_and_found(json_of, run):
+    listed = json_of("instances", "list")
+    names = [entry["name"] for entry in listed["bundled"]]
+    assert "demo-c25" in names
+    assert "demo-c25" in run("instances", "list").stdout
+    assert wb.read(run("instances", "path", "demo-c25").stdout.strip()).digest() == wb.read("demo-c25").digest()
+    assert run("instances", "show", "demo-x40").stdout.startswith("NAME")
+
+
+@pytest.mark.parametrize("command", ["path", "show"])
+def test_an_unknown_bundled_name_lists_the_known_ones(refused, command):
+    assert "demo-c25" in refused("instances", command, "demo-z99")
+
+
+@pytest.mark.slow
+def test_solvers_are_examined_on_programs_whose_optima_are_known(json_of, run):
+    told = run("solvers", "--examine", "highs", "--count", 20, "-q", code=0)
+    for word in ("wrong optimum", "false infeasible", "gave up", "highs"):
+        assert word in told.stdout
+    data = json_of("solvers", "--examine", "highs", "--count", 5, "--seed", 3, "-q")
+    assert (data["count"], data["seed"], data["solvers"][0]["cases"], data["solvers"][0]["wrong_optimum"]) == (5, 3, 5, 0)
+
+
+@pytest.mark.slow
+def test_a_solver_that_says_what_is_false_ends_with_5_and_the_programs(run, strict_json, tmp_path):
+    asked = ("--kind", "time-windows", "--form", "two-index-mtz", "--count", 20, "--option", "presolve_rule_off=0", "-q")
+    told = run("solvers", "--examine", "highs", *asked, "--out", tmp_path / "wrong", "--json", code=5)
+    (one,) = strict_json(told.stdout)["solvers"]
+    assert one["false_infeasible"] == 1
+    (kept,) = (tmp_path / "wrong").iterdir()
+    assert one["told"][0]["file"] == str(kept)
+    assert "case 16" in told.stderr
+    assert "the solver says infeasible" in told.stderr
+
+
+def test_options_of_an_examination_are_refused_without_one_and_others_with_it(refused):
+    assert "--count" in refused("solvers", "--count", 3)
+    assert "--problem" in refused("solvers", "--examine", "--problem", "vrptw")
+    assert "--count" in refused("solvers", "--examine", "highs", "--count", 0)
+    assert "--examine NAME" in refused("solvers", "--examine", "--option", "presolve=off")
+    assert "kind or form" in refused("solvers", "--examine", "highs", "--by", "size")
+    assert "pyvrp" in refused("solvers", "--examine", "pyvrp", "--count", 1)
+    assert "presolve_rul_off" in refused("solvers", "--examine", "highs", "--count", 1, "--option", "presolve_rul_off=0", "-q")

@@ -1,17 +1,15 @@
-"""KEY=VALUE pairs, output paths, and the way from an error to one line."""
+"""KEY=VALUE pairs, and numbers within bounds."""
 
 from __future__ import annotations
 
 import math
-import warnings
 
 import pytest
-import typer
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waybound.cli.options import MOST_WHOLE, bounded, distinct_paths, handled, output_path, parse_pairs, parse_value
-from waybound.instances.errors import CheckFailedError, InputError, NoAnswerError, UsageError
+from waybound.cli.options import MOST_WHOLE, bounded, parse_pairs, parse_value
+from waybound.instances.errors import UsageError
 
 
 @pytest.mark.parametrize(
@@ -93,116 +91,3 @@ def test_a_value_beyond_what_machines_count_is_refused():
     for value in (f"{MOST_WHOLE + 1}", "-99999999999999999999", "9" * 300):
         with pytest.raises(UsageError, match=r"--set k=.*: whole numbers go up to 9223372036854775807"):
             parse_pairs([f"k={value}"], "--set")
-
-
-def test_paths_that_could_not_be_written_are_refused_beforehand(tmp_path):
-    (tmp_path / "folder.sol").mkdir()
-    (tmp_path / "in.sol").touch()
-    output_path("--out", tmp_path / "a.sol", (".sol",))
-    for path, says in (
-        (tmp_path / "a.xyz", "suffix"),
-        (tmp_path / "folder.sol", "directory"),
-        (tmp_path / "missing" / "a.sol", "no folder"),
-        (tmp_path / "in.sol", "overwrite the input"),
-    ):
-        with pytest.raises(UsageError, match=says):
-            output_path("--out", path, (".sol",), unlike=[str(tmp_path / "in.sol")])
-
-
-def test_two_outputs_cannot_go_to_one_file(tmp_path):
-    with pytest.raises(UsageError, match="--out and --certificate"):
-        distinct_paths(out=tmp_path / "a.json", certificate=tmp_path / "." / "a.json", plot=None)
-
-
-@pytest.mark.parametrize(
-    ("error", "code"),
-    [
-        (UsageError("x"), 2),
-        (InputError("x"), 2),
-        (NoAnswerError("x"), 4),
-        (CheckFailedError("x"), 5),
-        (KeyboardInterrupt(), 130),
-        (ValueError("x"), 1),
-    ],
-)
-def test_each_error_has_its_exit_code_and_one_line(error, code, capsys):
-    def command(verbose: bool = False) -> None:
-        raise error
-
-    with pytest.raises(typer.Exit) as caught:
-        handled(command)()
-    assert caught.value.exit_code == code
-    (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith("error: ")
-
-
-def test_an_internal_error_shows_its_traceback_only_when_asked(capsys):
-    def command(verbose: bool = False) -> None:
-        raise ValueError("boom")
-
-    with pytest.raises(typer.Exit):
-        handled(command)()
-    assert "run again with -v" in capsys.readouterr().err
-    with pytest.raises(typer.Exit):
-        handled(command)(verbose=True)
-    told = capsys.readouterr().err
-    assert "Traceback" in told
-    assert told.strip().splitlines()[-1] == "error: internal error: ValueError: boom"
-
-
-def test_no_line_on_standard_error_is_forged(capsys):
-    def command(verbose: bool = False) -> None:
-        raise ValueError("boom\x1b[2J\nerror: all is well" + "x" * 9000)
-
-    for verbose in (False, True):
-        with pytest.raises(typer.Exit):
-            handled(command)(verbose=verbose)
-        told = capsys.readouterr().err.splitlines()
-        assert all(line.isprintable() for line in told)
-        assert len(told[-1]) < 400
-        assert verbose or len(told) == 1
-
-
-def test_want_of_memory_is_told_as_such(capsys):
-    def command(verbose: bool = False) -> None:
-        raise MemoryError("Unable to allocate 55. GiB")
-
-    with pytest.raises(typer.Exit) as caught:
-        handled(command)()
-    assert caught.value.exit_code == 4
-    assert capsys.readouterr().err == "error: not enough memory for this: Unable to allocate 55. GiB\n"
-
-
-def test_a_warning_is_one_line(capsys):
-    def command(verbose: bool = False) -> None:
-        warnings.warn("a\x1b[2J\nb", stacklevel=1)
-
-    handled(command)()
-    assert capsys.readouterr().err == "note: a [2J b\n"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (("solve", "nowhere.txt"), "nowhere.txt: no such file"),
-        (("info", "demo-tiny", "--set", "nothing=3"), "unknown setting nothing"),
-        (("solve", "demo-tiny", "--fast"), "No such option: --fast"),
-        (("solve", "demo-tiny", "--time-limit", "soon"), "Invalid value for '--time-limit'"),
-        (("explain",), "Missing argument 'FILE'"),
-        (("run", "nothing"), "unknown mission 'nothing'"),
-        (("solve", "demo-tiny", "--solver", "nobody"), "unknown solver 'nobody'"),
-    ],
-)
-def test_a_failure_is_one_json_object_where_json_is_asked_for(arguments, told, run, strict_json):
-    result = run(*arguments, "--json")
-    data = strict_json(result.stdout)
-    assert result.exit_code == data["code"] == 2 and data["error"].startswith(told)
-    assert told in " ".join(result.stderr.split()).replace("│ ", "")
-    assert run(*arguments).stdout == ""
-
-
-def test_a_failure_names_file_and_line_as_json(run, strict_json, tmp_path):
-    path = tmp_path / "costs.csv"
-    path.write_text("robot,bin,cost\na,b,3\na,c,x\n")
-    data = strict_json(run("solve", path, "--json").stdout)
-    assert (data["code"], data["file"], data["line"]) == (2, str(path), 3)

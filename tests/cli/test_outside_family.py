@@ -29,18 +29,18 @@ def test_it_is_read_and_solved_as_its_own_problem(jobs):
     assert list(wb.solve(problem, heuristic="shortest-first", bound_time=0).to_frame()["job"]) == ["b", "c", "a"]
 
 
-def test_info_tells_its_facts_and_who_takes_it(run, strict_json, jobs):
+def test_info_tells_its_facts_and_who_takes_it(json_of, run, jobs):
     told = run("info", jobs()).stdout
     rows = [line.split() for line in told.splitlines()]
     for row in (["problem", "least-waiting,", "min"], ["jobs", "3"], ["longest", "jobs", "a,", "c"]):
         assert row in rows
-    data = strict_json(run("info", jobs(horizon=5), "--json").stdout)
+    data = json_of("info", jobs(horizon=5))
     assert (data["jobs"], data["longest_jobs"], data["horizon"]) == (3, ["a", "c"], 5)
     assert {h["name"] for h in data["heuristics"] if not h["missing"]} == {"shortest-first"}
 
 
-def test_heuristics_lists_what_takes_it_and_what_the_others_lack(run, strict_json, jobs):
-    missing = {h["name"]: h["missing"] for h in strict_json(run("heuristics", jobs(), "--json").stdout)["heuristics"]}
+def test_heuristics_lists_what_takes_it_and_what_the_others_lack(json_of, jobs):
+    missing = {h["name"]: h["missing"] for h in json_of("heuristics", jobs())["heuristics"]}
     assert missing["shortest-first"] == []
     assert missing["savings"] == ["one-machine problems"]
 
@@ -48,8 +48,7 @@ def test_heuristics_lists_what_takes_it_and_what_the_others_lack(run, strict_jso
 @pytest.mark.parametrize("suffix", [".json", ".order"])
 def test_its_answers_are_shown_written_and_checked(run, strict_json, jobs, tmp_path, suffix):
     file, out = jobs(), tmp_path / f"answer{suffix}"
-    solved = run("solve", file, "--heuristic", "shortest-first", "--bound-time", 0, "--out", out, "-q")
-    assert solved.exit_code == 0, solved.stderr
+    solved = run("solve", file, "--heuristic", "shortest-first", "--bound-time", 0, "--out", out, "-q", code=0)
     rows = [line.split() for line in solved.stdout.splitlines()]
     assert [row for row in rows if row[:1] in (["a"], ["b"], ["c"])] == [["b", "1"], ["c", "3"], ["a", "7"]]
     checked = run("check", file, out, "--json")
@@ -58,9 +57,9 @@ def test_its_answers_are_shown_written_and_checked(run, strict_json, jobs, tmp_p
     assert data["quantities"] == {"end": 7}
 
 
-def test_another_stated_objective_is_told_without_talk_of_distances(run, strict_json, jobs, tmp_path):
+def test_another_stated_objective_is_told_without_talk_of_distances(json_of, jobs, tmp_path):
     (tmp_path / "answer.order").write_text("a > b > c\n3\n")
-    data = strict_json(run("check", jobs(), tmp_path / "answer.order", "--json").stdout)
+    data = json_of("check", jobs(), tmp_path / "answer.order")
     assert data["notes"] == ["the file states 3.0, recomputed from the data it is 16.0"]
 
 

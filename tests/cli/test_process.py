@@ -105,9 +105,13 @@ SOLVE = ("solve", "demo-tiny", "--solver", "made", "--json", "-q")
 CODES = {"SIGINT": 130, "SIGTERM": 143, "SIGHUP": 129}
 
 
+def in_python(code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=2 * HANG)
+
+
 def made(number: str, body: str, more: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     code = MADE.replace("{body}", body.strip()).replace("{more}", more)
-    done = subprocess.run([sys.executable, "-c", code, number, *arguments], capture_output=True, text=True, timeout=2 * HANG)
+    done = in_python(code, number, *arguments)
     assert "Traceback" not in done.stderr
     return done
 
@@ -193,7 +197,7 @@ def test_what_the_caller_has_ignored_stays_ignored():
         "def hang_up(**given): os.kill(os.getpid(), signal.SIGHUP); time.sleep(0.1); sys.exit(7)\nface.app = hang_up\n"
         "import waybound.cli\nwaybound.cli.main()"
     )
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, timeout=2 * HANG).returncode == 7
+    assert in_python(code).returncode == 7
 
 
 def test_an_interrupt_before_anything_has_begun_is_exit_130_without_a_traceback():
@@ -201,7 +205,7 @@ def test_an_interrupt_before_anything_has_begun_is_exit_130_without_a_traceback(
         "import os, signal, waybound.cli.app as face\ndef stop(**given): os.kill(os.getpid(), signal.SIGINT)\nface.app = stop\n"
         "import waybound.cli\nwaybound.cli.main()"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=2 * HANG)
+    done = in_python(code)
     assert done.returncode == 130
     assert "Traceback" not in done.stderr
 
@@ -211,7 +215,7 @@ def test_an_interrupt_after_the_last_word_does_not_change_the_exit_code():
         "import atexit, os, signal, sys\natexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))\n"
         "sys.argv = ['waybound', '--version']\nfrom waybound.cli import main\nmain()"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=2 * HANG)
+    done = in_python(code)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -224,49 +228,33 @@ def test_a_reader_that_hangs_up_causes_no_traceback():
     assert b"internal error" not in told
 
 
-@pytest.mark.share(2)
-@pytest.mark.parametrize("arguments", [("--help",), ("--version",), ("solve", "--help"), ("instances", "--help")])
-def test_help_and_version_load_no_solver_no_pandas_and_no_scipy(arguments):
+def loaded(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """A command that ends well, and on standard error the packages that it has loaded."""
     code = (
         "import sys\nfrom waybound.cli import main\n"
         f"sys.argv = ['waybound', *{arguments!r}]\n"
         "try:\n    main()\nexcept SystemExit as end:\n    assert not end.code\n"
         "print(*{m.split('.')[0] for m in sys.modules}, file=sys.stderr)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+
+
+@pytest.mark.share(2)
+@pytest.mark.parametrize("arguments", [("--help",), ("--version",), ("solve", "--help"), ("instances", "--help")])
+def test_help_and_version_load_no_solver_no_pandas_and_no_scipy(arguments):
+    done = loaded(*arguments)
     assert not set(done.stderr.split()) & {"highspy", "ortools", "pulp", "cvxpy", "pyvrp", "pandas", "scipy", "matplotlib", "numba"}
     assert done.stdout
 
 
 @pytest.mark.slow
 def test_checking_a_certificate_loads_no_solver(tmp_path):
-    solved = subprocess.run(
-        [
-            *COMMAND,
-            "solve",
-            "demo-tiny",
-            "--iterations",
-            "30",
-            "--bound-time",
-            "1",
-            "-q",
-            "--out",
-            str(tmp_path / "a.json"),
-            "--certificate",
-            str(tmp_path / "c.json"),
-        ],
-        capture_output=True,
-        text=True,
-    )
+    answer, proof = str(tmp_path / "a.json"), str(tmp_path / "c.json")
+    words = ("solve", "demo-tiny", "--iterations", "30", "--bound-time", "1", "-q", "--out", answer, "--certificate", proof)
+    solved = subprocess.run([*COMMAND, *words], capture_output=True, text=True)
     assert solved.returncode == 0, solved.stderr
     assert json.loads((tmp_path / "c.json").read_text())["bound"] is not None
-    code = (
-        "import sys\nfrom waybound.cli import main\n"
-        f"sys.argv = ['waybound', 'check', 'demo-tiny', {str(tmp_path / 'a.json')!r}, '--certificate', {str(tmp_path / 'c.json')!r}]\n"
-        "try:\n    main()\nexcept SystemExit as end:\n    assert not end.code\n"
-        "print(*{m.split('.')[0] for m in sys.modules}, file=sys.stderr)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = loaded("check", "demo-tiny", answer, "--certificate", proof)
     assert not set(done.stderr.split()) & {"highspy", "ortools", "pulp", "cvxpy", "pyvrp"}
     assert "verified" in done.stdout
 

@@ -27,12 +27,11 @@ def bad_study(registered):
     return "idle"
 
 
-def test_without_a_study_all_are_listed(run, strict_json):
-    told = run("ratio")
-    assert told.exit_code == 0
+def test_without_a_study_all_are_listed(json_of, run):
+    told = run("ratio", code=0)
     names = set(STUDIES.names())
     assert all(name in told.stdout for name in names)
-    assert {study["name"] for study in strict_json(run("ratio", "--json").stdout)["studies"]} == names
+    assert {study["name"] for study in json_of("ratio")["studies"]} == names
 
 
 def test_an_unknown_study_is_refused_with_the_names_of_the_others(refused):
@@ -53,16 +52,14 @@ def test_a_folder_that_is_a_file_is_refused_before_anything_runs(refused, tmp_pa
 
 
 def test_a_study_prints_its_table(run):
-    told = run("ratio", "greedy-partition", "--instances", 12, "-q")
-    assert told.exit_code == 0
+    told = run("ratio", "greedy-partition", "--instances", 12, "-q", code=0)
     for words in ("planted-assignment", "stated", "2.0000", "faults", "ALG/OPT", "0.5000"):
         assert words in told.stdout
     assert told.stderr == ""
 
 
-def test_json_is_one_object(run, strict_json):
-    told = run("ratio", "lazy-greedy", "--instances", 12, "--seed", 5, "--json", "-q")
-    data = strict_json(told.stdout)
+def test_json_is_one_object(json_of):
+    data = json_of("ratio", "lazy-greedy", "--instances", 12, "--seed", 5, "-q")
     assert (data["schema"], data["seed"]) == (1, 5)
     (study,) = data["studies"]
     assert study["study"] == "lazy-greedy"
@@ -71,16 +68,14 @@ def test_json_is_one_object(run, strict_json):
 
 
 def test_out_writes_tables_and_figures(run, tmp_path):
-    told = run("ratio", "greedy-cardinality", "--instances", 12, "--out", tmp_path / "new", "-q")
-    assert told.exit_code == 0
+    told = run("ratio", "greedy-cardinality", "--instances", 12, "--out", tmp_path / "new", "-q", code=0)
     assert {path.suffix for path in (tmp_path / "new").iterdir()} == {".csv", ".md", ".png"}
     assert "written: " in told.stdout
 
 
 @pytest.mark.long  # every entry is compared in tests/ratios
 def test_table_3_1_ends_well(run):
-    told = run("ratio", "table-3-1", "-q")
-    assert told.exit_code == 0
+    told = run("ratio", "table-3-1", "-q", code=0)
     assert told.stdout.count("0.7591") == 4  # two entries of the table, printed and reproduced
 
 
@@ -89,14 +84,12 @@ def test_table_3_1_ends_with_5_when_an_entry_differs(run, monkeypatch, tmp_path)
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(local.PRINTED, 10, (0.5, 0.5, 0.7592, 0.2409, 0.2409, 0.7591))
-    told = run("ratio", "table-3-1", "-q")
-    assert told.exit_code == 5
+    told = run("ratio", "table-3-1", "-q", code=5)
     assert "p3" in told.stderr
 
 
 def test_a_broken_guarantee_ends_with_5_and_its_instance_is_in_a_file(run, bad_study, tmp_path, strict_json):
-    told = run("ratio", bad_study, "--out", tmp_path, "--json", "-q")
-    assert told.exit_code == 5
+    told = run("ratio", bad_study, "--out", tmp_path, "--json", "-q", code=5)
     assert all(line.startswith("error: idle: ") for line in told.stderr.splitlines())
     (study,) = strict_json(told.stdout)["studies"]
     assert study["num_faults"] >= 5
@@ -111,7 +104,7 @@ def test_a_broken_guarantee_ends_with_5_and_its_instance_is_in_a_file(run, bad_s
 
 def test_without_a_folder_the_instances_are_written_where_one_stands(run, bad_study, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert run("ratio", bad_study, "-q").exit_code == 5
+    run("ratio", bad_study, "-q", code=5)
     assert list(tmp_path.glob("violation-idle-*.json"))
 
 
@@ -127,8 +120,7 @@ def test_an_interrupt_shows_what_was_done_and_says_so(run, monkeypatch):
         return honest(*given)
 
     monkeypatch.setattr(guarantees, "measure", measure)
-    told = run("ratio", "greedy-partition", "--instances", 600, "-q")
-    assert told.exit_code == 0
+    told = run("ratio", "greedy-partition", "--instances", 600, "-q", code=0)
     assert "interrupted: 3 of" in told.stderr
     assert "coverage" in told.stdout
 
@@ -146,7 +138,6 @@ def test_an_interrupt_before_anything_was_done_ends_with_130(run, monkeypatch):
 
 @pytest.mark.long
 def test_all_runs_every_study_of_guarantees(run, strict_json):
-    told = run("ratio", "all", "--instances", 40, "--jobs", 2, "--json", "-q")
-    assert told.exit_code == 0, told.stderr
+    told = run("ratio", "all", "--instances", 40, "--jobs", 2, "--json", "-q", code=0)
     names = [study["study"] for study in strict_json(told.stdout)["studies"]]
     assert names == [study.name for study in STUDIES.values() if study.guarantees]

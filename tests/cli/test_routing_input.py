@@ -129,11 +129,11 @@ Rijeka,45.33,14.44,2,,,1h 5min,005
 """
 
 
-def test_a_table_as_people_have_it_is_solved_and_shown_with_what_it_keeps(run, strict_json, tmp_path):
+def test_a_table_as_people_have_it_is_solved_and_shown_with_what_it_keeps(json_of, run, tmp_path):
     path = tmp_path / "shops.csv"
     path.write_text(SHOPS)
     given = ("--set", "speed=70", "--set", "time-unit=min", "--set", "capacity=4")
-    data = strict_json(run("info", path, *given, "--json").stdout)
+    data = json_of("info", path, *given)
     assert data["problem"] == "vrptw" and data["fleet"][0]["capacity"] == 4 and data["around"]["latitude"] == pytest.approx(46.07, abs=0.01)
     assert "around 46.1 N, 15.3 E, all within 1" in run("info", path, *given).stdout
     told = run("solve", path, *given, "--heuristic", "insertion", "--bound-time", "0", "-q").stdout

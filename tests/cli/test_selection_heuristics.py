@@ -17,23 +17,17 @@ import pytest
         ("cover-30", "random", [], 1),
     ],
 )
-def test_answers_come_with_their_evidence_as_json(run, strict_json, instance, heuristic, options, least):  # type: ignore[no-untyped-def]
+def test_answers_come_with_their_evidence_as_json(json_of, instance, heuristic, options, least):  # type: ignore[no-untyped-def]
     given = [word for option in options for word in ("--option", option)]
-    result = run("solve", instance, "--heuristic", heuristic, *given, "--bound-time", "60", "--json", "-q")
-    assert result.exit_code == 0, result.stderr
-    data = strict_json(result.stdout)
+    data = json_of("solve", instance, "--heuristic", heuristic, *given, "--bound-time", "60", "-q")
     assert data["objective"] >= least
     assert data["bound_kind"] == "verified" and data["bound"] >= 142 - 1e-6
     promised = heuristic in ("greedy", "stochastic-greedy", "continuous-greedy", "brute-force")
     assert (data["certificate"]["guarantee"] is not None) == promised
 
 
-def test_an_order_of_robots_by_name(run, strict_json):  # type: ignore[no-untyped-def]
-    result = run(
-        "solve", "sata-s3", "--problem", "winner-takes-all", "--heuristic", "sequential-greedy", "--option", "order=3,2,1", "--json", "-q"
-    )
-    assert result.exit_code == 0, result.stderr
-    data = strict_json(result.stdout)
+def test_an_order_of_robots_by_name(json_of):  # type: ignore[no-untyped-def]
+    data = json_of("solve", "sata-s3", "--problem", "winner-takes-all", "--heuristic", "sequential-greedy", "--option", "order=3,2,1", "-q")
     assert data["certificate"]["guarantee"]["ratio"] == 2.0
     assert data["statistics"]["communication_rounds"] == 3
 

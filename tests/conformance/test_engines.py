@@ -13,6 +13,7 @@ from oracles import optimum as first_level_optimum
 from oracles import small_problems
 from patience import HANG
 from small_routing import FEATURES, small
+from truth.routing import best_values
 
 from waybound.formulations.routing.objective import LongestRoute, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
@@ -20,7 +21,6 @@ from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.isolation import run_isolated
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from small_routing import small, varied
+from truth.routing import best_values
 
 import waybound as wb
 from waybound.formulations.programs.program import Program
@@ -29,7 +30,6 @@ from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import UnsupportedError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import BACKENDS, Control, LevelClaim, Options, RawResult
 from waybound.solvers.backends.highs import Highs
 

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from patience import HANG
 from small_routing import small
+from truth.routing import best_values
 
 import waybound as wb
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import BACKENDS
 
 ROUTING = ("ortools", "pyvrp")

@@ -5,6 +5,7 @@ Blocks that show what comes out are run by ``test_blocks``; here nothing is solv
 
 from __future__ import annotations
 
+import ast
 import re
 import shlex
 from collections.abc import Iterator
@@ -16,7 +17,7 @@ import pytest
 import typer
 
 from waybound.cli.app import app
-from waybound.cli.options import parse_pairs, read_problem
+from waybound.cli.options import Source, parse_pairs
 from waybound.formulations.forms import FORMS
 from waybound.formulations.problem import PROBLEMS, Problem
 from waybound.heuristics.heuristic import HEURISTICS
@@ -80,7 +81,11 @@ def known_options() -> frozenset[str]:
     """Options of all commands, and of the measurements that pages tell how to repeat."""
     own = {name for made in COMMANDS.values() for option in made.params for name in option.opts}
     for path in (ROOT / "reports").rglob("*.py"):
-        own |= set(re.findall(r"add_argument\(\s*\"(--[\w-]+)\"", path.read_text(encoding="utf-8")))
+        text = path.read_text(encoding="utf-8")
+        own |= set(re.findall(r"add_argument\(\s*\"(--[\w-]+)\"", text))
+        if "@command\ndef main(" in text:  # of a benchmark: its parameters are its options
+            (main,) = (node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef) and node.name == "main")
+            own |= {f"--{argument.arg.replace('_', '-')}" for argument in main.args.args}
     return frozenset(own)
 
 
@@ -134,7 +139,7 @@ def check_settings(words: list[str], folder: Path) -> None:
     faults = []
     for kind, recipe in SAMPLES:
         try:
-            read_problem(generated(folder, kind, recipe), None, problem, None, settings, objective)
+            Source(generated(folder, kind, recipe), None, problem, None, settings, objective).read()
             return
         except WayboundError as fault:
             faults.append(f"{kind}: {fault}")
@@ -178,7 +183,7 @@ def check_command(words: list[str], folder: Path, made: dict[str, str]) -> None:
             kind, _, settings = made[file].partition("|")
             file = generated(folder, kind, settings)
         if file in bundled_names() or file.startswith(str(folder)):
-            problem = read_problem(file, None, given.get("problem"), given.get("convention"), given.get("settings"), given.get("objective"))
+            problem = Source(file, None, *(given.get(key) for key in ("problem", "convention", "settings", "objective"))).read()
             check_takers(words, problem)
 
 

@@ -7,12 +7,12 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from truth.routing import best_values
 
 from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 
 CHARGES = ("travel", "elapsed", "elapsed-fixed-start", "windows")
 

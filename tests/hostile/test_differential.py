@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exact_truth import Truth, truth
 from hostile_instances import AT_RISK, Units
 from hostile_instances import FAMILIES as CERTAIN
 from hostile_judging import ENDED, away, of_bound, of_samples, of_solution
+from truth.families import Truth, truth
 
 import waybound as wb
 from waybound.formulations.certificate import verified_bound

@@ -15,10 +15,11 @@ import pytest
 import selection_problems
 from branching_programs import random_program, without_answer
 from draws import ALL, draws
-from exact_truth import truth
 from random_sensing import random_graph
 from sata_cases import selections
 from small_routing import plane, small
+from truth.families import truth
+from truth.routing import best_values
 
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import certify, check_certificate
@@ -28,7 +29,6 @@ from waybound.formulations.stop import Stop
 from waybound.instances.errors import WayboundError
 from waybound.reports.battery.kinds import KINDS
 from waybound.reports.battery.truth import program_truth
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
 from waybound.solvers.bounds.routing.column_generation import column_generation_bound
 

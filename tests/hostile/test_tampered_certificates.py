@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog, minimize_scalar
 from scipy.special import ndtri
+from truth.routing import best_values
 
 import waybound as wb
 from waybound.formulations.arrays.problem import ArrayProblem
@@ -34,7 +35,6 @@ from waybound.instances.document import parse_json
 from waybound.instances.errors import CheckFailedError, InputError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solving.bounding import find_bounds
 
 from .. import (

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exact_truth import truth
 from hostile_instances import FAMILIES, Rng, Units, numbers, risk_allocation, routing_at_risk, shaken, style
 from hostile_judging import VANISHING
+from truth.families import truth
 
 from waybound.formulations.certificate import certify, verified_bound
 from waybound.formulations.problem import Problem

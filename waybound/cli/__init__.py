@@ -20,7 +20,7 @@ def main() -> None:
     except SystemExit as end:
         _leave(interrupts.exit_code() if end.code == 130 else end.code)  # Typer's, where it met the signal
     except OSError as fault:  # help or version, where it cannot be printed
-        from .options import complain
+        from .handling import complain
         from .output import unprinted
 
         complain(str(unprinted(fault)))

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from . import bundled, comparing, files, judging, listing, ratio, running, solving, warming
-from .options import handled, print_failure
+from . import comparing, files, judging, listing, ratio, running, solving, warming
+from .handling import handled, print_failure
 
 
 class Commands(TyperGroup):
@@ -60,4 +60,4 @@ for _command in (
     listing.solvers, listing.heuristics, ratio.ratio, running.run, warming.warm,
 ):  # fmt: skip
     app.command()(handled(_command))
-app.add_typer(bundled.app, name="instances")
+app.add_typer(listing.instances, name="instances")

@@ -1,25 +1,74 @@
-"""Handing over what a search brought: every output is tried, whatever becomes of the others, and what could not be written is said."""
+"""Files that a command writes: refused beforehand where they could not be written, and each tried, whatever becomes of the others."""
 
 from __future__ import annotations
 
+import os
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from ..instances.errors import InputError, WayboundError, in_words
-from .options import complain
+from ..instances.errors import InputError, MissingPackageError, UsageError, WayboundError, in_words
+from .handling import complain
 from .output import write_out
+
+PLOT_SUFFIXES = (".png", ".svg", ".pdf")
+
+
+def output_path(option: str, path: Path | None, suffixes: Sequence[str] = (), *, unlike: Sequence[str] = ()) -> None:
+    """Raise UsageError, before anything is run, if a file could not be written to ``path`` later.
+
+    ``suffixes`` are those allowed, all if empty; ``unlike`` are inputs, which must not be overwritten.
+    """
+    if path is None:
+        return
+    if suffixes and path.suffix.lower() not in suffixes:
+        raise UsageError(f"{option} {path}: the suffix must be one of {', '.join(suffixes)}")
+    from ..instances.atomic import check_writable
+
+    try:
+        check_writable(path)
+    except InputError as fault:
+        raise UsageError(f"{option} {fault}") from None
+    if path.exists() and any(os.path.exists(file) and path.samefile(file) for file in unlike):  # noqa: PTH110 - a name may be too long
+        raise UsageError(f"{option} {path} would overwrite the input")
+
+
+def distinct_paths(**options: Path | None) -> None:
+    """Raise UsageError if two outputs go to one file."""
+    seen: dict[Path, str] = {}
+    for name, path in options.items():
+        if path is not None:
+            real = Path(os.path.realpath(path))
+            if real in seen:
+                raise UsageError(f"--{seen[real]} and --{name} name the same file {path}")
+            seen[real] = name
+
+
+def check_outputs(unlike: Sequence[str], log: str | None = None, **outputs: tuple[Path | None, Sequence[str]]) -> None:
+    """Raise UsageError if an output, by option with the suffixes it may have, or the log could not be written, over an input or another."""
+    distinct_paths(**{name: path for name, (path, _) in outputs.items()})
+    for name, (path, suffixes) in outputs.items():
+        output_path(f"--{name}", path, suffixes, unlike=unlike)
+    if log is not None and log != "-":
+        output_path("--log", Path(log), unlike=unlike)
+        if any(path is not None and os.path.realpath(path) == os.path.realpath(log) for path, _ in outputs.values()):
+            raise UsageError(f"--log {log} names the file of another output")
+
+
+def check_matplotlib(option: str = "--plot") -> None:
+    """Raise MissingPackageError where pictures cannot be drawn."""
+    from importlib.util import find_spec
+
+    if find_spec("matplotlib") is None:
+        raise MissingPackageError(f"{option} needs the package matplotlib: pip install matplotlib")
 
 
 class Delivery:
     """Writes files and standard output, one after the other.
 
-    Attributes
-    ----------
-    code : int
-        Exit code of the first output that could not be written, 0 if all could: 2 where the system refuses, 130 after an interrupt, 1 for
-        a fault of ours.
+    ``code`` is the exit code of the first output that could not be written, 0 if all could: 2 where the system refuses, 130 after an
+    interrupt, 1 for a fault of ours.
     """
 
     def __init__(self, verbose: bool = False) -> None:

@@ -5,93 +5,57 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from ..instances.errors import UsageError
-from .options import (
-    Convention,
-    File,
-    Format,
-    Objective,
-    ProblemName,
-    Set,
-    Verbose,
-    bounded,
-    inputs_of,
-    output_path,
-    parse_pairs,
-    parse_settings,
-    read_problem,
-)
+from .delivery import output_path
+from .options import Source, Verbose, arg, bounded, opt, parse_pairs, parse_settings
 from .output import print_text
 
 PROGRAM_SUFFIXES = (".mps", ".lp")
 
 
 def export(
-    file: File,
-    to: Annotated[Path, typer.Option("--to", metavar="FILE", help="model.mps or model.lp.", show_default=False)],
-    form: Annotated[
-        str | None, typer.Option("--form", metavar="NAME", help="How to write the problem down; its first form by default.")
-    ] = None,
-    relax: Annotated[bool, typer.Option("--relax", help="Drop integrality.")] = False,
-    format: Format = None,  # noqa: A002
-    problem: ProblemName = None,
-    convention: Convention = None,
-    settings: Set = None,
-    objective: Objective = None,
+    source: Source,
+    to: Annotated[Path, opt("--to FILE", "model.mps or model.lp.")],
+    form: Annotated[str | None, opt("--form NAME", "How to write the problem down; its first form by default.")] = None,
+    relax: Annotated[bool, opt("--relax", "Drop integrality.")] = False,
     verbose: Verbose = False,
 ) -> None:
     """Write an instance as a mathematical program that any solver reads."""
-    output_path("--to", to, PROGRAM_SUFFIXES, unlike=inputs_of(file, settings))
-    made = read_problem(file, format, problem, convention, settings, objective).compile(form, relax=relax)
-    made.write(to)
-    program = made.program
+    output_path("--to", to, PROGRAM_SUFFIXES, unlike=source.inputs())
+    compiled = source.read().compile(form, relax=relax)
+    compiled.write(to)
+    program = compiled.program
     size = f"{program.num_variables} variables, {program.num_rows} rows, {len(program.data)} nonzeros"
-    print_text(f"{to}: {program.kind}, form {made.form} ({made.exactness.value}), {size}")
+    print_text(f"{to}: {program.kind}, form {compiled.form} ({compiled.exactness.value}), {size}")
 
 
 def convert(
-    file: File,
-    to: Annotated[Path, typer.Option("--to", metavar="FILE", help="Written in the format that the suffix stands for.", show_default=False)],
-    to_format: Annotated[
-        str | None, typer.Option("--to-format", metavar="NAME", help="Format to write, where the suffix does not say it.")
-    ] = None,
-    format: Format = None,  # noqa: A002
-    problem: ProblemName = None,
-    convention: Convention = None,
-    settings: Set = None,
-    objective: Objective = None,
+    source: Source,
+    to: Annotated[Path, opt("--to FILE", "Written in the format that the suffix stands for.")],
+    to_format: Annotated[str | None, opt("--to-format NAME", "Format to write, where the suffix does not say it.")] = None,
     verbose: Verbose = False,
 ) -> None:
     """Write an instance in another format, changed as asked; what that format cannot express is an error."""
     from ..api import problem_of, read_source
     from ..instances.writing import write_instance
 
-    output_path("--to", to, unlike=inputs_of(file, settings))
-    given = parse_settings(settings, objective)
-    instance = read_source(file, format, problem, given)  # which takes out what its reader needs
-    if given or problem is not None or convention is not None:
-        instance = problem_of(instance, problem, convention, given).to_instance()
+    output_path("--to", to, unlike=source.inputs())
+    changes = parse_settings(source.settings, source.objective)
+    instance = read_source(source.file, source.format, source.problem, changes)  # which takes out what its reader needs
+    if changes or source.problem is not None or source.convention is not None:
+        instance = problem_of(instance, source.problem, source.convention, changes).to_instance()
     write_instance(instance, to, to_format)
     print_text(f"{to}: {instance.name}, read as {instance.format}")
 
 
 def generate(
-    kind: Annotated[
-        str, typer.Argument(metavar="KIND", help="solomon, uchoa, sata, coverage, ...; an unknown one lists them all.", show_default=False)
-    ],
-    out: Annotated[
-        Path, typer.Option("--out", metavar="FILE", help="Written in the format that the suffix stands for.", show_default=False)
-    ],
+    kind: Annotated[str, arg("KIND", "solomon, uchoa, sata, coverage, ...; an unknown one lists them all.")],
+    out: Annotated[Path, opt("--out FILE", "Written in the format that the suffix stands for.")],
     settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="A setting of the recipe; an unknown one lists them all. Repeatable."),
+        list[str] | None, opt("--set KEY=VALUE", "A setting of the recipe; an unknown one lists them all. Repeatable.")
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", help="The same seed and settings give the same bytes.")] = 1,
-    to_format: Annotated[
-        str | None, typer.Option("--to-format", metavar="NAME", help="Format to write, where the suffix does not say it.")
-    ] = None,
+    seed: Annotated[int, opt("--seed N", "The same seed and settings give the same bytes.")] = 1,
+    to_format: Annotated[str | None, opt("--to-format NAME", "Format to write, where the suffix does not say it.")] = None,
     verbose: Verbose = False,
 ) -> None:
     """Make an instance by a published recipe; the same seed gives the same file."""
@@ -99,10 +63,10 @@ def generate(
     from ..instances.writing import write_instance
 
     bounded(seed=seed)
-    given = parse_pairs(settings, "--set")
-    if given.keys() & {"kind", "seed"}:
+    recipe_settings = parse_pairs(settings, "--set")
+    if recipe_settings.keys() & {"kind", "seed"}:
         raise UsageError("--set has neither a kind nor a seed; the kind is the command's argument, the seed is --seed")
     output_path("--out", out)
-    instance = make(kind, seed, **given)
+    instance = make(kind, seed, **recipe_settings)
     write_instance(instance, out, to_format)
     print_text(f"{out}: {instance.name}")

@@ -4,60 +4,36 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ..instances.errors import UsageError
 from ..solvers import interrupts
-from .options import (
-    Convention,
-    File,
-    Format,
-    Json,
-    LpSolver,
-    Objective,
-    ProblemName,
-    Quiet,
-    Seed,
-    Set,
-    Threads,
-    Verbose,
-    bounded,
-    inputs_of,
-    output_path,
-    read_problem,
-    remark,
-)
+from .delivery import Delivery, output_path
+from .handling import nothing_found, remark
+from .options import Json, LpSolver, Quiet, Seed, Source, Threads, Verbose, arg, bounded, opt
+from .output import lines_text, print_json, print_lines, print_table, stdout_is_ours
+from .progress import Progress
 
 if TYPE_CHECKING:
     from ..formulations.answers import ReadAnswer
+    from ..formulations.certificate import Certificate
     from ..formulations.evaluation import Evaluation
+    from ..formulations.problem import Problem
 
 STATED_TOLERANCE = 1e-6
 """Relative difference up to which a stated objective counts as the recomputed one."""
 
 
 def check(
-    file: File,
+    source: Source,
     solution: Annotated[
         Path,
-        typer.Argument(
-            metavar="SOLUTION",
-            help="Solution file: .json, .csv, .xlsx, of routes .sol, .tour, .vroom, .geojson; or a solver's, of an exported model.",
-            show_default=False,
-        ),
+        arg("SOLUTION", "Solution file: .json, .csv, .xlsx, of routes .sol, .tour, .vroom, .geojson; or a solver's, of an exported model."),
     ],
-    certificate: Annotated[Path | None, typer.Option("--certificate", metavar="FILE", help="Verify this certificate's bound too.")] = None,
-    format: Format = None,  # noqa: A002
-    problem: ProblemName = None,
-    convention: Convention = None,
-    settings: Set = None,
-    form: Annotated[
-        str | None,
-        typer.Option("--form", metavar="NAME", help="For a solver's file: the form that was exported; whichever fits by default."),
-    ] = None,
-    objective: Objective = None,
+    certificate: Annotated[Path | None, opt("--certificate FILE", "Verify this certificate's bound too.")] = None,
+    form: Annotated[str | None, opt("--form NAME", "For a solver's file: the form that was exported; whichever fits by default.")] = None,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -68,34 +44,27 @@ def check(
     from ..api import check as verify
     from ..formulations.answers import read_answer
 
-    asked = read_problem(file, format, problem, convention, settings, objective)
+    asked = source.read()
     read = read_answer(asked, solution, form)
     evaluation = asked.evaluate(read.answer)
-    made = verify(asked, read.answer, certificate)
+    verdict = verify(asked, read.answer, certificate)
     notes = [*(f"{solution}: {note}" for note in read.notes), *_compare(read, evaluation)]
     if json:
-        from .output import print_json
-
         print_json(
             {
-                "instance": asked.name,
-                "instance_hash": made.instance_hash,
-                "problem": made.problem,
-                "sense": made.sense,
-                "convention": made.convention,
+                **_about(asked, verdict),
                 "solution": str(solution),
                 "stated_objective": read.stated,
                 "quantities": evaluation.quantities,
                 "notes": notes,
-                **made.to_json(),
+                **verdict.to_json(),
             }
         )
     else:
         from ..formulations.certificate import certificate_lines
         from ..formulations.rendering import Line, number
-        from .output import print_lines
 
-        lines = certificate_lines(made)
+        lines = certificate_lines(verdict)
         if certificate is None:
             lines = [line for line in lines if line.label != "bound"]
         if read.stated is not None:
@@ -103,12 +72,18 @@ def check(
             lines.append(Line("stated", f"{number(read.stated)} in the file, {agrees}"))
         lines += [Line("note", note) for note in notes]
         lines += [Line(name, f"{value:.10g}", "quiet") for name, value in evaluation.quantities.items()] if verbose else []
-        print_lines(f"{solution}: a solution of {asked.name} ({made.problem}, {made.sense}, convention {made.convention})", lines)
-    raise typer.Exit(0 if made.feasible else 5)
+        print_lines(f"{solution}: a solution of {asked.name} ({verdict.problem}, {verdict.sense}, convention {verdict.convention})", lines)
+    raise typer.Exit(0 if verdict.feasible else 5)
+
+
+def _about(problem: Problem, certificate: Certificate) -> dict[str, Any]:
+    """The first keys of JSON about a certificate."""
+    stated = {name: getattr(certificate, name) for name in ("instance_hash", "problem", "sense", "convention")}
+    return {"instance": problem.name, **stated}
 
 
 def _compare(read: ReadAnswer, evaluation: Evaluation) -> list[str]:
-    """What to say where the file states another objective than its answer has."""
+    """Notes for a file that states another objective than its answer has."""
     from ..formulations.tolerance import same
 
     if read.stated is None:
@@ -125,17 +100,12 @@ def _compare(read: ReadAnswer, evaluation: Evaluation) -> list[str]:
 
 
 def bound(
-    file: File,
-    bound_time: Annotated[float, typer.Option("--bound-time", metavar="S", help="Seconds for all methods together.")] = 60.0,
+    source: Source,
+    bound_time: Annotated[float, opt("--bound-time S", "Seconds for all methods together.")] = 60.0,
     seed: Seed = 1,
     threads: Threads = 1,
     lp_solver: LpSolver = None,
-    certificate: Annotated[Path | None, typer.Option("--certificate", metavar="FILE", help="Write the evidence (.json).")] = None,
-    format: Format = None,  # noqa: A002
-    problem: ProblemName = None,
-    convention: Convention = None,
-    settings: Set = None,
-    objective: Objective = None,
+    certificate: Annotated[Path | None, opt("--certificate FILE", "Write the evidence (.json).")] = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -147,38 +117,31 @@ def bound(
     bounded(bound_time=bound_time, seed=seed, threads=threads)
     if bound_time <= 0:
         raise UsageError(f"--bound-time must be positive, not {bound_time:g}")
-    asked = read_problem(file, format, problem, convention, settings, objective)
-    output_path("--certificate", certificate, (".json",), unlike=inputs_of(file, settings))
+    asked = source.read()
+    output_path("--certificate", certificate, (".json",), unlike=source.inputs())
 
     from ..formulations.certificate_files import write_certificate
     from ..formulations.json_text import json_text
     from ..solvers.linear_programs import linear_programs
     from ..solving.levels import bound_alone
-    from .delivery import Delivery
-    from .output import lines_text, stdout_is_ours
-    from .progress import Progress
 
     unable: list[str] = []
     linear = linear_programs(lp_solver, seed, threads)
     interrupts.keep()
     with Progress(quiet) as progress, stdout_is_ours():
-        made, evidence, seconds = bound_alone(asked, bound_time, linear, unable, progress)
+        proved, evidence, seconds = bound_alone(asked, bound_time, linear, unable, progress)
     for line in unable:
         remark(line)
-    bounds = [made.bound, *(level.bound for level in made.levels)]
-    sources = [made.bound_source, *(level.source for level in made.levels)]
+    bounds = [proved.bound, *(level.bound for level in proved.levels)]
+    sources = [proved.bound_source, *(level.source for level in proved.levels)]
     figures = {
-        "instance": asked.name,
-        "instance_hash": made.instance_hash,
-        "problem": made.problem,
-        "sense": made.sense,
-        "convention": made.convention,
+        **_about(asked, proved),
         "bound": bounds[0] if len(asked.senses) == 1 or bounds[0] is None else [*bounds, *[None] * (len(asked.senses) - len(bounds))],
-        "bound_kind": None if made.bound is None else "verified",
-        "bound_source": ", then ".join(map(str, sources)) if made.levels else made.bound_source,
-        "infeasible": made.infeasible,
-        "unbounded": made.unbounded,
-        "levels": [level.to_json() for level in made.levels],
+        "bound_kind": None if proved.bound is None else "verified",
+        "bound_source": ", then ".join(map(str, sources)) if proved.levels else proved.bound_source,
+        "infeasible": proved.infeasible,
+        "unbounded": proved.unbounded,
+        "levels": [level.to_json() for level in proved.levels],
         "found": [{"source": e.source, "value": e.value} for e in evidence],
         "seconds": seconds,
     }
@@ -187,27 +150,22 @@ def bound(
         from ..formulations.certificate import bound_lines
         from ..formulations.rendering import Line
 
-        lines = bound_lines(made)
-        others = [e for e in evidence if e not in made.evidence]
+        lines = bound_lines(proved)
+        others = [e for e in evidence if e not in proved.evidence]
         lines += [Line("also", f"{e.value:.10g}: {e.source}" if math.isfinite(e.value) else e.source, "quiet") for e in others]
         lines.append(Line("seconds", f"{seconds:.2f}", "quiet"))
-        return lines_text(f"{asked.name}: {made.problem}, {made.sense}, convention {made.convention}", lines)
+        return lines_text(f"{asked.name}: {proved.problem}, {proved.sense}, convention {proved.convention}", lines)
 
     delivery = Delivery(verbose)
-    delivery.file("--certificate", certificate, lambda path: write_certificate(made, path))
+    delivery.file("--certificate", certificate, lambda path: write_certificate(proved, path))
     delivery.show(lambda: json_text(figures) if json else shown(), lambda: json_text(figures))
-    raise typer.Exit(delivery.code or (3 if made.infeasible or made.unbounded else 0 if made.bound is not None else _nothing()))
+    raise typer.Exit(delivery.code or (3 if proved.infeasible or proved.unbounded else 0 if proved.bound is not None else nothing_found()))
 
 
 def explain(
-    file: File,
-    form: Annotated[str | None, typer.Option("--form", metavar="NAME", help="Form whose rows shall be named.")] = None,
-    time_limit: Annotated[float, typer.Option("--time-limit", metavar="S", help="Seconds for everything together.")] = 60.0,
-    format: Format = None,  # noqa: A002
-    problem: ProblemName = None,
-    convention: Convention = None,
-    settings: Set = None,
-    objective: Objective = None,
+    source: Source,
+    form: Annotated[str | None, opt("--form NAME", "Form whose rows shall be named.")] = None,
+    time_limit: Annotated[float, opt("--time-limit S", "Seconds for everything together.")] = 60.0,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -216,27 +174,21 @@ def explain(
     Exit code 3 if there is no solution, 0 if there is one, 4 if neither was found out.
     """
     bounded(time_limit=time_limit)
-    asked = read_problem(file, format, problem, convention, settings, objective)
+    asked = source.read()
 
     from ..solving.explaining import explain as find
-    from .output import print_json, print_lines, print_table, stdout_is_ours
 
     interrupts.keep()
     with stdout_is_ours():
-        made = find(asked, time_limit=time_limit, form=form)
+        explanation = find(asked, time_limit=time_limit, form=form)
     if json:
-        print_json({"instance": asked.name, "problem": asked.problem, **made.to_json()})
+        print_json({"instance": asked.name, "problem": asked.problem, **explanation.to_json()})
     else:
         from ..reports.tables.table import Column, Table
 
-        print_lines(f"{asked.name}: {asked.problem}", made.lines())
-        if made.reasons:
-            columns = (Column(made.reasons[0].kind), Column("reason", wide=True))
-            title = f"Reasons (rows of form {made.form})" if made.form else "Reasons"
-            print_table(Table(title, columns, tuple((r.where, r.message) for r in made.reasons)))
-    raise typer.Exit({"infeasible": 3, "feasible": 0}[made.verdict] if made.verdict != "undecided" else _nothing())
-
-
-def _nothing() -> int:
-    """The exit code where nothing was found out, within the limit or before a signal came."""
-    return interrupts.exit_code() if interrupts.received else 4
+        print_lines(f"{asked.name}: {asked.problem}", explanation.lines())
+        if explanation.reasons:
+            columns = (Column(explanation.reasons[0].kind), Column("reason", wide=True))
+            title = f"Reasons (rows of form {explanation.form})" if explanation.form else "Reasons"
+            print_table(Table(title, columns, tuple((r.where, r.message) for r in explanation.reasons)))
+    raise typer.Exit({"infeasible": 3, "feasible": 0}[explanation.verdict] if explanation.verdict != "undecided" else nothing_found())

@@ -22,7 +22,7 @@ PIPE_WIDTH = 120
 """Columns of a table that is not written to a terminal."""
 
 begun = False
-"""Whether the command that runs has put something on standard output."""
+"""True once the command that runs has put something on standard output."""
 
 
 def _console() -> Any:
@@ -40,14 +40,14 @@ def write_out(text: str) -> None:
         try:
             sys.stdout.write(text)
         except UnicodeEncodeError:
-            sys.stdout.write(re.sub(r"[^\x00-\x7f]", lambda found: json.dumps(found[0])[1:-1], text))
+            sys.stdout.write(re.sub(r"[^\x00-\x7f]", lambda character: json.dumps(character[0])[1:-1], text))
         sys.stdout.flush()
     except (OSError, ValueError) as fault:  # a full disk, a reader that left; a closed stream
         raise unprinted(fault) from fault
 
 
 def unprinted(fault: Exception) -> InputError:
-    """What to say of a standard output that fails; it is given up."""
+    """The error for a standard output that fails; it is given up."""
     silence(sys.stdout)
     return InputError(f"standard output cannot be written to: {in_words(fault)}")
 
@@ -151,16 +151,16 @@ _END = b"\0\n"
 def _pass_on(source: int) -> None:
     with open(source, "rb") as lines:
         for line in lines:
-            told = line.removesuffix(_END)
-            if told and not told.startswith(UNASKED):
+            text = line.removesuffix(_END)
+            if text and not text.startswith(UNASKED):
                 with contextlib.suppress(OSError):
-                    os.write(2, told)
-            if told != line:
+                    os.write(2, text)
+            if text != line:
                 return
 
 
 def _flush_native() -> None:
-    """What C libraries hold back where they write to no terminal would come out at the end of the process, behind what is ours."""
+    """Flush the buffers of C libraries, which would come out at the end of the process otherwise, behind what is ours."""
     import ctypes
 
     with contextlib.suppress(OSError, AttributeError, TypeError):

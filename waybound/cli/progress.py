@@ -21,21 +21,10 @@ SPARSE_SECONDS = 5.0
 
 
 class Progress:
-    """Receives the events of ``solve``, in whatever thread they come; shown on standard error where that is a terminal.
+    """Receives the events of ``solve``, in whatever thread they come, and shows them on standard error where that is a terminal.
 
-    Parameters
-    ----------
-    quiet : bool
-        Show nothing.
-    log : str, optional
-        A file that receives the log, or ``-`` for standard error, terminal or not.
-    logged : bool
-        Whether there is a log at all: of ``solve``, and not of what has no answer to improve.
-
-    Attributes
-    ----------
-    log : SearchLog or None
-        For the ``log`` of ``solve``; None where nobody reads it.
+    With ``logged`` there is a log too, the attribute ``log``, for the terminal and for the file ``log`` (``-`` is standard error, terminal
+    or not); it is None where nobody reads it.
     """
 
     def __init__(self, quiet: bool, log: str | None = None, logged: bool = False) -> None:
@@ -82,7 +71,7 @@ class Progress:
             self._event = {**self._event, **{key: value for key, value in event.items() if value is not None}}
 
     def begin_phase(self, phase: str, limit: float | None) -> None:
-        """What is done from now on, for ``limit`` seconds at most."""
+        """Begin a phase of ``limit`` seconds at most."""
         with self._lock:
             self._event, self._limit, self._phase_began = {**self._event, "phase": phase}, limit, time.perf_counter()
 
@@ -92,7 +81,7 @@ class Progress:
             self._compiling = f"compiling {what.rpartition('.')[2]}, once a machine, in " if math.isnan(seconds) else ""
 
     def line(self) -> str:
-        """What is known now: phase, seconds and limit, incumbent, bound, gap."""
+        """The live line: phase, seconds and limit, incumbent, bound, gap."""
         from ..formulations.rendering import number, percent
         from ..solving.search_log import open_gap
 

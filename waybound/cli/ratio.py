@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..solvers import interrupts
-from .options import Json, Quiet, Verbose, bounded, complain, remark
+from .handling import complain, remark
+from .options import Json, Quiet, Verbose, arg, bounded, opt
+from .output import print_json, print_table, print_text
 from .progress import PartsCounter
 
 if TYPE_CHECKING:
@@ -19,28 +21,25 @@ ALL = "all"
 
 
 def ratio(
-    study: Annotated[str | None, typer.Argument(metavar="[STUDY]", help="Name of a study, or all; without one, they are listed.")] = None,
+    study: Annotated[str | None, arg("[STUDY]", "Name of a study, or all; without one, they are listed.")] = None,
     instances: Annotated[
         int | None,
-        typer.Option(
-            "--instances",
-            metavar="N",
-            help="Random instances for each heuristic, spread over the families; trials of each point of an experiment.",
-        ),
+        opt("--instances N", "Random instances for each heuristic, spread over the families; trials of each point of an experiment."),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", help="The same seed gives the same instances and runs.")] = 1,
-    jobs: Annotated[int, typer.Option("--jobs", metavar="N", help="Processes that share the work; the figures do not depend on it.")] = 1,
-    out: Annotated[
-        Path | None, typer.Option("--out", metavar="FOLDER", help="Write tables (.csv, .md), figures (.png) and violating instances here.")
-    ] = None,
+    seed: Annotated[int, opt("--seed N", "The same seed gives the same instances and runs.")] = 1,
+    jobs: Annotated[int, opt("--jobs N", "Processes that share the work; the figures do not depend on it.")] = 1,
+    out: Annotated[Path | None, opt("--out FOLDER", "Write tables (.csv, .md), figures (.png) and violating instances here.")] = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
     """Approximation ratios, observed against stated, and the experiments behind them; ends with 5 where a guarantee is broken."""
     from ..reports.ratios.study import STUDIES, StudySetting
+    from ..reports.ratios.writing import check_folder
 
-    _check(instances, seed, jobs, out)
+    bounded(instances=instances, seed=seed, jobs=jobs)
+    if out is not None:
+        check_folder(out)
     if study is None:
         _list(json)
         return
@@ -49,8 +48,8 @@ def ratio(
     reports: list[Report] = []
     files: list[tuple[str | None, ...]] = []
     for one in chosen:
-        with PartsCounter(one.name, quiet) as told:
-            report = one(StudySetting(instances or one.instances, seed, jobs, told))
+        with PartsCounter(one.name, quiet) as counter:
+            report = one(StudySetting(instances or one.instances, seed, jobs, counter))
         if report.rows or not report.interrupted:
             reports.append(report)
             files.append(_keep(report, out, json))
@@ -58,26 +57,15 @@ def ratio(
             remark(f"interrupted: {report.done} of {report.asked} parts of {one.name} were done, and are shown")
             break
     if json:
-        from .output import print_json
-
         print_json({"schema": 1, "seed": seed, "studies": [r.to_json(f) for r, f in zip(reports, files, strict=True)]})
     if any(report.num_faults for report in reports):
         raise typer.Exit(5)
     raise typer.Exit(0 if reports else interrupts.exit_code())
 
 
-def _check(instances: int | None, seed: int, jobs: int, out: Path | None) -> None:
-    from ..reports.ratios.writing import check_folder
-
-    bounded(instances=instances, seed=seed, jobs=jobs)
-    if out is not None:
-        check_folder(out)
-
-
 def _list(json: bool) -> None:
     from ..reports.ratios.study import STUDIES
     from ..reports.tables.table import Column, Table
-    from .output import print_json, print_table
 
     studies: list[Study] = STUDIES.values()
     if json:
@@ -93,7 +81,6 @@ def _keep(report: Report, out: Path | None, json: bool) -> tuple[str | None, ...
     """Show and write one report; returns where the instances of its faults are."""
     from ..reports.ratios.violations import summary_lines, write_faults
     from ..reports.ratios.writing import write_report
-    from .output import print_table, print_text
 
     if not json:
         print_table(report.table)

@@ -7,9 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..instances.errors import MissingPackageError, UsageError
+from ..instances.errors import UsageError
 from ..solvers import interrupts
-from .options import Json, Quiet, Verbose, bounded, complain, distinct_paths, output_path, parse_pairs, remark
+from .delivery import Delivery, check_matplotlib, check_outputs
+from .handling import complain, remark
+from .options import Json, Quiet, Verbose, arg, bounded, opt, parse_pairs
+from .output import stdout_is_ours, table_text
+from .progress import Progress
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,38 +24,25 @@ ANIMATION_SUFFIXES = (".gif", ".html")
 
 
 def run(
-    mission: Annotated[str, typer.Argument(metavar="MISSION", help="tracking, ...; an unknown one lists them all.", show_default=False)],
-    solver: Annotated[
-        str | None, typer.Option("--solver", metavar="NAME", help="What solves the problems. See `waybound solvers`.")
-    ] = None,
-    heuristic: Annotated[
-        str | None, typer.Option("--heuristic", metavar="NAME", help="An approximation instead of a solver. See `waybound heuristics`.")
-    ] = None,
+    mission: Annotated[str, arg("MISSION", "tracking, ...; an unknown one lists them all.")],
+    solver: Annotated[str | None, opt("--solver NAME", "What solves the problems. See `waybound solvers`.")] = None,
+    heuristic: Annotated[str | None, opt("--heuristic NAME", "An approximation instead of a solver. See `waybound heuristics`.")] = None,
     policy: Annotated[
-        str | None,
-        typer.Option("--policy", metavar="NAME", help="A rule of the mission's own that solves no problem; an unknown one lists them."),
+        str | None, opt("--policy NAME", "A rule of the mission's own that solves no problem; an unknown one lists them.")
     ] = None,
     against: Annotated[
-        str | None,
-        typer.Option("--against", metavar="KIND:NAME", help="A second method, shown beside the first: solver:, heuristic: or policy:NAME."),
+        str | None, opt("--against KIND:NAME", "A second method, shown beside the first: solver:, heuristic: or policy:NAME.")
     ] = None,
-    steps: Annotated[
-        int | None, typer.Option("--steps", metavar="N", help="How long the mission lasts; by default to its end, if it has one.")
-    ] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", help="The same seed gives the same world, whatever decides.")] = 1,
+    steps: Annotated[int | None, opt("--steps N", "How long the mission lasts; by default to its end, if it has one.")] = None,
+    seed: Annotated[int, opt("--seed N", "The same seed gives the same world, whatever decides.")] = 1,
     settings: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="A setting of the mission; an unknown one lists them all. Repeatable."),
+        list[str] | None, opt("--set KEY=VALUE", "A setting of the mission; an unknown one lists them all. Repeatable.")
     ] = None,
-    option: Annotated[
-        list[str] | None, typer.Option("--option", metavar="KEY=VALUE", help="An option of the solver or heuristic itself. Repeatable.")
-    ] = None,
-    time_limit: Annotated[float, typer.Option("--time-limit", metavar="S", help="Seconds for the search for each problem.")] = 60.0,
-    bound_time: Annotated[float, typer.Option("--bound-time", metavar="S", help="Seconds for bounding after it.")] = 0.0,
-    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the log, one row a step: .csv.")] = None,
-    animation: Annotated[
-        Path | None, typer.Option("--animation", metavar="FILE", help="Show what happened: .gif, or .html with buttons.")
-    ] = None,
+    option: Annotated[list[str] | None, opt("--option KEY=VALUE", "An option of the solver or heuristic itself. Repeatable.")] = None,
+    time_limit: Annotated[float, opt("--time-limit S", "Seconds for the search for each problem.")] = 60.0,
+    bound_time: Annotated[float, opt("--bound-time S", "Seconds for bounding after it.")] = 0.0,
+    out: Annotated[Path | None, opt("--out FILE", "Write the log, one row a step: .csv.")] = None,
+    animation: Annotated[Path | None, opt("--animation FILE", "Show what happened: .gif, or .html with buttons.")] = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -61,9 +52,9 @@ def run(
     from ..reports.missions.mission import MISSIONS
 
     bounded(time_limit=time_limit, bound_time=bound_time, steps=steps, seed=seed)
-    given = parse_pairs(settings, "--set")
+    values = parse_pairs(settings, "--set")
     played = MISSIONS[mission]()
-    setting_values(mission, played.settings, given)
+    setting_values(mission, played.settings, values)
     _check_outputs(played, out, animation)
     other = None if against is None else _decider(against)
     if other is not None and animation is None:
@@ -72,9 +63,6 @@ def run(
     from ..formulations.json_text import json_text
     from ..instances.atomic import atomic_write
     from ..reports.missions.running import run as play
-    from .delivery import Delivery
-    from .output import stdout_is_ours
-    from .progress import Progress
 
     film = None
     if animation is not None:
@@ -85,14 +73,14 @@ def run(
     with Progress(quiet) as progress, stdout_is_ours():
         log = play(
             played, solver=solver, heuristic=heuristic, policy=policy, steps=steps, seed=seed, time_limit=time_limit, bound_time=bound_time,
-            options=parse_pairs(option, "--option"), watch=film, progress=progress, **given,
+            options=parse_pairs(option, "--option"), watch=film, progress=progress, **values,
         )  # fmt: skip
         beside, second = None, None
         if other is not None and len(log) and log.attrs["limit"] != "interrupt":
             beside = Film(rival := MISSIONS[mission]())
             second = play(
                 rival, **other, steps=steps, seed=seed, time_limit=time_limit, bound_time=bound_time, watch=beside, progress=progress,
-                **given,
+                **values,
             )  # fmt: skip
     if not len(log):
         raise KeyboardInterrupt
@@ -113,20 +101,15 @@ def run(
 
 def _check_outputs(mission: Mission, out: Path | None, animation: Path | None) -> None:
     """Refuse now what could not be written after the run."""
-    distinct_paths(out=out, animation=animation)
-    output_path("--out", out, (".csv",))
-    output_path("--animation", animation, ANIMATION_SUFFIXES)
+    check_outputs((), out=(out, (".csv",)), animation=(animation, ANIMATION_SUFFIXES))
     if animation is not None:
-        from importlib.util import find_spec
-
         if not mission.drawable:
             raise UsageError(f"--animation: mission {mission.name} has no pictures")
-        if find_spec("matplotlib") is None:
-            raise MissingPackageError("--animation needs the package matplotlib: pip install matplotlib")
+        check_matplotlib("--animation")
 
 
 def _decider(text: str) -> dict[str, Any]:
-    """What decides, as a keyword for ``run``."""
+    """The deciding method as a keyword for ``run``."""
     kind, colon, name = text.partition(":")
     if kind not in ("solver", "heuristic", "policy") or not colon or not name:
         raise UsageError(f"--against takes solver:NAME, heuristic:NAME or policy:NAME, not {text!r}")
@@ -154,7 +137,6 @@ def _figures(log: pd.DataFrame) -> list[str]:
 def _shown(log: pd.DataFrame, mission: Mission) -> str:
     from ..formulations.rendering import number
     from ..reports.tables.table import Column, Table
-    from .output import table_text
 
     names = sorted(_figures(log), key=lambda name: name != mission.headline)
     rows = []
@@ -165,6 +147,6 @@ def _shown(log: pd.DataFrame, mission: Mission) -> str:
     decider = next((f"{kind} {name}" for kind, name in log.attrs.items() if kind in ("solver", "heuristic", "policy") and name), "default")
     title = f"{mission.name}, {decider}: {len(log)} steps, seed {log.attrs['seed']}"
     columns = (Column("each step"), *(Column(head, right=True) for head in ("mean", "deviation", "least", "largest")))
-    told = table_text(Table(title, columns, tuple(rows)))
+    table = table_text(Table(title, columns, tuple(rows)))
     status = ", ".join(f"{name} {count}" for name, count in log["status"].value_counts().items())
-    return told + table_text(Table("", (Column(""), Column("", wide=True)), (("status of steps", status),)))
+    return table + table_text(Table("", (Column(""), Column("", wide=True)), (("status of steps", status),)))

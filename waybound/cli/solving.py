@@ -2,107 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..instances.errors import MissingPackageError, UsageError
+from ..instances.errors import UsageError
 from ..solvers import interrupts
-from .delivery import Delivery
-from .options import (
-    Convention,
-    File,
-    Format,
-    Json,
-    Log,
-    LpSolver,
-    Objective,
-    ProblemName,
-    Quiet,
-    Seed,
-    Set,
-    Threads,
-    Verbose,
-    bounded,
-    complain,
-    distinct_paths,
-    inputs_of,
-    log_path,
-    output_path,
-    parse_pairs,
-    read_problem,
-    remark,
-)
+from .delivery import PLOT_SUFFIXES, Delivery, check_matplotlib, check_outputs
+from .handling import complain, remark
+from .options import Json, Log, LpSolver, Quiet, Seed, Source, Threads, Verbose, bounded, opt, parse_pairs
+from .output import lines_text, stdout_is_ours, table_text
+from .progress import Progress
 
 if TYPE_CHECKING:
     from ..formulations.problem import Problem
     from ..formulations.solution import Solution
 
-PLOT_SUFFIXES = (".png", ".svg", ".pdf")
-
 
 def solve(
-    file: File,
-    format: Format = None,  # noqa: A002
-    problem: ProblemName = None,
+    source: Source,
     solver: Annotated[
-        str | None,
-        typer.Option(
-            "--solver", metavar="NAME", help="highs, pulp, ortools, pyvrp, ...; a solver within one as pulp:HiGHS. See `waybound solvers`."
-        ),
+        str | None, opt("--solver NAME", "highs, pulp, ortools, pyvrp, ...; a solver within one as pulp:HiGHS. See `waybound solvers`.")
     ] = None,
-    heuristic: Annotated[
-        str | None, typer.Option("--heuristic", metavar="NAME", help="An approximation instead of a solver. See `waybound heuristics`.")
-    ] = None,
-    form: Annotated[
-        str | None, typer.Option("--form", metavar="NAME", help="How the problem is written down, for solvers that take programs.")
-    ] = None,
-    relax: Annotated[bool, typer.Option("--relax", help="Drop integrality: the optimum is a bound.")] = False,
-    settings: Set = None,
-    objective: Objective = None,
-    option: Annotated[
-        list[str] | None, typer.Option("--option", metavar="KEY=VALUE", help="An option of the solver or heuristic itself. Repeatable.")
-    ] = None,
-    convention: Convention = None,
-    time_limit: Annotated[float, typer.Option("--time-limit", metavar="S", help="Seconds for the search alone.")] = 60.0,
+    heuristic: Annotated[str | None, opt("--heuristic NAME", "An approximation instead of a solver. See `waybound heuristics`.")] = None,
+    form: Annotated[str | None, opt("--form NAME", "How the problem is written down, for solvers that take programs.")] = None,
+    relax: Annotated[bool, opt("--relax", "Drop integrality: the optimum is a bound.")] = False,
+    option: Annotated[list[str] | None, opt("--option KEY=VALUE", "An option of the solver or heuristic itself. Repeatable.")] = None,
+    time_limit: Annotated[float, opt("--time-limit S", "Seconds for the search alone.")] = 60.0,
     bound_time: Annotated[
-        float | None,
-        typer.Option(
-            "--bound-time", metavar="S", help="Seconds for bounding after it; a tenth of the limit, at least 1, by default; 0 turns it off."
-        ),
+        float | None, opt("--bound-time S", "Seconds for bounding after it; a tenth of the limit, at least 1, by default; 0 turns it off.")
     ] = None,
-    iterations: Annotated[int | None, typer.Option("--iterations", metavar="N", help="Work limit; makes a run repeatable.")] = None,
+    iterations: Annotated[int | None, opt("--iterations N", "Work limit; makes a run repeatable.")] = None,
     no_improvement: Annotated[
-        int | None,
-        typer.Option("--no-improvement", metavar="N", help="End after so many iterations without a better answer, where the solver can."),
+        int | None, opt("--no-improvement N", "End after so many iterations without a better answer, where the solver can.")
     ] = None,
-    gap: Annotated[float, typer.Option("--gap", metavar="G", help="Relative gap at which the search may stop.")] = 0.0,
+    gap: Annotated[float, opt("--gap G", "Relative gap at which the search may stop.")] = 0.0,
     seed: Seed = 1,
     threads: Threads = 1,
     lp_solver: LpSolver = None,
-    start: Annotated[Path | None, typer.Option("--start", metavar="SOLUTION", help="A solution file to start from.")] = None,
-    isolate: Annotated[bool, typer.Option("--isolate", help="Run the solver in a process of its own, with hard limits.")] = False,
+    start: Annotated[Path | None, opt("--start SOLUTION", "A solution file to start from.")] = None,
+    isolate: Annotated[bool, opt("--isolate", "Run the solver in a process of its own, with hard limits.")] = False,
     memory_limit: Annotated[
-        float | None,
-        typer.Option("--memory-limit", metavar="MB", help="Memory of that process, beyond what it takes idle; kept on Linux only."),
+        float | None, opt("--memory-limit MB", "Memory of that process, beyond what it takes idle; kept on Linux only.")
     ] = None,
     out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="FILE", help="Write the answer: .json, .csv, .xlsx, or for routes .sol, .tour, .vroom, .geojson."),
+        Path | None, opt("--out FILE", "Write the answer: .json, .csv, .xlsx, or for routes .sol, .tour, .vroom, .geojson.")
     ] = None,
-    certificate: Annotated[
-        Path | None, typer.Option("--certificate", metavar="FILE", help="Write the certificate with its evidence (.json).")
-    ] = None,
-    plot: Annotated[Path | None, typer.Option("--plot", metavar="FILE", help="Draw the answer: .png, .svg or .pdf.")] = None,
+    certificate: Annotated[Path | None, opt("--certificate FILE", "Write the certificate with its evidence (.json).")] = None,
+    plot: Annotated[Path | None, opt("--plot FILE", "Draw the answer: .png, .svg or .pdf.")] = None,
     view: Annotated[
         str | None,
-        typer.Option(
-            "--view",
-            metavar="NAME",
-            help="What --plot draws: history; of routes also schedule, loads, of risks risks, violations; else a map.",
-        ),
+        opt("--view NAME", "What --plot draws: history; of routes also schedule, loads, of risks risks, violations; else a map."),
     ] = None,
     log: Log = None,
     json: Json = False,
@@ -117,16 +68,13 @@ def solve(
         no_improvement=no_improvement, seed=seed, threads=threads,
     )  # fmt: skip
     options = parse_pairs(option, "--option")
-    asked = read_problem(file, format, problem, convention, settings, objective)
-    inputs = inputs_of(file, settings)
-    _check_outputs(asked, inputs, out, certificate, plot, view)
-    log_path(log, inputs, out, certificate, plot)
+    asked = source.read()
+    check_outputs(source.inputs(), log, out=(out, ()), certificate=(certificate, (".json",)), plot=(plot, PLOT_SUFFIXES))
+    _check_answer(asked, out, plot, view)
 
     from ..api import solve as search
     from ..formulations.answers import read_answer
     from ..formulations.json_text import json_text
-    from .output import stdout_is_ours
-    from .progress import Progress
 
     if not quiet:
         for note in asked.remarks() if json else ():
@@ -173,14 +121,8 @@ def exit_code(solution: Solution) -> int:
     return 1 if solution.status == "error" else 4
 
 
-def _check_outputs(
-    problem: Problem, inputs: Sequence[str], out: Path | None, certificate: Path | None, plot: Path | None, view: str | None
-) -> None:
-    """Refuse now what could not be written after the search."""
-    distinct_paths(out=out, certificate=certificate, plot=plot)
-    output_path("--out", out, unlike=inputs)
-    output_path("--certificate", certificate, (".json",), unlike=inputs)
-    output_path("--plot", plot, PLOT_SUFFIXES, unlike=inputs)
+def _check_answer(problem: Problem, out: Path | None, plot: Path | None, view: str | None) -> None:
+    """Refuse now how the answer could not be written or drawn after the search."""
     if out is not None:
         from ..formulations.answers import check_answer_path
 
@@ -188,13 +130,10 @@ def _check_outputs(
     if view is not None and plot is None:
         raise UsageError("--view says what --plot draws: give a file with --plot")
     if plot is not None:
-        from importlib.util import find_spec
-
         from ..reports.plots import check_drawable
 
         check_drawable(problem, view)
-        if find_spec("matplotlib") is None:
-            raise MissingPackageError("--plot needs the package matplotlib: pip install matplotlib")
+        check_matplotlib()
 
 
 def _write_outputs(
@@ -220,22 +159,21 @@ def _write_outputs(
 
 
 def _least(solution: Solution) -> dict[str, Any]:
-    """What must not be lost where all else cannot be told: a file of it is read back like any other answer."""
+    """The least that must not be lost where all else cannot be shown: a file of it is read back like any other answer."""
     answer = None if solution.answer is None else solution.problem.answer_to_json(solution.answer)
-    told = {"instance": solution.problem.name, "problem": solution.problem.problem, "status": solution.status}
-    return {**told, "objective": solution.objective, "answer": answer, "faults": list(solution.faults)}
+    facts = {"instance": solution.problem.name, "problem": solution.problem.problem, "status": solution.status}
+    return {**facts, "objective": solution.objective, "answer": answer, "faults": list(solution.faults)}
 
 
 def _shown(solution: Solution, verbose: bool) -> str:
     from ..formulations.rendering import Line
     from ..formulations.solution import solution_lines, solution_title
     from ..reports.tables.answers import answer_tables
-    from .output import lines_text, table_text
 
-    told = "".join(table_text(table, every=verbose) for table in answer_tables(solution.problem, solution.answer))
+    tables = "".join(table_text(table, every=verbose) for table in answer_tables(solution.problem, solution.answer))
     lines = solution_lines(solution)
     if verbose:
         lines.append(Line("versions", ", ".join(f"{k} {v}" for k, v in solution.versions.items()), "quiet"))
         lines += [Line("chain" if k == 0 else "", str(link), "quiet") for k, link in enumerate(solution.chain)]
         lines += [Line(k, str(v), "quiet") for k, v in solution.statistics.items()]
-    return told + lines_text(solution_title(solution), lines)
+    return tables + lines_text(solution_title(solution), lines)

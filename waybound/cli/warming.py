@@ -8,13 +8,11 @@ import time
 from collections.abc import Callable
 from typing import Annotated
 
-import typer
-
 from ..instances.errors import UsageError
-from .options import Quiet, Verbose
+from .options import Quiet, Verbose, arg
 from .output import print_text
 
-_Names = Annotated[list[str] | None, typer.Argument(metavar="[PART]...", help="Only loops whose names hold one of these: routing.")]
+_Names = Annotated[list[str] | None, arg("[PART]...", "Only loops whose names hold one of these: routing.")]
 
 
 def warm(names: _Names = None, quiet: Quiet = False, verbose: Verbose = False) -> None:
@@ -27,21 +25,21 @@ def warm(names: _Names = None, quiet: Quiet = False, verbose: Verbose = False) -
         if not any(name in one.title for one in every):
             raise UsageError(f"no loop is named like {name!r}; without names all are compiled")
     asked = [one for one in every if not names or any(name in one.title for name in names)]
-    left = [one for one in asked if not one.kept()]
+    missing = [one for one in asked if not one.kept()]
     with contextlib.ExitStack() as stack:
-        tell = _bar(stack, len(left)) if left and not quiet and sys.stderr.isatty() else None
-        for one in left:
+        tell = _bar(stack, len(missing)) if missing and not quiet and sys.stderr.isatty() else None
+        for one in missing:
             if tell is not None:
                 tell(one.title)
             one.make()
             if verbose:
                 print_text(one.title)
-    if left:
-        many = f"{len(left)} loop{'s' if len(left) != 1 else ''} compiled in {time.perf_counter() - began:.1f} s"
-        print_text(f"{many}, {len(asked) - len(left)} were ready")
+    if missing:
+        many = f"{len(missing)} loop{'s' if len(missing) != 1 else ''} compiled in {time.perf_counter() - began:.1f} s"
+        print_text(f"{many}, {len(asked) - len(missing)} were ready")
     else:
         print_text(f"ready before: {len(asked)} loop{'s' if len(asked) != 1 else ''}, nothing to compile")
-    if not all(one.cached() for one in left):
+    if not all(one.cached() for one in missing):
         print_text("they are not kept: no folder for them can be written, and NUMBA_CACHE_DIR names none")
 
 

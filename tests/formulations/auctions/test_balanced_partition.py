@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from task_problems import drawn, part_cost, parts
+from task_problems import drawn, parts
+from truth.auctions import PartTruth
 
 import waybound as wb
 from waybound.formulations.problem import problem_from_instance
@@ -19,7 +20,7 @@ def test_costs_are_those_of_plain_sums(edges):
     for _ in range(20):
         problem = wb.BalancedPartition(drawn(rng, tasks=6), "min-max", edges)
         part = np.nonzero(rng.random(problem.num_tasks) < 0.6)[0].tolist()
-        assert problem.costs((tuple(part),)) == pytest.approx([part_cost(problem.instance, part, edges)], abs=1e-14)
+        assert problem.costs((tuple(part),)) == pytest.approx([float(PartTruth(problem).cost(part))], abs=1e-14)
 
 
 def test_balance_is_not_a_small_load():

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from task_problems import OBJECTIVES, all_paths, drawn, line, path_value
+from task_problems import OBJECTIVES, all_paths, drawn, line
+from truth.auctions import TaskTruth
 
 import waybound as wb
 from waybound.instances.errors import UsageError
@@ -16,10 +17,11 @@ def test_values_are_what_the_legs_come_to(objective):
     for k in range(10):
         team = drawn(rng, tasks=4, matrix=k % 2 == 1)
         problem = wb.TaskAllocation(team, objective)
+        known = TaskTruth(problem)
         for paths in list(all_paths(team.num_robots, team.num_tasks))[::7]:
             verdict = problem.evaluate(paths)
             assert verdict.feasible
-            assert verdict.values[0] == pytest.approx(path_value(team, objective, paths), rel=1e-14)
+            assert verdict.values[0] == pytest.approx(float(known.worth(paths)[0]), rel=1e-14)
 
 
 def test_the_example_by_hand():

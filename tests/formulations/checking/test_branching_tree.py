@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from branching_programs import knapsack, random_program, without_answer
 from draws import draws
-from exact_truth import truth
+from truth.families import truth
 
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import certify, check_certificate, verified_bound

@@ -12,6 +12,7 @@ from draws import draws
 from hypothesis import HealthCheck, given, settings
 from oracles import ASYM_5, SQUARE_4, TWO_INDEX, agrees, optimum, routing, small_problems, solved
 from small_routing import at_risk, few, varied
+from truth.routing import RoutingTruth, routes
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
@@ -22,7 +23,6 @@ from waybound.formulations.routing.reachability import minimum_vehicles, servabl
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Energy, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.reports.benchmarks.exact_routing import RoutingTruth, routes
 from waybound.solvers.bounds.routing.infeasibility import infeasible_site_evidence
 
 DRAWN = settings(max_examples=draws(150), deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from small_routing import varied
+from truth.routing import RoutingTruth
 
 import waybound as wb
 from waybound.formulations.routing.objective import LatestReturn, Objective, Reward, TotalCost
@@ -16,7 +17,6 @@ from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.errors import UsageError
 from waybound.instances.routing.instance import Energy, Group, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
 LINE = np.abs(np.arange(6.0)[:, None] - np.arange(6.0)[None, :])
 

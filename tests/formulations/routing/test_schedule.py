@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from truth.routing import RoutingTruth
 
 from waybound.formulations.evaluation import Checklist
 from waybound.formulations.routing.forms._all_routes import Walk
@@ -20,7 +21,6 @@ from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.routing.schedule import closing, opening, schedule
 from waybound.instances.routing.instance import Energy, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
 from waybound.reports.benchmarks.routing_variants import with_features
 
 LINE = np.abs(np.arange(5.0)[:, None] - np.arange(5.0)[None, :])  # sites at 0, 1, 2, 3, 4

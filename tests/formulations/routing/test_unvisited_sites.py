@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, varied
+from truth.routing import RoutingTruth
 
 import waybound as wb
 from waybound.formulations.routing import unvisited_sites as module
@@ -17,7 +18,6 @@ from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.routing.unvisited_sites import UNEXPLAINED, left_out
 from waybound.instances.routing.instance import Group, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
 ONE = (VehicleType(1, 10, max_distance=12),)
 LINE = np.array([[0.0, 0], [3, 0], [4, 0], [9, 0], [5, 0]])

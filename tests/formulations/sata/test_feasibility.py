@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from exact_truth import every_set, excess_of
 from hypothesis import given
 from hypothesis import strategies as st
 from selection_problems import CONSTRAINTS, OWN_CONSTRAINTS, Apart, Budgets, random_problem
+from truth.families import every_set, excess_of
 
 from waybound.formulations.sata.feasibility import Openings, allowed, spendable, with_each
 from waybound.instances.sata.constraints import Knapsack

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from local_oracles import random_graph as graph_of_robots
 from random_sensing import optimum
 from sata_cases import matrices_of, random_graph
+from truth.local_algorithm import random_graph as graph_of_robots
 
 import waybound as wb
 from waybound import BottleneckSATA, Evidence, UnsupportedError

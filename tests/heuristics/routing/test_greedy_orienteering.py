@@ -9,10 +9,10 @@ from draws import draws
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from small_routing import context
+from truth.routing import best_values
 
 from waybound import Reward, RoutingProblem, Sites, Travel, UsageError, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.reports.ratios.judging import run_heuristic
 
 

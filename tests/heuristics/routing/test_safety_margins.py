@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from small_routing import varied
+from truth.routing import RoutingTruth, routes
 
 from waybound import Energy, InputError, Route, Routes, RoutingProblem, Sites, UnsupportedError, UsageError, VehicleType, generate, solve
 from waybound.formulations.routing.objective import Makespan, Objective, Reward, TotalCost
@@ -21,7 +22,6 @@ from waybound.heuristics.routing import safety_margins
 from waybound.heuristics.routing.safety_margins import Pool, certain, split
 from waybound.instances.routing.features import RISKS
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import RoutingTruth, routes
 from waybound.reports.ratios.judging import run_heuristic
 from waybound.solvers.linear_programs import LinearPrograms
 

@@ -11,10 +11,10 @@ from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_routing import context
+from truth.routing import RoutingTruth
 
 from waybound import Routes, RoutingProblem, Sites, Travel, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
 from waybound.reports.ratios.judging import run_heuristic
 
 CONTEXT = context()

@@ -8,12 +8,12 @@ from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_routing import context
+from truth.routing import best_values
 
 from waybound import RoutingProblem, Sites, Travel, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.heuristics.routing.tour_partitioning import pieces_of
 from waybound.instances.routing.travel import EXPLICIT
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.reports.ratios.judging import run_heuristic
 
 

@@ -6,11 +6,11 @@ from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_routing import context
+from truth.routing import best_values
 
 from waybound import LongestRoute, Makespan, RoutingProblem, Sites, Travel, UsageError, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.routing.travel import EXPLICIT
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.reports.ratios.judging import run_heuristic
 
 SQUARE = [(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)]

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from local_oracles import random_graph
 from programs import AnsweredBy
 from random_sensing import optimum
 from sata_cases import CASES, matrices_of
+from truth.local_algorithm import random_graph
 
 from waybound import BottleneckSATA, MaxMinLP, Selection, UnsupportedError, UsageError, solve
 from waybound.formulations.stop import Stop

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from exact_truth import every_set, excess_of
 from hypothesis import given
 from hypothesis import strategies as st
 from selection_problems import CONSTRAINTS, OWN_CONSTRAINTS, random_problem
+from truth.families import every_set, excess_of
 
 from waybound.instances.errors import InputError
 from waybound.instances.instance import digest

@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from waybound.formulations.programs.program import Program, Variables
 from waybound.instances.errors import UsageError
 from waybound.reports.battery.cases import Draw, cases
-
-ONE = Program("one", "min", (Variables("x", lower=np.zeros(1), upper=np.ones(1), cost=np.array([8.0])),), ())
 
 
 def test_the_same_draw_gives_the_same_cases_whatever_is_asked_of_it():

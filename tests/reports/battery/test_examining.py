@@ -7,8 +7,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from programs import program
 
-from waybound.formulations.programs.program import Program, Variables
 from waybound.instances.errors import UsageError
 from waybound.reports.battery import examining
 from waybound.reports.battery.cases import Case, Draw, cases
@@ -16,7 +16,7 @@ from waybound.reports.battery.examining import GAVE_UP, RIGHT, examinable, exami
 from waybound.reports.battery.truth import Truth
 from waybound.solvers.backend import BACKENDS, Options, RawResult
 
-ONE = Program("one", "min", (Variables("x", lower=np.zeros(1), upper=np.ones(1), cost=np.array([8.0])),), ())
+ONE = program([8.0], [], [], [], 0.0, 1.0)
 
 
 def case(truth: Truth, sense: str = "min") -> Case:
@@ -68,14 +68,9 @@ def test_the_sense_decides_what_is_too_good():
 @pytest.mark.slow
 def test_highs_is_examined_and_right():
     told = []
-    made = examine("highs", Draw(19), told=lambda done, total: told.append((done, total)))
-    assert (made.solver, made.version, len(made.taken), made.wrong, made.interrupted) == (
-        "highs",
-        BACKENDS["highs"].version(),
-        19,
-        [],
-        False,
-    )
+    made = examine("highs", Draw(19), progress=lambda done, total: told.append((done, total)))
+    assert (made.solver, made.version) == ("highs", BACKENDS["highs"].version())
+    assert (len(made.taken), made.wrong, made.interrupted) == (19, [], False)
     assert told[-1] == (19, 19)
     assert {o.verdict for o in made.outcomes} == {RIGHT}
 

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import os
 
-import numpy as np
 import pytest
 
-from waybound.formulations.programs.program import Program, Variables
 from waybound.reports.battery.cases import Draw, cases
 from waybound.reports.battery.examining import Examination, outcome
 from waybound.reports.battery.report import examination_table, summary_lines, to_json, write_wrong
 from waybound.solvers.backend import Options
-
-ONE = Program("one", "min", (Variables("x", lower=np.zeros(1), upper=np.ones(1), cost=np.array([8.0])),), ())
 
 
 @pytest.fixture

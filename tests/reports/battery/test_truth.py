@@ -2,30 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from fractions import Fraction
 
 import numpy as np
 import pytest
-import scipy.sparse as sp
-from exact_truth import truth as other_truth
+from programs import INF, program
+from truth.families import truth as other_truth
 
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.reports.battery.kinds import KINDS
 from waybound.reports.battery.truth import Truth, program_truth, truth
-
-INF = math.inf
-
-
-def small(cost, matrix, low, high, lower, upper, integer=(), sense="min", quadratic=None) -> Program:
-    a = sp.csr_matrix(np.asarray(matrix, dtype=float).reshape(len(low), len(cost)))
-    columns = tuple(
-        Variables(f"x{j}", lower=np.array([lower[j]]), upper=np.array([upper[j]]), cost=np.array([float(c)]), integer=j in integer)
-        for j, c in enumerate(cost)
-    )
-    rows = Rows("row", indptr=a.indptr, indices=a.indices, data=a.data, lower=np.array(low, float), upper=np.array(high, float))
-    return Program("small", sense, columns, (rows,), 0.0, None if quadratic is None else sp.csr_matrix(np.array(quadratic, float)))
 
 
 @pytest.mark.share(3)
@@ -42,7 +28,7 @@ def test_two_accounts_of_the_truth_agree(kind):
 
 
 def test_a_fraction_is_found_to_the_last_digit():
-    lp = small([1, 1], [[1, 2], [3, 1]], [4, 6], [INF, INF], [0, 0], [INF, INF])
+    lp = program([1, 1], [[1, 2], [3, 1]], [4, 6], [INF, INF], [0, 0], [INF, INF])
     assert program_truth(lp) == Truth("optimal", Fraction(14, 5))
 
 
@@ -51,38 +37,38 @@ def test_a_fraction_is_found_to_the_last_digit():
 )
 def test_a_direction_that_no_side_limits_makes_a_program_unbounded(cost, status):
     # x - y within [-1, 1]: both may grow together, neither alone.
-    assert program_truth(small(cost, [[1, -1]], [-1], [1], [0, 0], [INF, INF])).status == status
+    assert program_truth(program(cost, [[1, -1]], [-1], [1], [0, 0], [INF, INF])).status == status
 
 
 def test_an_endless_direction_without_a_point_is_infeasible():
-    made = small([-1, 0], [[0, 2]], [1], [1], [0, 0], [INF, 5], integer=(0, 1))
+    made = program([-1, 0], [[0, 2]], [1], [1], [0, 0], [INF, 5], integer=(0, 1))
     assert program_truth(made) == Truth("infeasible")
 
 
 def test_whole_variables_that_have_no_bound_are_not_guessed_at():
     with pytest.raises(NotImplementedError):
-        program_truth(small([1], [[2]], [-7], [INF], [0], [INF], integer=(0,)))
+        program_truth(program([1], [[2]], [-7], [INF], [0], [INF], integer=(0,)))
 
 
 def test_free_variables_go_below_zero():
-    assert program_truth(small([1, 1], [[1, 1], [1, -1]], [-3, -1], [INF, INF], [-INF, -INF], [INF, INF])).value == -3
+    assert program_truth(program([1, 1], [[1, 1], [1, -1]], [-3, -1], [INF, INF], [-INF, -INF], [INF, INF])).value == -3
 
 
 def test_squares_are_least_on_an_edge_or_within():
     # (x - 1)^2 + (y - 2.5)^2 less its constant: within the box first, then on the edge x + y = 2.
     q = [[2, 0], [0, 2]]
-    assert program_truth(small([-2, -5], np.zeros((0, 2)), [], [], [-9, -9], [9, 9], quadratic=q)).value == Fraction(-29, 4)
-    assert program_truth(small([-2, -5], [[1, 1]], [-INF], [2], [-9, -9], [9, 9], quadratic=q)).value == Fraction(-49, 8)
+    assert program_truth(program([-2, -5], np.zeros((0, 2)), [], [], [-9, -9], [9, 9], quadratic=q)).value == Fraction(-29, 4)
+    assert program_truth(program([-2, -5], [[1, 1]], [-INF], [2], [-9, -9], [9, 9], quadratic=q)).value == Fraction(-49, 8)
 
 
 def test_a_concave_objective_is_maximised():
-    made = small([2], np.zeros((0, 1)), [], [], [-9], [9], sense="max", quadratic=[[-2]])
+    made = program([2], np.zeros((0, 1)), [], [], [-9], [9], sense="max", quadratic=[[-2]])
     assert program_truth(made) == Truth("optimal", Fraction(1))
 
 
 def test_products_of_whole_and_other_variables_are_linear_in_the_others():
     # 2 b y - y over b in {0, 1}, y in [0, 3]: b = 0 and y = 3.
-    made = small([0, -1], [[1, 0]], [0], [1], [0, 0], [1, 3], integer=(0,), quadratic=[[0, 2], [2, 0]])
+    made = program([0, -1], [[1, 0]], [0], [1], [0, 0], [1, 3], integer=(0,), quadratic=[[0, 2], [2, 0]])
     assert program_truth(made) == Truth("optimal", Fraction(-3))
 
 

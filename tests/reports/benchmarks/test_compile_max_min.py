@@ -8,6 +8,7 @@ import pytest
 
 from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.reports.benchmarks import compile_max_min as benchmark
+from waybound.reports.benchmarks.side_by_side import same_model
 
 
 @pytest.mark.parametrize("actions", [60, 400])
@@ -15,7 +16,7 @@ def test_pulp_writes_the_same_rows_columns_and_values(actions: int, tmp_path: Pa
     graph = benchmark.generate(actions, seed=3)
     program = BottleneckSATA(graph, fractional=True).compile().program
     benchmark.with_pulp(benchmark.lists_for_pulp(graph), tmp_path / "model.mps")
-    benchmark.same_model(program, tmp_path / "model.mps")
+    same_model(program, tmp_path / "model.mps")
     assert benchmark.with_waybound(graph).getNumRow() == program.num_rows
 
 
@@ -26,7 +27,7 @@ def test_a_different_model_is_noticed(tmp_path: Path) -> None:
     data["targets"][0][0] = (action, weight + 0.5)
     benchmark.with_pulp(data, tmp_path / "model.mps")
     with pytest.raises(AssertionError, match="coefficients"):
-        benchmark.same_model(BottleneckSATA(graph, fractional=True).compile().program, tmp_path / "model.mps")
+        same_model(BottleneckSATA(graph, fractional=True).compile().program, tmp_path / "model.mps")
 
 
 def test_same_seed_gives_the_same_graph() -> None:

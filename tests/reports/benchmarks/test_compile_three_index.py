@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from waybound.reports.benchmarks import compile_three_index as benchmark
+from waybound.reports.benchmarks.side_by_side import same_model
 
 
 @pytest.mark.parametrize("windows", benchmark.WINDOWS)
@@ -14,7 +15,7 @@ def test_pulp_writes_the_same_rows_columns_and_values(windows: str, tmp_path: Pa
     problem = benchmark.generate(9, 2, windows, seed=3)
     program = problem.compile("three-index").program
     benchmark.with_pulp(benchmark.lists_for_pulp(problem), tmp_path / "model.mps")
-    benchmark.same_model(program, tmp_path / "model.mps")
+    same_model(program, tmp_path / "model.mps")
     assert benchmark.with_waybound(problem).getNumRow() == program.num_rows
     assert benchmark.with_bare_highs(program)[0].getNumCol() == program.num_variables
 
@@ -25,7 +26,7 @@ def test_a_different_model_is_noticed(tmp_path: Path) -> None:
     data["capacity"] += 1.0
     benchmark.with_pulp(data, tmp_path / "model.mps")
     with pytest.raises(AssertionError, match="right sides"):
-        benchmark.same_model(problem.compile("three-index").program, tmp_path / "model.mps")
+        same_model(problem.compile("three-index").program, tmp_path / "model.mps")
 
 
 def test_same_seed_gives_the_same_problem() -> None:

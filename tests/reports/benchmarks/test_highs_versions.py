@@ -23,15 +23,9 @@ def test_the_bare_library_of_a_folder_reads_what_was_written(tmp_path):
 
 
 def test_what_is_wrong_is_counted():
-    true = [
-        Truth("optimal", Fraction(10)),
-        Truth("optimal", Fraction(10)),
-        Truth("infeasible"),
-        Truth("infeasible"),
-        Truth("optimal", Fraction(7)),
-    ]
+    ten, none, seven = Truth("optimal", Fraction(10)), Truth("infeasible"), Truth("optimal", Fraction(7))
     told = [("Infeasible", 0.0), ("Optimal", 10.1), ("Optimal", 3.0), ("Infeasible", 0.0), ("Optimal", 7.0)]
-    assert benchmark.wrong(true, told) == (1, 2)
+    assert benchmark.wrong([ten, ten, none, none, seven], told) == (1, 2)
 
 
 def test_a_version_that_cannot_be_had_is_said_and_costs_nothing(monkeypatch, capsys):

@@ -11,12 +11,12 @@ from waybound.api import solve
 from waybound.reports.battery.cases import Draw, cases
 from waybound.reports.battery.truth import Truth
 from waybound.reports.benchmarks import proofs
-from waybound.reports.benchmarks.proofs import FALSE, VERIFIED, battery, beside_highs, files, main, set_cover
+from waybound.reports.benchmarks.proofs import FALSE, VERIFIED, beside_highs, main, proved_files, set_cover, verified_of_battery
 
 
 @pytest.mark.slow
 def test_what_is_verified_is_counted_by_kind(capsys: pytest.CaptureFixture[str]) -> None:
-    assert battery(19, 10.0, 1) == 0
+    assert verified_of_battery(19, 10.0, 1) == 0
     said = capsys.readouterr().out
     assert "19 of 19 verified, 0 false" in said and "not verified" not in said
     assert said.count("1 of 1") == 19
@@ -50,5 +50,5 @@ def test_covers_are_drawn_and_proved(capsys: pytest.CaptureFixture[str]) -> None
 
 @pytest.mark.long
 def test_files_are_cut_and_proved(benchmarks: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    files(benchmarks / "vrptw-solomon", ["R101", "none"], 30.0)
+    proved_files(benchmarks / "vrptw-solomon", ["R101", "none"], 30.0)
     assert "R101     617.1" in capsys.readouterr().out

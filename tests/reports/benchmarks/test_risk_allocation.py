@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+import waybound as wb
+from waybound.instances.generating import generate
 from waybound.reports.benchmarks import risk_allocation as benchmark
 
 
@@ -16,8 +18,8 @@ def test_methods_stand_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         benchmark,
         "reference",
-        lambda family, **settings: benchmark.RiskAllocation(
-            benchmark.generate("risk-allocation", 1, family=family, steps=14, **{k: v for k, v in settings.items() if k == "constraints"})
+        lambda family, **settings: wb.RiskAllocation(
+            generate("risk-allocation", 1, family=family, steps=14, **{k: v for k, v in settings.items() if k == "constraints"})
         ),
     )
     told = benchmark.report(3, 1, steps=14)

@@ -5,14 +5,7 @@ from __future__ import annotations
 import pytest
 
 from waybound.reports.benchmarks import routing_bounds
-from waybound.reports.benchmarks.routing_bounds import ProcessorTime, Row, best_bound, main, report, rows
-
-
-def test_a_folder_must_be_named(monkeypatch, capsys):
-    monkeypatch.delenv("WAYBOUND_BENCHMARKS", raising=False)
-    with pytest.raises(SystemExit):
-        main([])
-    assert "--folder" in capsys.readouterr().err
+from waybound.reports.benchmarks.routing_bounds import ProcessorTime, Row, best_bound, report, rows
 
 
 @pytest.mark.long

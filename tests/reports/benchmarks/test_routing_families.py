@@ -67,10 +67,3 @@ def test_every_sample_is_a_file_that_is_read_and_most_have_a_value(benchmarks: P
     assert sum(found is not None for found in known) == len(known) - 1
     for sample in benchmark.FAMILIES.values():
         assert read(benchmarks / sample.path, **sample.settings()).family == "routing"
-
-
-def test_without_a_folder_it_says_so(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.delenv("WAYBOUND_BENCHMARKS", raising=False)
-    with pytest.raises(SystemExit):
-        benchmark.main([])
-    assert "WAYBOUND_BENCHMARKS" in capsys.readouterr().err

@@ -31,10 +31,3 @@ def test_split_is_within_a_fifth_of_the_best_known_on_small_files(benchmarks: Pa
     text, good = benchmark.report(found, 30.0)
     assert good
     assert float(next(line for line in text.splitlines() if " split " in line).split()[3].rstrip("%")) < 15
-
-
-def test_without_a_folder_it_says_so(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.delenv("WAYBOUND_BENCHMARKS", raising=False)
-    with pytest.raises(SystemExit):
-        benchmark.main([])
-    assert "WAYBOUND_BENCHMARKS" in capsys.readouterr().err

@@ -28,12 +28,12 @@ def test_what_is_measured_is_proved_and_highs_agrees(family: str) -> None:
     assert found.value <= found.bound * (1 + 1e-9) and found.bound - found.value <= 1e-3 * found.value * 1.01
     told = [seconds for seconds in found.until if not math.isnan(seconds)]
     assert told == sorted(told) and len(told) >= 3 and told[-1] <= found.seconds
-    words = benchmark.highs(graph, "simplex", 30.0)
+    words = benchmark.by_highs(graph, "simplex", 30.0)
     assert float(words.rsplit(" ", 1)[1]) == pytest.approx(found.value, rel=2e-3)
 
 
 def test_highs_that_is_given_up_is_told() -> None:
-    assert "simplex given up after" in benchmark.highs(benchmark.expander(400), "simplex", 0.0)
+    assert "simplex given up after" in benchmark.by_highs(benchmark.expander(400), "simplex", 0.0)
 
 
 def test_the_report_has_a_line_for_each_size(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -140,8 +140,7 @@ def test_numbers_too_large_for_64_bits_are_refused():
 
 def test_routing_programs_whose_levels_are_differences_can_be_counted():
     from small_routing import small
-
-    from waybound.reports.benchmarks.exact_routing import best_values
+    from truth.routing import best_values
 
     for convention in ("round", "exact"):
         problem = small("time-windows", 1, convention)

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from branching_programs import hard, knapsack, random_program, without_answer
 from draws import draws
-from exact_truth import truth
 from patience import HANG
 from programs import program
+from truth.families import truth
 
 import waybound as wb
 from waybound.formulations.arrays.problem import ArrayProblem

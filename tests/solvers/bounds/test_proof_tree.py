@@ -6,8 +6,8 @@ import math
 
 import pytest
 from branching_programs import hard, knapsack, random_program
-from exact_truth import truth
 from patience import HANG
+from truth.families import truth
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence

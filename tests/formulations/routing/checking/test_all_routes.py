@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import FEATURES, WHOLE_FAMILY, at_risk, excludes, few, small, varied
+from truth.routing import best_values
 
 import waybound as wb
 from waybound.formulations.evidence import Evidence
@@ -18,7 +19,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop, until
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 
 
 @pytest.mark.share(3)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from city_corners import CITY, CORNERS, DEMAND, STREETS
 from small_routing import WHOLE_FAMILY, excludes, few, small, varied
+from truth.routing import best_values
 
 import waybound as wb
 from waybound.formulations.routing.checking import customer_sets
@@ -20,7 +21,6 @@ from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Group, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.instances.routing.vehicle_type import Energy
-from waybound.reports.benchmarks.exact_routing import best_values
 
 EXACT = (
     "capacity", "max-distance", "travel", "limited-fleet", "heterogeneous-fleet", "fixed-cost", "multiple-depots", "open-routes",

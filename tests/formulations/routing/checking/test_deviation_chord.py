@@ -13,6 +13,7 @@ from hostile_instances import Units, routing_at_risk
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_routing import LINE, at_risk
+from truth.routing import RoutingTruth
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
@@ -24,7 +25,6 @@ from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.features import RISKS
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
 from waybound.reports.benchmarks.routing_variants import risky
 
 line = partial(at_risk, count=4)

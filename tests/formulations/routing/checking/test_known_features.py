@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, few, plane, varied
+from truth.routing import RoutingTruth, best_values
 
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import CHECKERS, Evidence
@@ -20,7 +21,6 @@ from waybound.formulations.stop import Stop
 from waybound.instances.errors import InputError
 from waybound.instances.routing.features import FEATURES
 from waybound.instances.routing.instance import Energy, VehicleType
-from waybound.reports.benchmarks.exact_routing import RoutingTruth, best_values
 from waybound.solvers.bounds import BOUNDS
 
 INFEASIBLE = (

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, drawn, enumerated, excludes, plane
+from truth.routing import best_values
 
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import verified_bound
@@ -36,7 +37,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, METRICS, Travel
-from waybound.reports.benchmarks.exact_routing import best_values
 
 METRIC = [name for name in METRICS if name != "GEO"]
 

@@ -9,6 +9,7 @@ import pytest
 from draws import draws
 from hypothesis import given, settings
 from oracles import routing, small_problems
+from truth.routing import routes
 
 from waybound.formulations.routing.checking.route_limits import (
     LARGEST_RATE,
@@ -23,7 +24,6 @@ from waybound.formulations.routing.checking.route_limits import (
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Energy
-from waybound.reports.benchmarks.exact_routing import routes
 
 LINE = np.array([(0, 0), (1, 0), (2, 0), (5, 0)], dtype=float)
 

@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from patience import HANG
 from small_routing import small
+from truth.routing import best_values, routes
 
 from waybound.formulations.routing.checking import set_partitioning_duals
 from waybound.formulations.routing.checking.relaxation import relax
@@ -25,7 +26,6 @@ from waybound.formulations.stop import Stop, until
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import best_values, routes
 
 SEEDS = st.integers(0, 10**6)
 ALL = 99

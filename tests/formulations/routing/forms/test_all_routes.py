@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 from small_routing import WHOLE_FAMILY, varied
+from truth.routing import Roads
 
 from waybound.formulations.routing.forms._all_routes import MOST_ROUTES, Walk, orders_of_stops, way_home
-from waybound.reports.benchmarks.exact_routing import Roads
 
 
 @pytest.mark.share(3)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from oracles import SQUARE_4, routing
 from small_routing import varied
+from truth.routing import RoutingTruth
 
 from waybound.formulations.routing.forms._routes import ArcIndex, levels, routes_of, used
 from waybound.formulations.routing.objective import (
@@ -26,7 +27,6 @@ from waybound.formulations.routing.objective import (
 from waybound.formulations.routing.preparation import Preparation, Resource, prepare
 from waybound.formulations.routing.routes import Route
 from waybound.instances.errors import InputError
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
 NAMES = list("oabcd")
 

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from oracles import agrees, routing
 from program_text import expected, written
 from small_routing import LINE, at_risk, varied
+from truth.routing import RoutingTruth
 
 from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.routing.forms import three_index_risks
@@ -26,7 +27,6 @@ from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import UnsupportedError
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
 from waybound.reports.benchmarks.routing_variants import risky
 from waybound.solvers.backend import BACKENDS, Control, Options, solver_named
 

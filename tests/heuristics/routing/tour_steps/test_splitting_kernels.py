@@ -8,11 +8,11 @@ import pytest
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from truth.routing import best_values
 
 from waybound import Routes, RoutingProblem, Sites, Travel, VehicleType
 from waybound.heuristics.routing.tour_steps.splitting_kernels import best_split, cheapest_cut, even_split, linear_split
 from waybound.instances.routing.travel import EXPLICIT
-from waybound.reports.benchmarks.exact_routing import best_values
 
 GO, HALT = np.zeros(1, np.int64), np.ones(1, np.int64)
 

@@ -11,10 +11,10 @@ import pytest
 from draws import draws
 from hypothesis import assume, given, settings
 from oracles import SQUARE_4, TW_4, optimum, routing, small_problems
+from truth.routing import routes
 
 from waybound import LongestRoute, Reward, RoutingProblem, TotalCost, Vehicles, VehicleType
 from waybound.formulations.stop import Stop
-from waybound.reports.benchmarks.exact_routing import routes
 from waybound.solvers.bounds.routing.arcs import Arcs, arc_costs, lacks_arc_costs, too_many_arcs
 
 

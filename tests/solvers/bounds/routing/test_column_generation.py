@@ -15,13 +15,13 @@ from hypothesis import given, settings
 from oracles import set_partitioning_bound, small_problems
 from patience import HANG
 from small_routing import plane, small
+from truth.routing import best_values, routes
 
 from waybound import Evidence, RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.certificate import certify, check_certificate, verified_bound
 from waybound.formulations.kernels import kernels
 from waybound.formulations.routing.checking.relaxation import relax
 from waybound.formulations.stop import Stop
-from waybound.reports.benchmarks.exact_routing import best_values, routes
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
 from waybound.solvers.bounds.routing import column_generation

@@ -9,6 +9,7 @@ import pytest
 from city_corners import CITY, SHIPMENTS, STREETS
 from programs import program
 from small_routing import small
+from truth.routing import best_values
 
 import waybound as wb
 from waybound import RoutingProblem, Sites, Travel, VehicleType
@@ -16,7 +17,6 @@ from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
 from waybound.instances.routing.travel import EXPLICIT
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.few_customers import all_routes_bound, customer_sets_bound
 

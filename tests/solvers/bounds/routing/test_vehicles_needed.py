@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, few, plane, varied
+from truth.routing import best_values
 
 from waybound import Objective, TotalCost, Vehicles
 from waybound.formulations.certificate import verified_bound
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.vehicles_needed import fewest_routes, vehicles_needed
 

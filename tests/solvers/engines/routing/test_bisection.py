@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from patience import HANG
 from small_routing import small, varied
+from truth.routing import best_values
 
 from waybound import Exactness, LatestReturn, LongestRoute, Makespan, Objective, Reward, Routes, RoutingProblem, TotalCost, Travel, Vehicles
 from waybound.formulations.routing.objective import Composable
 from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
 from waybound.solvers.engines.routing.bisection import Bisecting, Bisection
 

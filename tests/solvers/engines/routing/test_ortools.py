@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from oracles import SQUARE_4, optimum, routing
 from small_routing import small
+from truth.routing import best_values
 
 from waybound import Group, Reward, Route, Routes, RoutingProblem, Sites, TotalCost, Travel, UsageError, VehicleType
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.engines.routing.ortools import STATUS_MAP, ORTools, _Search, with_more_routes
 from waybound.solvers.engines.routing.ortools_model import short_ways

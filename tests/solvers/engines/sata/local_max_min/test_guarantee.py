@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from local_oracles import random_graph
 from random_sensing import optimum
+from truth.local_algorithm import random_graph
 
 from waybound import BottleneckSATA, SensingGraph
 from waybound.solvers.engines.sata.local_max_min.shares import local_shares

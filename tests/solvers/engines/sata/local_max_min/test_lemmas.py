@@ -8,7 +8,7 @@ import numpy as np
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from local_oracles import ExactLocal, random_graph, robots_of
+from truth.local_algorithm import ExactLocal, random_graph, robots_of
 
 
 def exact_case(seed: int, h: int) -> ExactLocal:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from local_oracles import hops
+from truth.local_algorithm import hops
 
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 from waybound.solvers.engines.sata.local_max_min.messages import exchange

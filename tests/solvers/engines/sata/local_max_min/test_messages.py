@@ -9,7 +9,7 @@ import pytest
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from local_oracles import cycle, random_graph
+from truth.local_algorithm import cycle, random_graph
 
 from waybound.instances.errors import UsageError
 from waybound.instances.sata.sensing_graph import graph_of_edges

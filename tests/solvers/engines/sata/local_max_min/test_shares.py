@@ -9,9 +9,9 @@ import pytest
 from draws import draws
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from local_oracles import FIGURE_33, ExactLocal, Robots, cycle, graph_of, random_graph, regular_tree, robots_of
 from random_sensing import optimum
 from sata_cases import CASES, relabelled
+from truth.local_algorithm import FIGURE_33, ExactLocal, Robots, cycle, graph_of, random_graph, regular_tree, robots_of
 
 from waybound import BottleneckSATA, UsageError
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from truth.routing import best_values
 
-from waybound.reports.benchmarks.exact_routing import best_values
 from waybound.reports.ratios.judging import run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.ratios.studies.routing.families import routing as families

@@ -1,4 +1,4 @@
-"""Brute force in exact arithmetic for tiny assignments with capacities, errands, days of standing bins and rooms: see ``exact_truth``."""
+"""Brute force for tiny problems of robots with tasks, bins, jobs, errands, orchards and rooms."""
 
 from __future__ import annotations
 
@@ -7,13 +7,130 @@ import math
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
+
+from waybound.formulations.auctions.balanced_partition import BalancedPartition
+from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
 from waybound.formulations.auctions.joint_assignment import JointAssignment
 from waybound.formulations.auctions.orchard_day import OrchardDay
 from waybound.formulations.auctions.room_exploration import RoomExploration
-from waybound.reports.benchmarks.exact_base import PARTS, Truth, Values
+from waybound.formulations.auctions.task_allocation import TaskAllocation
+
+from .base import PARTS, Truth, Values, ints, scale_of
 
 ZERO = Fraction(0)
+
+
+class TaskTruth(Truth):
+    """All ways to lengthen the path of some robot by some task that is left."""
+
+    def __init__(self, problem: TaskAllocation) -> None:
+        super().__init__(("min",))
+        self.robots, self.tasks, self.objective = problem.num_robots, problem.num_tasks, problem.objective
+        self.unit = scale_of(problem.instance.distances)
+        self.away = ints(problem.instance.distances, self.unit)
+        self.lengthen(((),) * self.robots, 0)
+
+    def lengthen(self, paths: tuple[tuple[int, ...], ...], robot: int) -> None:
+        """Robots before ``robot`` have their whole paths."""
+        undone = [task for task in range(self.tasks) if not any(task in path for path in paths)]
+        if not undone:
+            self.meet(self.worth(paths), True, paths)
+            return
+        for task in undone:
+            self.lengthen((*paths[:robot], (*paths[robot], task), *paths[robot + 1 :]), robot)
+        if robot + 1 < self.robots:
+            self.lengthen(paths, robot + 1)
+
+    def worth(self, paths: Any) -> Values:
+        legs = [
+            [self.away[self.robots + path[k - 1] if k else robot][task] for k, task in enumerate(path)] for robot, path in enumerate(paths)
+        ]
+        if self.objective == "mini-ave":
+            return (Fraction(sum(leg * (len(own) - k) for own in legs for k, leg in enumerate(own)), self.unit * self.tasks),)
+        lengths = [sum(own) for own in legs]
+        return (Fraction(max(lengths) if self.objective == "mini-max" else sum(lengths), self.unit),)
+
+    def value(self, answer: Any) -> Values | None:
+        return self.worth(answer) if sorted(t for path in answer for t in path) == list(range(self.tasks)) else None
+
+
+class PartTruth(Truth):
+    """All ways to put one task after the other into a part."""
+
+    def __init__(self, problem: BalancedPartition) -> None:
+        super().__init__(("min",))
+        self.parts_, self.tasks, self.edges = problem.num_robots, problem.num_tasks, problem.edges
+        self.spread = problem.objective != "min-max"
+        self.unit = scale_of(problem.weights, problem.instance.between)
+        self.weight, self.away = (ints(a, self.unit) for a in (problem.weights, problem.instance.between))
+        self.mixed = True
+        for owners in itertools.product(range(self.parts_), repeat=self.tasks):
+            answer = tuple(tuple(task for task, owner in enumerate(owners) if owner == part) for part in range(self.parts_))
+            self.meet(self.worth(answer), True, answer)
+
+    def cost(self, part: tuple[int, ...]) -> Fraction:
+        """Weights, and distances of all pairs or of a least spanning tree (Kruskal)."""
+        total, pairs = sum(self.weight[t] for t in part), itertools.combinations(part, 2)
+        if self.edges == "clique":
+            return Fraction(total + sum(self.away[a][b] for a, b in pairs), self.unit)
+        joined: list[set[int]] = [{t} for t in part]
+        for a, b in sorted(pairs, key=lambda pair: self.away[pair[0]][pair[1]]) if self.edges == "mst" else ():
+            one, other = (next(group for group in joined if t in group) for t in (a, b))
+            if one is not other:
+                total += self.away[a][b]
+                joined = [group for group in joined if group is not one and group is not other] + [one | other]
+        return Fraction(total, self.unit)
+
+    def worth(self, answer: Any) -> Values:
+        costs = [self.cost(part) for part in answer]
+        return (max(costs) - (min(costs) if self.spread else 0),)
+
+    def value(self, answer: Any) -> Values | None:
+        return self.worth(answer) if sorted(t for part in answer for t in part) == list(range(self.tasks)) else None
+
+
+class PairTruth(Truth):
+    """All ways to line up bins behind some of the robots, the most robots first."""
+
+    def __init__(self, problem: BinAssignment) -> None:
+        super().__init__(("min",))
+        self.objective, self.shape = problem.objective, (problem.num_robots, problem.num_bins)
+        self.price = _prices(problem)
+        self.mixed = min(self.price.values(), default=0) < 0 < max(self.price.values(), default=0)
+        robots, bins = map(range, self.shape)
+        least = {"most": 0, "robots": len(robots), "bins": len(bins)}[problem.match]
+        for size in range(least or min(self.shape), least - 1, -1):
+            self.pairs = size
+            for used in itertools.combinations(robots, size):
+                for line in itertools.permutations(bins, size):
+                    if all(pair in self.price for pair in zip(used, line, strict=True)):
+                        own = dict(zip(used, line, strict=True))
+                        self.meet(self.worth(own), True, tuple(own.get(robot, -1) for robot in robots))
+            if self.best is not None:
+                break
+
+    def worth(self, own: dict[int, int]) -> Values:
+        costs = [self.price[pair] for pair in own.items()]
+        return (sum(costs, Fraction(0)) if self.objective == "sum" else max(costs, default=Fraction(0)),)
+
+    def value(self, answer: Any) -> Values | None:
+        own = {robot: at for robot, at in enumerate(answer) if at >= 0}
+        fits = len(answer) == self.shape[0] and len(set(own.values())) == len(own) == self.pairs and self.price.keys() >= set(own.items())
+        return self.worth(own) if fits else None
+
+
+def _prices(problem: BinAssignment) -> dict[tuple[int, int], Fraction]:
+    """The cost of every pair that is allowed: travel, and waiting for a bin that is not full."""
+    data, prices = problem.instance, {}
+    robots = np.repeat(np.arange(data.num_robots), np.diff(data.indptr))
+    for robot, at, cost in zip(robots.tolist(), data.bins.tolist(), data.cost.tolist(), strict=True):
+        until = None if data.filled is None else float(data.filled[at])
+        if until is None or until < math.inf:
+            both = [Fraction(cost), *([] if until is None else [Fraction(until)])]
+            prices[robot, at] = max(both) if problem.waiting == "max" else sum(both, Fraction(0))
+    return prices
 
 
 class CapacityTruth(Truth):
@@ -31,18 +148,18 @@ class CapacityTruth(Truth):
         self.jobs, self.all_done = problem.num_jobs, problem.objective == "cost"
         self.give((), [*self.rooms], ZERO)
 
-    def give(self, agents: tuple[int, ...], left: list[Fraction], total: Fraction) -> None:
+    def give(self, agents: tuple[int, ...], rooms: list[Fraction], total: Fraction) -> None:
         """Jobs before this one have their agents, which have ``left`` left."""
         job = len(agents)
         if job == self.jobs:
-            self.meet((total,), min(left) >= 0, agents)
+            self.meet((total,), min(rooms) >= 0, agents)
             return
         if not self.all_done:
-            self.give((*agents, -1), left, total)
+            self.give((*agents, -1), rooms, total)
         for agent, room in enumerate(self.rooms):
-            rest = left[agent] - self.used[agent][job]
+            rest = rooms[agent] - self.used[agent][job]
             if (job, agent) in self.worth and rest >= -room / PARTS:
-                self.give((*agents, agent), [*left[:agent], rest, *left[agent + 1 :]], total + self.worth[job, agent])
+                self.give((*agents, agent), [*rooms[:agent], rest, *rooms[agent + 1 :]], total + self.worth[job, agent])
 
     def value(self, answer: Any) -> Values | None:
         pairs = [(job, agent) for job, agent in enumerate(answer) if agent >= 0]
@@ -72,14 +189,14 @@ class ErrandTruth(Truth):
         """Every way to line up the most columns behind robots."""
         columns = range(len(allowed[0]))
         for size in range(min(len(allowed), len(columns)), 0, -1):
-            found = [
+            ways = [
                 dict(zip(used, line, strict=True))
                 for used in itertools.combinations(self.robots, size)
                 for line in itertools.permutations(columns, size)
                 if all(allowed[robot][at] for robot, at in zip(used, line, strict=True))
             ]
-            if found:
-                return found
+            if ways:
+                return ways
         return [{}]
 
     def worth(self, answer: Any) -> Values:
@@ -116,11 +233,11 @@ class DayTruth(Truth):
 
     def fetch(self, lists: tuple[tuple[int, ...], ...], robot: int) -> None:
         """Robots before ``robot`` have their whole lists."""
-        left = [k for k in range(self.jobs.num_bins) if not any(k in own for own in lists)]
-        if not left:
+        undone = [k for k in range(self.jobs.num_bins) if not any(k in own for own in lists)]
+        if not undone:
             self.meet(self.worth(lists), True, tuple(tuple((-1, k) for k in own) for own in lists))
             return
-        for k in left:
+        for k in undone:
             self.fetch((*lists[:robot], (*lists[robot], k), *lists[robot + 1 :]), robot)
         if robot + 1 < len(lists):
             self.fetch(lists, robot + 1)
@@ -166,11 +283,11 @@ class RoomTruth(Truth):
             if value is not None:
                 self.meet(value, True, team)
 
-    def plans(self, at: int, left: int) -> list[Any]:
-        if not left:
+    def plans(self, at: int, steps: int) -> list[Any]:
+        if not steps:
             return [()]
         deeds = [(at, 0), (at, 1), (at, 2), *((to, 0) for to in range(self.data.num_rooms) if {at, to} in self.doors)]
-        return [(deed, *rest) for deed in deeds for rest in self.plans(deed[0], left - 1)]
+        return [(deed, *rest) for deed in deeds for rest in self.plans(deed[0], steps - 1)]
 
     def value(self, answer: Any) -> Values | None:
         done: dict[tuple[int, int], int] = {}
@@ -197,6 +314,7 @@ class RoomTruth(Truth):
         return None if any(silent) else (total,)
 
 
-FAMILIES: dict[type, type] = {
-    GeneralisedAssignment: CapacityTruth, JointAssignment: ErrandTruth, OrchardDay: DayTruth, RoomExploration: RoomTruth,
+AUCTIONS: dict[type, type] = {
+    TaskAllocation: TaskTruth, BalancedPartition: PartTruth, BinAssignment: PairTruth, GeneralisedAssignment: CapacityTruth,
+    JointAssignment: ErrandTruth, OrchardDay: DayTruth, RoomExploration: RoomTruth,
 }  # fmt: skip

@@ -7,7 +7,6 @@ come out a rounding above.
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
 from collections.abc import Iterator, Sequence
@@ -18,40 +17,23 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.routing.problem import RoutingProblem
-from ...formulations.routing.routes import Route, Routes
-from ...instances.routing.instance import VehicleType
-from .exact_base import PARTS, Truth, Values
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.routes import Route, Routes
+from waybound.instances.routing.instance import VehicleType
+from waybound.instances.routing.travel import Travel
 
-
-def scale_of(*arrays: Any) -> int:
-    """The least power of two of which all finite numbers, times it, are whole."""
-    flat = [float(v) for a in arrays for v in np.asarray(a, dtype=np.float64).ravel().tolist()]
-    return max((v.as_integer_ratio()[1] for v in flat if math.isfinite(v)), default=1)
-
-
-@functools.lru_cache(maxsize=4096)  # the same few limits are asked for on every route
-def whole(value: float, scale: int) -> int | None:
-    """As a whole number; None for infinity."""
-    return None if math.isinf(value) else int(Fraction(value) * scale)
-
-
-def ints(values: Any, scale: int) -> Any:
-    """As nested lists of whole numbers; None for infinity."""
-    if isinstance(values, np.ndarray):
-        values = values.tolist()
-    return [ints(v, scale) for v in values] if isinstance(values, list) else whole(values, scale)
+from .base import PARTS, Truth, Values, ints, scale_of
 
 
 def nearly(test: tuple[int, int | None, int]) -> bool:
-    """Whether a value is within a limit (None: there is none) but for 1e-9 of it, or of the size of what was added up."""
+    """Check that a value is within a limit (None: there is none) but for 1e-9 of it, or of the size of what was added up."""
     value, limit, size = test
     return limit is None or value <= limit or (value - limit) * PARTS <= max(abs(limit), size)
 
 
 @dataclass(frozen=True)
 class Driven:
-    """What one route adds up to, in whole units; ``strict`` tells whether it keeps every limit exactly."""
+    """The totals of one route, in whole units; ``strict`` tells whether it keeps every limit exactly."""
 
     strict: bool
     cost: int
@@ -60,6 +42,27 @@ class Driven:
     duration: int
     finish: int
     overrun: float = 0.0
+
+
+def unit_of(problem: RoutingProblem, ways: list[Travel], speeds: list[Any]) -> int:
+    """The least power of two of which all numbers of a problem, times it, are whole."""
+    s = problem.sites
+    limits = [
+        (
+            *v.capacities, v.max_duration, v.max_distance, v.regular_duration, v.fixed_cost, v.unit_cost, v.unit_duration_cost,
+            v.unit_overtime_cost, *v.shift,
+        )
+        for v in problem.fleet
+    ]  # fmt: skip
+    stores = [(v.energy.capacity, v.energy.rate, v.energy.at_departure) for v in problem.fleet if v.energy]
+    loads = [x.load for x in s.shipments]
+    windows = [t for w in s.windows for pair in w for t in pair]
+    weights = [w for level in problem.objective.levels() for w, _ in level.terms]
+    closes = [w.closing for w in ways if w.closing is not None]
+    return scale_of(
+        s.demand, s.further_demand, s.pickup, s.further_pickup, s.ready, s.due, s.service, s.reward, s.penalty, windows,
+        *[x for row in (*limits, *stores, *loads) for x in row], weights, *[w.distances for w in ways], *speeds, *closes,
+    )  # fmt: skip
 
 
 class Roads:
@@ -73,23 +76,7 @@ class Roads:
         s, fleet = problem.sites, problem.fleet
         ways = [problem.travel if v.travel is None else v.travel for v in fleet]
         speeds = [w.durations / v.speed for w, v in zip(ways, fleet, strict=True)]
-        closes = [w.closing for w in ways if w.closing is not None]
-        weights = [w for level in problem.objective.levels() for w, _ in level.terms]
-        limits = [
-            (
-                *v.capacities, v.max_duration, v.max_distance, v.regular_duration, v.fixed_cost, v.unit_cost, v.unit_duration_cost,
-                v.unit_overtime_cost, *v.shift,
-            )
-            for v in fleet
-        ]  # fmt: skip
-        stores = [(v.energy.capacity, v.energy.rate, v.energy.at_departure) for v in fleet if v.energy]
-        loads = [x.load for x in s.shipments]
-        windows = [t for w in s.windows for pair in w for t in pair]
-        self.unit = scale_of(
-            s.demand, s.further_demand, s.pickup, s.further_pickup, s.ready, s.due, s.service, s.reward, s.penalty, windows,
-            *[x for row in (*limits, *stores, *loads) for x in row], weights, *[w.distances for w in ways], *speeds, *closes,
-        )  # fmt: skip
-        u = self.unit
+        self.unit = u = unit_of(problem, ways, speeds)
         self.d, self.t = [ints(w.distances, u) for w in ways], [ints(t, u) for t in speeds]
         self.variances = [
             None if w.variances is None else [[Fraction(x) for x in row] for row in (w.variances / v.speed / v.speed).tolist()]
@@ -120,9 +107,9 @@ class Roads:
         vehicle = self.fleet[kind]
         pauses = sorted({*vehicle.reloads, *vehicle.stations})
         if vehicle.committed:
-            found = self._drive(kind, ())
-            if found is not None:
-                yield (), found
+            driven = self._drive(kind, ())
+            if driven is not None:
+                yield (), driven
         begun: list[tuple[int, ...]] = [()]
         while begun:
             visits = begun.pop()
@@ -132,12 +119,12 @@ class Roads:
                     longer = (*visits, site)
                     if self._on_the_way(kind, longer):
                         begun.append(longer)
-                        found = self.drive(kind, longer)
-                        if found is not None:
-                            yield longer, found
+                        driven = self.drive(kind, longer)
+                        if driven is not None:
+                            yield longer, driven
 
     def drive(self, kind: int, visits: tuple[int, ...]) -> Driven | None:
-        """What a route with these stops adds up to; None where it serves nobody, or may not be driven."""
+        """The totals of a route with these stops; None where it serves nobody, or may not be driven."""
         vehicle = self.fleet[kind]
         served = [k for k in visits if not self.depot[k]]
         allowed = all(k in (*vehicle.reloads, *vehicle.stations) for k in visits if self.depot[k])
@@ -146,7 +133,7 @@ class Roads:
         return self._drive(kind, visits) if served and allowed and order else None
 
     def _on_the_way(self, kind: int, visits: tuple[int, ...]) -> bool:
-        """Whether a route may begin so: none of these grows less by going on."""
+        """Check that a route may begin so: none of these totals grows less by going on."""
         vehicle = self.fleet[kind]
         stops = (vehicle.start, *visits)
         if self.forbidden is not None and any(self.forbidden[i, j] for i, j in itertools.pairwise(stops)):
@@ -189,24 +176,24 @@ class Roads:
         """Among them is one from which the route takes least time: the earliest, and those that meet an end of a window exactly."""
         vehicle = self.fleet[kind]
         opens, latest = self._opening(vehicle), self.due[vehicle.start]
-        found, before = {opens, latest}, 0
+        times, before = {opens, latest}, 0
         for k, j in enumerate(stops[:-1]):
             ends = [t for w in self.windows[j] for t in w] if k else [self.due[j]]
             if self.closes[kind] is not None:
                 close = self.closes[kind][j][stops[k + 1]]
                 ends.append(None if close is None else close - (self.service[j] if k else 0))
-            found |= {t - before for t in ends if t is not None}
+            times |= {t - before for t in ends if t is not None}
             before += busy[k]
         ends = [self.due[stops[-1]], ints(vehicle.shift[1], self.unit)]
-        found |= {t - before for t in ends if t is not None}
-        return [t for t in found if t is not None and t >= opens and (latest is None or t <= latest)]
+        times |= {t - before for t in ends if t is not None}
+        return [t for t in times if t is not None and t >= opens and (latest is None or t <= latest)]
 
     def _carried(self, kind: int, visits: tuple[int, ...]) -> list[list[int]]:
-        """What is on board on leaving the start and each stop, by load dimension."""
-        found = []
+        """The load on leaving the start and each stop, by load dimension."""
+        carried = []
         for dimension in range(len(self.demand)):
             if dimension not in self.loaded:
-                found.append([0])
+                carried.append([0])
                 continue
             reloads = [k for k, i in enumerate(visits) if i in self.fleet[kind].reloads]
             levels = []
@@ -219,8 +206,8 @@ class Roads:
                     load[dimension] for p, q, load in self.shipments if dimension < len(load) and p in visits[:at] and q in visits[at:]
                 )
                 levels.append(level)
-            found.append(levels)
-        return found
+            carried.append(levels)
+        return carried
 
     def _drive(self, kind: int, visits: tuple[int, ...]) -> Driven | None:
         vehicle, u = self.fleet[kind], self.unit
@@ -263,7 +250,7 @@ class Roads:
         return Driven(strict, cost, sum(self.reward[i] for i in visits if not self.depot[i]), distance, shortest, finish, overrun)
 
     def _driven_best(self, vehicle: VehicleType, runs: list[tuple[int, int]], largest: int) -> tuple[int, int]:
-        """Of several durations and returns those that the route is driven by: within the limits if any are, the shortest, or where the
+        """Choose among durations and returns those that the route is driven by: within the limits if any are, the shortest, or where the
         latest return counts the first to be back."""
         u, energy = self.unit, vehicle.energy
 
@@ -280,13 +267,13 @@ class Roads:
         return min((run for run in able if nearly((run[key], least, largest))), key=lambda run: run[other])
 
     def within_risk(self, overruns: list[float]) -> bool:
-        """Whether routes together, each of which overruns a limit so likely, keep all with the probability that is asked for."""
+        """Check that routes together, which overrun a limit with these probabilities, keep all as likely as is asked."""
         return self.team_risk is None or 1.0 - math.prod(1.0 - p for p in overruns) <= self.team_risk * (1.0 + 1.0 / PARTS)
 
     def _overrun(
         self, kind: int, legs: list[tuple[int, int]], moving: int, shortest: int, elapsed: int, largest: int
     ) -> tuple[list[Any], float]:
-        """What limits hold with the route's risk, and how likely it overruns one."""
+        """Tests of the limits that hold with the route's risk, and how likely it overruns one."""
         vehicle, u = self.fleet[kind], self.unit
         spread = self.variances[kind]
         assert spread is not None
@@ -317,20 +304,20 @@ class Roads:
         vehicle, u = self.fleet[kind], self.unit
         energy = vehicle.energy
         assert energy is not None
-        rate, capacity, left = ints(energy.rate, u), ints(energy.capacity, u) * u, ints(energy.at_departure, u) * u
+        rate, capacity, store = ints(energy.rate, u), ints(energy.capacity, u) * u, ints(energy.at_departure, u) * u
         if energy.stations:
             tests, drawn = [], 0
             for k, m in enumerate(moving):
                 drawn += rate * m
-                tests.append((drawn, left, rate * largest))
+                tests.append((drawn, store, rate * largest))
                 if k < len(visits) and visits[k] in energy.stations:
-                    drawn, left = 0, capacity
+                    drawn, store = 0, capacity
             return tests
         opens = self._opening(vehicle)
         ready = [opens, *(self.ready[i] for i in visits)]
         waits = [b if k == len(visits) else max(b, ready[k + 1] - ready[k]) for k, b in enumerate(busy)]
         drawn = {"travel": sum(moving), "elapsed": shortest, "elapsed-fixed-start": elapsed, "windows": sum(waits)}[energy.charge]
-        return [(rate * drawn, left, rate * largest)]
+        return [(rate * drawn, store, rate * largest)]
 
 
 class RoutingTruth(Truth):
@@ -351,11 +338,11 @@ class RoutingTruth(Truth):
         self._first: dict[int, list[tuple[int, tuple[int, ...], frozenset[int]]]] = {k: [] for k in roads.customers}
         same: set[Any] = set()  # of routes that serve the same sites and add up to the same, one will do
         for kind, vehicle in enumerate(fleet):
-            for visits, found in roads.routes(kind):
+            for visits, driven in roads.routes(kind):
                 served = frozenset(k for k in visits if not s.depot[k])
-                if not vehicle.stations or (kind, served, found) not in same:
-                    same.add((kind, served, found))
-                    self.driven[kind, visits] = found
+                if not vehicle.stations or (kind, served, driven) not in same:
+                    same.add((kind, served, driven))
+                    self.driven[kind, visits] = driven
                     if served:
                         self._first[min(served)].append((kind, visits, served))
         if timed:  # a duration is the difference of two clocks
@@ -403,7 +390,7 @@ class RoutingTruth(Truth):
         return tuple(sum((w * self._term(name, routes, parts) for w, name in level), Fraction(0)) for level in self.levels)
 
     def _term(self, name: str, routes: list[tuple[int, tuple[int, ...]]], parts: list[Driven]) -> Fraction:
-        """What one term of an objective adds up to."""
+        """The total of one term of an objective."""
         u, roads = self.unit, self.roads
         match name:
             case "total-cost":
@@ -435,10 +422,10 @@ class RoutingTruth(Truth):
         if len(set(visited)) < len(visited) or must - set(visited):
             return None
         for kind, visits in routes:
-            found = self.driven.get((kind, visits)) or self.roads.drive(kind, visits)
-            if found is None:
+            driven = self.driven.get((kind, visits)) or self.roads.drive(kind, visits)
+            if driven is None:
                 return None
-            self.driven[kind, visits] = found
+            self.driven[kind, visits] = driven
         counts = [sum(kind == k for kind, _ in routes) for k in range(len(fleet))]
         if any(v.count is not None and c > v.count for v, c in zip(fleet, counts, strict=True)) or len(routes) < self.problem.min_vehicles:
             return None
@@ -449,8 +436,8 @@ class RoutingTruth(Truth):
 
 def best_values(problem: RoutingProblem) -> tuple[float, ...] | None:
     """Values of the best answer, all levels; None if there is none."""
-    found = RoutingTruth(problem).lenient
-    return None if found is None else tuple(float(v) for v in found)
+    best = RoutingTruth(problem).lenient
+    return None if best is None else tuple(float(v) for v in best)
 
 
 def routes(problem: RoutingProblem, vehicle: VehicleType) -> list[tuple[int, ...]]:

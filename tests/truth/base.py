@@ -1,10 +1,14 @@
-"""What brute force knows about a tiny problem."""
+"""The result of brute force on a tiny problem, and numbers in whole units."""
 
 from __future__ import annotations
 
+import functools
+import math
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
+
+import numpy as np
 
 Values = tuple[Fraction, ...]
 
@@ -34,10 +38,10 @@ class Truth:
     size: Fraction = Fraction(0)
     """The largest value, of either sign, that any answer has: values that are equal but for rounding differ by less than 1e-12 of it."""
     mixed: bool = False
-    """Whether terms of both signs are added up to a value."""
+    """True where terms of both signs are added up to a value."""
 
     def better(self, a: Values, b: Values | None) -> bool:
-        """By the first level that differs, by more than decimals are off as doubles (9.9 + 16.1 and 26) where it is not the last one."""
+        """Compare at the first level that differs, by more than decimals are off as doubles (9.9 + 16.1 and 26) before the last one."""
         levels = [] if b is None else list(zip(self.senses, a, b, strict=False))
         for number, (sense, one, other) in enumerate(levels, start=1):
             size = max(abs(one), abs(other), self.size if number == 1 else 0)
@@ -59,3 +63,22 @@ class Truth:
     def value(self, answer: Any) -> Values | None:
         """Exact value of an answer; None where it breaks a limit by more than doubles can."""
         raise NotImplementedError
+
+
+def scale_of(*arrays: Any) -> int:
+    """The least power of two of which all finite numbers, times it, are whole."""
+    flat = [float(v) for a in arrays for v in np.asarray(a, dtype=np.float64).ravel().tolist()]
+    return max((v.as_integer_ratio()[1] for v in flat if math.isfinite(v)), default=1)
+
+
+@functools.lru_cache(maxsize=4096)  # the same few limits are asked for on every route
+def whole(value: float, scale: int) -> int | None:
+    """The value in whole units of one over ``scale``; None for infinity."""
+    return None if math.isinf(value) else int(Fraction(value) * scale)
+
+
+def ints(values: Any, scale: int) -> Any:
+    """The values as nested lists of whole units; None for infinity."""
+    if isinstance(values, np.ndarray):
+        values = values.tolist()
+    return [ints(v, scale) for v in values] if isinstance(values, list) else whole(values, scale)

@@ -14,12 +14,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from exact_auctions import FAMILIES
-from exact_simplex import Tableau, bounded
 
-from waybound.formulations.auctions.balanced_partition import BalancedPartition
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.formulations.auctions.task_allocation import TaskAllocation
 from waybound.formulations.problem import Problem
 from waybound.formulations.risk.risky_path import RiskyPath
 from waybound.formulations.routing.problem import RoutingProblem
@@ -29,33 +24,11 @@ from waybound.formulations.sata.selections import Selection
 from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
 from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation
-from waybound.reports.benchmarks.exact_base import PARTS, Truth, Values
-from waybound.reports.benchmarks.exact_routing import RoutingTruth
 
-
-def truth(problem: Problem) -> Truth:
-    """All there is to know about a tiny problem."""
-    if isinstance(problem, RoutingProblem):
-        return RoutingTruth(problem)
-    if isinstance(problem, SubmodularSelection):
-        return SelectionTruth(problem)
-    if isinstance(problem, BottleneckSATA):
-        return SharesTruth(problem) if problem.fractional else BottleneckTruth(problem)
-    if isinstance(problem, MaxMinLP):
-        return SharesTruth(problem)
-    if isinstance(problem, RiskyPath):
-        return PathTruth(problem)
-    if isinstance(problem, TaskAllocation):
-        return TaskTruth(problem)
-    if isinstance(problem, BalancedPartition):
-        return PartTruth(problem)
-    if isinstance(problem, BinAssignment):
-        return PairTruth(problem)
-    for family, known in FAMILIES.items():
-        if isinstance(problem, family):
-            return known(problem)  # type: ignore[no-any-return]
-    return ProgramTruth(problem)
-
+from .auctions import AUCTIONS
+from .base import PARTS, Truth, Values
+from .routing import RoutingTruth
+from .simplex import Tableau, bounded
 
 # -- whole choices -------------------------------------------------------------------------------------------------------
 
@@ -95,7 +68,7 @@ def every_set(problem: SubmodularSelection) -> Iterator[tuple[int, ...]]:
 
 
 def excess_of(problem: SubmodularSelection, chosen: tuple[int, ...]) -> Fraction | None:
-    """By how much a set exceeds the constraint, as a share; None where that is more than doubles can."""
+    """The excess of a set over the constraint, as a share; None where that is more than doubles can."""
     c = problem.constraint
     if isinstance(c, Knapsack):
         over = sum((Fraction(float(c.costs[e])) for e in chosen), Fraction(0)) - Fraction(c.budget)
@@ -111,10 +84,10 @@ def excess_of(problem: SubmodularSelection, chosen: tuple[int, ...]) -> Fraction
 def _dense(function: Any) -> Any:
     if isinstance(function, DenseFacilityLocation):
         return function.matrix
-    made = np.zeros((function.num_elements, function.num_items))
+    dense = np.zeros((function.num_elements, function.num_items))
     element = np.repeat(np.arange(function.num_elements), np.diff(function.indptr))
-    made[element, function.indices] = function.item_weights[function.indices] if isinstance(function, Coverage) else function.weights
-    return made
+    dense[element, function.indices] = function.item_weights[function.indices] if isinstance(function, Coverage) else function.weights
+    return dense
 
 
 def _mask(problem: SubmodularSelection, chosen: tuple[int, ...]) -> Any:
@@ -141,124 +114,11 @@ class PathTruth(Truth):
         arcs = set(zip(self.graph.tail.tolist(), self.graph.head.tolist(), strict=True))
         if answer[-1] not in self.graph.goals or len(set(answer)) < len(answer) or not arcs.issuperset(itertools.pairwise(answer)):
             return None
-        told = [Fraction(float(self.locale.risk[state])) for state in answer]
-        told += [self.risks.get((-1, *move), Fraction(0)) for move in itertools.pairwise(answer)]
-        told += [self.risks.get(three, Fraction(0)) for three in zip(answer, answer[1:], answer[2:], strict=False)]
-        failing = 1 - math.prod(1 - risk for risk in told)
+        risks = [Fraction(float(self.locale.risk[state])) for state in answer]
+        risks += [self.risks.get((-1, *move), Fraction(0)) for move in itertools.pairwise(answer)]
+        risks += [self.risks.get(three, Fraction(0)) for three in zip(answer, answer[1:], answer[2:], strict=False)]
+        failing = 1 - math.prod(1 - risk for risk in risks)
         return None if failing == 1 else (Fraction(-math.log1p(-float(failing))),)
-
-
-class TaskTruth(Truth):
-    """All ways to lengthen the path of some robot by some task that is left."""
-
-    def __init__(self, problem: TaskAllocation) -> None:
-        super().__init__(("min",))
-        self.robots, self.tasks, self.objective = problem.num_robots, problem.num_tasks, problem.objective
-        self.away = [[Fraction(float(v)) for v in row] for row in problem.instance.distances.tolist()]
-        self.lengthen(((),) * self.robots, 0)
-
-    def lengthen(self, paths: tuple[tuple[int, ...], ...], robot: int) -> None:
-        """Robots before ``robot`` have their whole paths."""
-        left = [task for task in range(self.tasks) if not any(task in path for path in paths)]
-        if not left:
-            self.meet(self.worth(paths), True, paths)
-            return
-        for task in left:
-            self.lengthen((*paths[:robot], (*paths[robot], task), *paths[robot + 1 :]), robot)
-        if robot + 1 < self.robots:
-            self.lengthen(paths, robot + 1)
-
-    def worth(self, paths: Any) -> Values:
-        legs = [
-            [self.away[self.robots + path[k - 1] if k else robot][task] for k, task in enumerate(path)] for robot, path in enumerate(paths)
-        ]
-        if self.objective == "mini-ave":
-            return (sum((leg * (len(own) - k) for own in legs for k, leg in enumerate(own)), Fraction(0)) / self.tasks,)
-        lengths = [sum(own, Fraction(0)) for own in legs]
-        return (max(lengths) if self.objective == "mini-max" else sum(lengths, Fraction(0)),)
-
-    def value(self, answer: Any) -> Values | None:
-        return self.worth(answer) if sorted(t for path in answer for t in path) == list(range(self.tasks)) else None
-
-
-class PartTruth(Truth):
-    """All ways to put one task after the other into a part."""
-
-    def __init__(self, problem: BalancedPartition) -> None:
-        super().__init__(("min",))
-        self.parts_, self.tasks, self.spread, self.edges = (
-            problem.num_robots,
-            problem.num_tasks,
-            problem.objective != "min-max",
-            problem.edges,
-        )
-        self.weight = [Fraction(float(w)) for w in problem.weights]
-        self.away = [[Fraction(float(v)) for v in row] for row in problem.instance.between.tolist()]
-        self.mixed = True
-        for owners in itertools.product(range(self.parts_), repeat=self.tasks):
-            answer = tuple(tuple(task for task, owner in enumerate(owners) if owner == part) for part in range(self.parts_))
-            self.meet(self.worth(answer), True, answer)
-
-    def cost(self, part: tuple[int, ...]) -> Fraction:
-        total, pairs = sum((self.weight[t] for t in part), Fraction(0)), itertools.combinations(part, 2)
-        if self.edges == "clique":
-            return total + sum((self.away[a][b] for a, b in pairs), Fraction(0))
-        joined: list[set[int]] = [{t} for t in part]
-        for a, b in sorted(pairs, key=lambda pair: self.away[pair[0]][pair[1]]) if self.edges == "mst" else ():
-            one, other = (next(group for group in joined if t in group) for t in (a, b))
-            if one is not other:
-                total += self.away[a][b]
-                joined = [group for group in joined if group is not one and group is not other] + [one | other]
-        return total
-
-    def worth(self, answer: Any) -> Values:
-        costs = [self.cost(part) for part in answer]
-        return (max(costs) - (min(costs) if self.spread else 0),)
-
-    def value(self, answer: Any) -> Values | None:
-        return self.worth(answer) if sorted(t for part in answer for t in part) == list(range(self.tasks)) else None
-
-
-class PairTruth(Truth):
-    """All ways to line up bins behind some of the robots, the most robots first."""
-
-    def __init__(self, problem: BinAssignment) -> None:
-        super().__init__(("min",))
-        self.objective, self.shape = problem.objective, (problem.num_robots, problem.num_bins)
-        self.price = _prices(problem)
-        self.mixed = min(self.price.values(), default=0) < 0 < max(self.price.values(), default=0)
-        robots, bins = map(range, self.shape)
-        least = {"most": 0, "robots": len(robots), "bins": len(bins)}[problem.match]
-        for size in range(least or min(self.shape), least - 1, -1):
-            self.pairs = size
-            for used in itertools.combinations(robots, size):
-                for line in itertools.permutations(bins, size):
-                    if all(pair in self.price for pair in zip(used, line, strict=True)):
-                        own = dict(zip(used, line, strict=True))
-                        self.meet(self.worth(own), True, tuple(own.get(robot, -1) for robot in robots))
-            if self.best is not None:
-                break
-
-    def worth(self, own: dict[int, int]) -> Values:
-        costs = [self.price[pair] for pair in own.items()]
-        return (sum(costs, Fraction(0)) if self.objective == "sum" else max(costs, default=Fraction(0)),)
-
-    def value(self, answer: Any) -> Values | None:
-        own = {robot: at for robot, at in enumerate(answer) if at >= 0}
-        fits = len(answer) == self.shape[0] and len(set(own.values())) == len(own) == self.pairs and self.price.keys() >= set(own.items())
-        return self.worth(own) if fits else None
-
-
-def _prices(problem: BinAssignment) -> dict[tuple[int, int], Fraction]:
-    """Of every pair that is allowed: travel, and waiting for a bin that is not full."""
-    data, found = problem.instance, {}
-    robots = np.repeat(np.arange(data.num_robots), np.diff(data.indptr))
-    for robot, at, cost in zip(robots.tolist(), data.bins.tolist(), data.cost.tolist(), strict=True):
-        until = None if data.filled is None else float(data.filled[at])
-        if until is None or until < math.inf:
-            both = [Fraction(cost), *([] if until is None else [Fraction(until)])]
-            found[robot, at] = max(both) if problem.waiting == "max" else sum(both, Fraction(0))
-    return found
 
 
 class BottleneckTruth(Truth):
@@ -313,25 +173,25 @@ class SharesTruth(Truth):
         one, zero = Fraction(1), Fraction(0)
         if self.senses[0] == "max":
             rows = [[*row, zero] for row in self.pack] + [[*(-v for v in row), one] for row in cover]
-            found = Tableau([zero] * self.columns + [one], rows, [one] * len(self.pack) + [zero] * len(cover))
+            optimum = Tableau([zero] * self.columns + [one], rows, [one] * len(self.pack) + [zero] * len(cover))
         else:
             rows = [[*row, -one] for row in self.pack] + [[*(-v for v in row), zero] for row in cover]
-            found = Tableau([zero] * self.columns + [-one], rows, [zero] * len(self.pack) + [-one] * len(cover))
-        assert found.status == "optimal"
-        self.best = self.lenient = (abs(found.value),)
-        self.size = abs(found.value)
-        self.samples = _vectors(found.point[: self.columns])
+            optimum = Tableau([zero] * self.columns + [-one], rows, [zero] * len(self.pack) + [-one] * len(cover))
+        assert optimum.status == "optimal"
+        self.best = self.lenient = (abs(optimum.value),)
+        self.size = abs(optimum.value)
+        self.samples = _vectors(optimum.point[: self.columns])
 
     def value(self, answer: Any) -> Values | None:
-        given, slack = [Fraction(float(v)) for v in answer], Fraction(1, self.parts)
-        x = [max(v, Fraction(0)) for v in given]  # an answer is worth what its nonnegative part is, scaled into the rows
+        entries, slack = [Fraction(float(v)) for v in answer], Fraction(1, self.parts)
+        x = [max(v, Fraction(0)) for v in entries]  # an answer is worth what its nonnegative part is, scaled into the rows
         packed, covered = (
             [sum((v * s for v, s in zip(row, x, strict=True) if v), Fraction(0)) for row in m] for m in (self.pack, self.cover)
         )
         heaviest = [
             max(column, default=Fraction(0)) for column in zip(*(self.pack if self.senses[0] == "max" else self.cover), strict=True)
         ]
-        negative = any(-v * max(h, Fraction(1)) > slack for v, h in zip(given, heaviest, strict=True))
+        negative = any(-v * max(h, Fraction(1)) > slack for v, h in zip(entries, heaviest, strict=True))
         most, least = max(packed, default=Fraction(0)), min(covered)
         if negative or (most > 1 + slack if self.senses[0] == "max" else least < 1 - slack):
             return None
@@ -344,11 +204,11 @@ def _vectors(x: list[Fraction]) -> list[Any]:
 
 
 def _matrix(matrix: Any, columns: int) -> list[list[Fraction]]:
-    made = [[Fraction(0)] * columns for _ in range(matrix.rows)]
+    rows = [[Fraction(0)] * columns for _ in range(matrix.rows)]
     for row in range(matrix.rows):
         for e in range(matrix.indptr[row], matrix.indptr[row + 1]):
-            made[row][matrix.indices[e]] = Fraction(float(matrix.data[e]))
-    return made
+            rows[row][matrix.indices[e]] = Fraction(float(matrix.data[e]))
+    return rows
 
 
 class ProgramTruth(Truth):
@@ -372,9 +232,9 @@ class ProgramTruth(Truth):
             )
             self.unbounded |= status == "unbounded"
             if status == "optimal":
-                found = (sign * value + Fraction(float(p.offset)),)
-                if self.better(found, self.best):
-                    self.best, self.samples = found, _vectors(x)
+                values = (sign * value + Fraction(float(p.offset)),)
+                if self.better(values, self.best):
+                    self.best, self.samples = values, _vectors(x)
                     self.size = sum((abs(Fraction(c) * v) for c, v in zip(p.cost.tolist(), x, strict=True)), abs(Fraction(float(p.offset))))
         self.best = self.lenient = None if self.unbounded else self.best
         if self.best is None:  # an answer may pass all the same, by a hair: the largest terms that it can have
@@ -402,3 +262,16 @@ class ProgramTruth(Truth):
 
 def _values_of(p: Any, at: list[int]) -> Iterator[range]:
     return (range(math.ceil(p.lower[j]), math.floor(p.upper[j]) + 1) for j in at)
+
+
+KNOWN: dict[type, type] = {
+    RoutingProblem: RoutingTruth, SubmodularSelection: SelectionTruth, BottleneckSATA: BottleneckTruth, MaxMinLP: SharesTruth,
+    RiskyPath: PathTruth, **AUCTIONS,
+}  # fmt: skip
+
+
+def truth(problem: Problem) -> Truth:
+    """All there is to know about a tiny problem."""
+    if isinstance(problem, BottleneckSATA) and problem.fractional:
+        return SharesTruth(problem)
+    return next((known for family, known in KNOWN.items() if isinstance(problem, family)), ProgramTruth)(problem)  # type: ignore[no-any-return]

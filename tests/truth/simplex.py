@@ -54,12 +54,12 @@ class Tableau:
             return [(v * pivot - factor * w) // self.unit for v, w in zip(row, own, strict=True)]
 
         self.body = [row if k == r else eliminated(row) for k, row in enumerate(self.body)]
-        made = None if goal is None else eliminated(goal)
+        reduced = None if goal is None else eliminated(goal)
         self.basis[r], self.unit = column, pivot
-        return made
+        return reduced
 
     def _phase_one(self) -> bool:
-        """From a basis that breaks right sides to one that does not, by one more variable that every row may subtract."""
+        """Go from a basis that breaks right sides to one that does not, by one more variable that every row may subtract."""
         extra = len(self.body[0]) - 1
         for row in self.body:
             row.insert(extra, -1)
@@ -105,9 +105,9 @@ class Tableau:
                 best = k
             if best is None:
                 return False
-            made = self._pivot(best, column, goal)
-            assert made is not None
-            goal = made
+            reduced = self._pivot(best, column, goal)
+            assert reduced is not None
+            goal = reduced
 
 
 def bounded(
@@ -138,9 +138,9 @@ def bounded(
         if math.isfinite(lower[j]) and math.isfinite(upper[j]):
             rows.append([Fraction(int(k == column)) for k in range(len(parts))])
             right.append(Fraction(upper[j]) - Fraction(lower[j]))
-    found = Tableau([-s * Fraction(cost[j]) for j, s, _ in parts], rows, right)
+    optimum = Tableau([-s * Fraction(cost[j]) for j, s, _ in parts], rows, right)
     point = list(origin)
-    for (j, s, _), x in zip(parts, found.point, strict=True):
+    for (j, s, _), x in zip(parts, optimum.point, strict=True):
         point[j] += s * x
     value = sum((Fraction(c) * x for c, x in zip(cost, point, strict=True)), Fraction(0))
-    return found.status, value, point
+    return optimum.status, value, point

@@ -22,7 +22,7 @@ Node = tuple[str, int, int]
 
 
 def graph_of(robots: Robots, targets: int | None = None) -> SensingGraph:
-    """As a sensing graph; actions are numbered robot after robot."""
+    """The robots as a sensing graph; actions are numbered robot after robot."""
     owner, action, target, weight = [], [], [], []
     for i, actions in enumerate(robots):
         for sees in actions:
@@ -90,7 +90,7 @@ class ExactLocal:
     @cached_property
     def trees(self) -> list[set[Node]]:
         """Nodes below each root R(v, 0)."""
-        found = []
+        trees = []
         for root in range(self.size):
             tree, stack = set(), [("R", root, 0)]
             while stack:
@@ -103,8 +103,8 @@ class ExactLocal:
                     stack += [("B", w, layer) for w in self.part[v]]
                 elif layer < self.h:
                     stack += [("R", u, layer + 1) for k in self.sees[v] for u in self.others(k, v)]
-            found.append(tree)
-        return found
+            trees.append(tree)
+        return trees
 
     def recursion(self, level: Callable[[int, int], Fraction]) -> dict[Node, Fraction]:
         """All copies, with the level ``level(v, layer)`` at each blue one."""
@@ -216,7 +216,7 @@ class ExactLocal:
         return min(sum((self.sees[v][k] * shares[v] for v in viewers), Fraction(0)) for k, viewers in self.viewers.items())
 
     def spread(self, values: Sequence[Fraction]) -> np.ndarray:
-        """As floats over all actions, 0 for those that see nothing."""
+        """The values as floats over all actions, 0 for those that see nothing."""
         whole = np.zeros(self.all_actions)
         whole[self.number] = [float(x) for x in values]
         return whole
