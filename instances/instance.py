@@ -13,8 +13,8 @@ import numpy as np
 class Instance(Protocol):
     """The attributes that all instances share: every reader returns an object that has them.
 
-    ``kind`` names the family (``routing``, later ``sensing``, ``risk``, ...), ``problem`` the problem that is meant
-    when nothing else is said, and ``problems`` all that may be asked of it.
+    ``kind`` names the kind of data (``routing``, ``risky-graph``, ...), ``problem`` the default problem, and ``problems`` all problems
+    that can be posed on it.
     """
 
     kind: ClassVar[str]

@@ -207,7 +207,7 @@ class Objective(Composable):
 
     @classmethod
     def named(cls, names: tuple[str, ...]) -> Objective:
-        """An objective from the names of its terms in order of priority, or from sums as they are printed: ``reward - 0.5*makespan``."""
+        """An objective from one text a level, first priority first: the name of a term, or a weighted sum (``reward - 0.5*makespan``)."""
         if not names:
             raise UsageError(f"an objective needs at least one term; choose from {', '.join(TERMS)}")
         return cls(tuple(_read(name) for name in names))

@@ -321,7 +321,7 @@ class Roads:
 
 
 class RoutingTruth(Truth):
-    """All routes of all vehicle types, and all ways to put them together."""
+    """The optimum of a tiny routing problem by brute force: every route of every vehicle type, and every combination of routes."""
 
     def __init__(self, problem: RoutingProblem) -> None:
         super().__init__(problem.senses)

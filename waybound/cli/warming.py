@@ -16,7 +16,7 @@ _Names = Annotated[list[str] | None, arg("[PART]...", "Only loops whose names ho
 
 
 def warm(names: _Names = None, quiet: Quiet = False, verbose: Verbose = False) -> None:
-    """Compile the loops of all methods, once a machine: what is compiled already is passed over."""
+    """Compile the inner loops of all methods ahead of time, once on each machine; those already compiled are skipped."""
     from ..formulations.kernels import kernel_modules, kernels
 
     began = time.perf_counter()

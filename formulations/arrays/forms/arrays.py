@@ -70,7 +70,7 @@ def size(problem: ArrayProblem) -> ProgramSize:
 
 
 def build_products(problem: ArrayProblem) -> Compiled:
-    """The program of form ``linear-products``; see the module's text."""
+    """The MIQP as a MILP: each product of a binary and another variable becomes a variable with two rows; see the module's text."""
     (step,) = LINEAR_PRODUCTS.apply(problem.program)
     assert isinstance(step, Linearised)
     own, count, n = build(problem), len(step.pairs), step.columns

@@ -116,7 +116,10 @@ def _longest_time(kind: VehicleColumns) -> float:
 
 
 def _durations(blocks: VehicleBlocks, kind: VehicleColumns) -> int:
-    """The durations of one type, and their overtime; returns the first column."""
+    """Adds a duration variable for each vehicle of one type, and one for its overtime where that is priced, with their rows.
+
+    Returns the column of the first duration.
+    """
     vehicle, count = kind.vehicle, kind.count
     price, extra = _prices(weights(blocks.problem), vehicle)
     late = any(_prices(weight, vehicle)[1] for weight in weights_of_levels(blocks.problem))

@@ -39,7 +39,7 @@ MOST_CELLS = 250_000
 
 
 def make(draw: Draw, settings: Mapping[str, Any]) -> Instance:
-    """One instance: blocks that leave a way from the first to the last cell."""
+    """One random map: obstacles are rectangles of cells that leave all free cells, start and goal among them, connected."""
     rows, columns, cell = settings["rows"], settings["columns"], settings["cell"]
     if rows * columns > MOST_CELLS:
         raise UsageError(f"rows={rows} and columns={columns} are {rows * columns} cells; at most {MOST_CELLS} are made")

@@ -46,7 +46,10 @@ def vehicles_needed(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearP
 
 
 def fewest_routes(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
-    """A tree that rules out every fleet smaller than the one it proves to be needed; None where bin packing says as much."""
+    """A bound on the number of routes, by a proof that fewer are infeasible; None where bin packing gives as good a bound.
+
+    None as well where no such proof is found, and beyond ``MOST_SITES`` sites. The evidence is a branching tree.
+    """
     terms, packed = terms_of(problem), vehicles_needed(problem)
     if terms is None or len(problem.sites) > MOST_SITES:
         return None

@@ -121,7 +121,7 @@ class _Front:
 
 
 def _passes(settled: list[tuple[int, int]], label: int, vertex: int, dominance: str) -> bool:
-    """True if a partial path goes through a vertex; under ``weak`` dominance no such path remains."""
+    """True if the partial path of a label already visits a vertex; under ``weak`` dominance never, for loops are dominated before."""
     if dominance == "weak":
         return False
     while label >= 0:
