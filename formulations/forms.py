@@ -1,4 +1,4 @@
-"""Forms: ways to write a problem down as a program. One module a form; it registers itself in ``FORMS``."""
+"""Forms: ways to write a problem down as a program. Each registers itself in ``FORMS``."""
 
 from __future__ import annotations
 
