@@ -38,7 +38,11 @@ class _Digest:
             return self
         made = held.__dict__["instance_hash"]
         if callable(made):
-            made = held.__dict__["instance_hash"] = made()
+            try:
+                made = made()
+            except Exception:  # of memory, say: the answer stands without it
+                made = ""
+            held.__dict__["instance_hash"] = made
         return made
 
     def __set__(self, held: Any, digest: str | Callable[[], str]) -> None:
@@ -269,11 +273,10 @@ def judged_only(problem: Problem, evaluation: Evaluation | None) -> Certificate:
         digest = problem.digest_later()
     except Exception:  # of memory, say: the answer stands without it
         digest = ""
-    made = Certificate(digest, problem.problem, problem.sense, problem.convention, None)
-    if evaluation is None:
-        return made
-    e = evaluation
-    return replace(made, feasible=e.feasible, checks=e.checks, violations=e.violations, objective=e.objective)
+    judged: dict[str, Any] = {"feasible": None}
+    if evaluation is not None:
+        judged = {name: getattr(evaluation, name) for name in ("feasible", "checks", "violations", "objective")}
+    return Certificate(digest, problem.problem, problem.sense, problem.convention, **judged)
 
 
 def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Evaluation | None) -> Certificate:

@@ -310,11 +310,14 @@ def _asked(methods: Methods) -> dict[str, dict[str, Any]]:
 
 
 def _run(problem: Problem, name: str, keywords: dict[str, Any], log: SearchLog | None, progress: Any) -> Compared:
-    from ..solving.request import request_of
+    from ..solving.request import request_of, searchable
     from ..solving.solve import solve
 
     try:
-        return Compared(name, solve(problem, request_of(problem, **keywords), log=log, progress=progress))
+        if {"log", "progress"} & keywords.keys():
+            raise UsageError("log and progress are those of compare, for all runs")
+        target = searchable(problem)
+        return Compared(name, solve(target, request_of(target, **keywords), log=log, progress=progress))
     except WayboundError as fault:
         return Compared(name, None, str(fault))
     except Exception as fault:  # of whatever package: it costs this row, and no other

@@ -351,4 +351,4 @@ def _dashed(settings: Mapping[str, Any]) -> dict[str, Any]:
     return {name.replace("_", "-"): value for name, value in settings.items()}
 
 
-__all__ = ["bound", "check", "explain", "generate", "judge", "read", "read_source"]
+__all__ = ["bound", "check", "explain", "generate", "judge", "read", "read_source", "solve"]

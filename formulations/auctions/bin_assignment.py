@@ -168,7 +168,9 @@ class BinAssignment(Problem):
 
     def digest_later(self) -> Callable[[], str] | str:
         """See ``Problem.digest_later``: of costs that nobody can write to."""
-        return copy(self).digest if unchanging(self.cost) else self.digest()
+        made = self.instance.__dict__.get("bins")
+        later = unchanging(self.cost) and unchanging(self.indptr) and (made is None or unchanging(made))
+        return copy(self).digest if later else self.digest()
 
     def features(self) -> frozenset[str]:
         return frozenset({f"objective:{self.objective}"})

@@ -213,6 +213,8 @@ class AssignmentInstance(Declared):
             raise InputError("where every pair is allowed, each robot has as many as there are bins", expected=str(self.num_bins))
         else:
             del self.__dict__["bins"]  # they are made when they are asked for
+            indptr = indptr.copy()
+            indptr.setflags(write=False)
         self.put(indptr=arrays.frozen(indptr), cost=arrays.frozen(cost))
 
     def check_rest(self) -> None:

@@ -190,3 +190,12 @@ def test_plain_data_are_finite_and_whole(made: Comparison) -> None:
     data = made.to_json()
     assert [run["method"] for run in data["runs"]] == ["savings", "highs", "local", "cpsat"]
     assert data["runs"][2]["solution"] is None
+
+
+def test_a_bare_program_is_compared_and_what_is_no_problem_is_told() -> None:
+    tiny: Any = wb.read("demo-tiny")
+    compared = wb.compare(tiny.compile().program, ["highs"], time_limit=20, bound_time=0)
+    assert compared.runs[0].objective == pytest.approx(384.7341400722)
+    wrong: Any = 5
+    assert "takes a problem or a program, not int" in wb.compare(wrong, ["highs"]).runs[0].remark
+    assert "those of compare" in wb.compare(tiny, {"one": {"solver": "highs", "log": True}}).runs[0].remark

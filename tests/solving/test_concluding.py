@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from waybound.api import solve
@@ -104,3 +105,21 @@ def test_a_bound_has_all_levels_where_there_is_no_answer(square: RoutingProblem,
     solution = solve(replace(square, objective=Objective.of(TotalCost().then(TotalCost()))), name, bound_time=60.0)
     assert solution.answer is None
     assert solution.bound == [pytest.approx(24.0), None]
+
+
+def test_a_hash_that_fails_costs_no_answer(square: RoutingProblem, monkeypatch: pytest.MonkeyPatch) -> None:
+    def digest(problem: RoutingProblem) -> str:
+        raise MemoryError
+
+    monkeypatch.setattr(RoutingProblem, "digest", digest)
+    solution = solve(square, heuristic="savings", bound_time=0)
+    assert solution.answer is not None and solution.certificate.feasible and solution.certificate.instance_hash == ""
+
+
+def test_large_costs_are_hashed_when_the_hash_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    hashed: list[int] = []
+    inside = BinAssignment.digest
+    monkeypatch.setattr(BinAssignment, "digest", lambda self: (hashed.append(1), inside(self))[1])
+    solution = solve(BinAssignment.from_matrix(np.arange(16.0).reshape(4, 4)))
+    assert solution.status == "optimal" and not hashed
+    assert solution.certificate.instance_hash.startswith("sha256:") and hashed == [1]

@@ -80,6 +80,7 @@ def conclude(
         raise
     except (Exception, KeyboardInterrupt) as fault:
         run.notes.append(f"no bound was verified: {in_words(fault)}")
+        verdict.certificate = judged_only(problem, verdict.best)
         return verdict.solution()
 
 
@@ -95,7 +96,7 @@ def _judged(problem: Problem, run: Run, searched: Searched, control: Control, op
     if result.status == "error" and best is not None:  # what is left is not from this search
         why = result.message if crash is None else in_words(crash)
         judge.faults.append(f"{run.name} failed: {why or 'it does not say why'}")
-    return Conclusion(judge, run, searched, options, answer, best, judged_only(problem, best))
+    return Conclusion(judge, run, searched, options, answer, best)
 
 
 @dataclass
@@ -111,7 +112,7 @@ class Conclusion:
     answer, best : answer and Evaluation, optional
         The best answer that passed every check.
     certificate : Certificate
-        What the checkers make of ``evidence``.
+        What the checkers make of ``evidence``, from ``verify`` on.
     seconds : dict
         Spent on bounding and on checking.
     checked : list of (Evidence, float)
@@ -128,7 +129,7 @@ class Conclusion:
     options: Options
     answer: Any
     best: Evaluation | None
-    certificate: Certificate
+    certificate: Certificate = field(init=False)
     seconds: dict[str, float] = field(default_factory=lambda: {"bound": 0.0, "check": 0.0})
     evidence: list[Evidence] = field(default_factory=list)
     checked: list[tuple[Evidence, float]] = field(default_factory=list)
