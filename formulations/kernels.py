@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numba
-from numba.core import sigutils, types
+from numba.core import errors, sigutils, types
 from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
@@ -92,7 +92,7 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
         with off_the_clock("" if self._keeps(sig) or _outer else self.title):
             _outer.append(self)
             try:
-                with _uncollected():
+                with _uncollected(), _uncoloured():
                     return super().compile(sig)
             finally:
                 _outer.pop()
@@ -207,6 +207,27 @@ def _uncollected() -> Iterator[None]:
     finally:
         if collecting:
             gc.enable()
+
+
+class _Uncoloured:
+    """Marks nothing in a text."""
+
+    @staticmethod
+    def code(text: str) -> str:
+        return text
+
+    errmsg = filename = indicate = highlight = reset = code
+
+
+@contextlib.contextmanager
+def _uncoloured() -> Iterator[None]:
+    """Without colours in numba's errors: it makes and drops tens of thousands on its way, and asks the terminal for each."""
+    before = errors.termcolor()
+    errors._termcolor_inst = _Uncoloured()  # type: ignore[attr-defined]
+    try:
+        yield
+    finally:
+        errors._termcolor_inst = before  # type: ignore[attr-defined]
 
 
 def _read(kind: Any) -> Any:

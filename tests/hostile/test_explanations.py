@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from truth import routing as exact_routing
 
 import waybound as wb
 from waybound.formulations.certificate import verified_bound
@@ -22,7 +23,6 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.benchmarks import exact_routing
 from waybound.solvers.bounds.routing.infeasibility import fleet_need_evidence, infeasible_site_evidence, too_few_vehicles_evidence
 from waybound.solving.explaining import explain, reasons_from_data
 
