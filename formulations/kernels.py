@@ -26,6 +26,7 @@ _outer: list[Any] = []
 """The kernels that are being compiled, each for the one before."""
 
 _UNNEEDED = {
+    "AnnotateTypes",
     "WithLifting",
     "InlineClosureLikes",
     "RewriteDynamicRaises",
