@@ -102,3 +102,11 @@ def test_a_failure_names_file_and_line_as_json(json_of, tmp_path):
     path.write_text("robot,bin,cost\na,b,3\na,c,x\n")
     data = json_of("solve", path, code=2)
     assert (data["code"], data["file"], data["line"]) == (2, str(path), 3)
+
+
+def test_an_interrupt_that_python_makes_another_error_of_is_one(capsys):
+    error = RuntimeError("Error calling __set_name__")
+    error.__cause__ = KeyboardInterrupt()
+    with pytest.raises(typer.Exit) as caught:
+        raising(error)()
+    assert caught.value.exit_code == 130 and capsys.readouterr().err == "error: interrupted\n"

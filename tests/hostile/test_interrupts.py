@@ -64,6 +64,7 @@ FILES = {
     "day.json": ("orchard-day", "rows=5", "columns=10", "robots=4", "groups=4"),
     "plan.json": ("risk-allocation", "family=corridor", "steps=100", "constraints=4"),
     "joint-plan.json": ("risk-allocation", "family=corridor", "steps=15", "constraints=4", "risk=joint"),
+    "likely-plan.json": ("risk-allocation", "family=corridor", "steps=15", "constraints=4", "risk=joint", "total=0.3"),
     "obstacles.json": ("risk-allocation", "family=obstacles", "steps=12"),
 }
 """What keeps the methods below busy for long: generators and their settings."""
@@ -102,7 +103,7 @@ APPROXIMATED = {
     "list-schedule": "day.json", "parallel-auction": "many-tasks.json", "sequential-single-item": "many-tasks.json",
     "bins-then-requests": "errands.json", "heard-greedy": "rooms.json", "local-ratio": "profits.json", "shmoys-tardos": "jobs.json",
     "bertsekas": "pairs.json", "auction": "pairs.json", "online-greedy": "pairs.json",
-    "additive-risk": "map.json", "cvar": "joint-plan.json", "iterative": "plan.json", "least-mean": "roadmap.json", "look-back": "map.json",
+    "additive-risk": "map.json", "cvar": "likely-plan.json", "iterative": "plan.json", "least-mean": "roadmap.json", "look-back": "map.json",
     "rags": "roadmap.json", "scenario": "joint-plan.json", "two-stage": "rewards.json",
     "brute-force": "few.json", "christofides": "tour.json", "continuous-greedy": "partition.json", "greedy": "crowd.json",
     "greedy-assignment": "tour.json", "greedy-orienteering": "outing.json", "insertion": "large.vrp",

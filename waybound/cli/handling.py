@@ -40,6 +40,10 @@ def handled(command: Callable[..., R]) -> Callable[..., R]:
     def run(**options: Any) -> R:
         from . import output
 
+        def interrupted() -> typer.Exit:
+            complain("interrupted")
+            return typer.Exit(interrupts.exit_code())
+
         def failed(error: BaseException, message: str, code: int) -> typer.Exit:
             complain(message)
             if options.get("json") and not output.begun:
@@ -57,19 +61,27 @@ def handled(command: Callable[..., R]) -> Callable[..., R]:
             cause = error.__cause__ if isinstance(error, SearchFailedError) else None
             raise failed(error, f"{error}{traced(cause, bool(options.get('verbose')))}", error.exit_code) from None
         except KeyboardInterrupt:
-            complain("interrupted")
-            raise typer.Exit(interrupts.exit_code()) from None
+            raise interrupted() from None
         except (BrokenPipeError, typer.Exit, typer.Abort):
             raise
         except MemoryError as error:
             raise failed(error, f"not enough memory for this{f': {error}' if str(error) else ''}", 4) from None
         except Exception as error:
+            if _from_an_interrupt(error):
+                raise interrupted() from None
             traceback = traced(error, bool(options.get("verbose")))
             raise failed(error, f"internal error: {type(error).__name__}: {error}{traceback}", 1) from None
 
     run.__signature__ = signature.replace(parameters=[p.replace(kind=p.KEYWORD_ONLY) for p in shown])  # type: ignore[attr-defined]
     run.__annotations__ = {p.name: p.annotation for p in shown}
     return run
+
+
+def _from_an_interrupt(error: BaseException | None) -> bool:
+    """True if an interrupt began what ended as this error: Python itself makes others of one, where a class is being made."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
 
 
 def print_failure(message: str, code: int, error: BaseException | None = None) -> None:
