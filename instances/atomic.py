@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import os
+import secrets
 import stat
-import tempfile
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
@@ -26,25 +26,23 @@ def atomic_file(path: str | PathLike[str]) -> Iterator[IO[bytes]]:
     InputError for a directory, a missing folder, and a file that cannot be written.
     """
     target = _target(path)
-    temporary: str | None = None
+    temporary = None if target is None else _beside(target)
     try:
-        if target is None:
+        if temporary is None or target is None:
             with Path(path).open("wb") as stream:
                 yield stream
             return
-        descriptor, temporary = _beside(target)
-        with os.fdopen(descriptor, "wb") as stream:
+        with open(temporary, "xb", opener=_private) as stream:
             yield stream
             stream.flush()
             os.fsync(stream.fileno())
-        Path(temporary).chmod(_mode(target))
-        Path(temporary).replace(target)
-        temporary = None
+        temporary.chmod(_mode(target))
+        temporary.replace(target)
     except OSError as error:
         raise _unwritable(path, error) from error
     finally:
         if temporary is not None:
-            Path(temporary).unlink(missing_ok=True)
+            temporary.unlink(missing_ok=True)
 
 
 def atomic_write(path: str | PathLike[str], text: str | bytes) -> None:
@@ -59,13 +57,13 @@ def check_writable(path: str | PathLike[str]) -> None:
     target = _target(path)
     if target is None:
         return
+    temporary = _beside(target)
     try:
-        descriptor, temporary = _beside(target)
         try:
-            with os.fdopen(descriptor, "wb") as stream:
+            with open(temporary, "xb", opener=_private) as stream:
                 stream.write(bytes(_BLOCK))
         finally:
-            Path(temporary).unlink(missing_ok=True)
+            temporary.unlink(missing_ok=True)
     except OSError as error:
         raise _unwritable(path, error) from error
 
@@ -86,9 +84,16 @@ def _target(path: str | PathLike[str]) -> Path | None:
     return target if stat.S_ISREG(mode) else None
 
 
-def _beside(target: Path) -> tuple[int, str]:
-    """A temporary file in the folder of ``target``; names may have 255 bytes, and a character four."""
-    return tempfile.mkstemp(prefix=f".{target.name[:48]}.", suffix=".part", dir=target.parent)
+def _beside(target: Path) -> Path:
+    """A name for a temporary file in the folder of ``target``, known before the file is there, so that an interrupt leaves none.
+
+    Names may have 255 bytes, and a character four.
+    """
+    return target.with_name(f".{target.name[:48]}.{secrets.token_hex(8)}.part")
+
+
+def _private(path: str, flags: int) -> int:
+    return os.open(path, flags, 0o600)
 
 
 def _unwritable(path: str | PathLike[str], error: OSError) -> InputError:
@@ -96,7 +101,7 @@ def _unwritable(path: str | PathLike[str], error: OSError) -> InputError:
 
 
 def _mode(target: Path) -> int:
-    """Permissions of the file that is replaced, or those that a new file gets (mkstemp makes private ones)."""
+    """Permissions of the file that is replaced, or those that a new file gets (a temporary one is private)."""
     with contextlib.suppress(OSError):
         return target.stat().st_mode & 0o777
     mask = os.umask(0)

@@ -119,11 +119,11 @@ def test_what_could_not_be_written_fails_its_trial(name: str, words: str, tmp_pa
 
 
 def test_a_full_disk_fails_the_trial(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(descriptor: int, mode: str) -> None:
-        os.close(descriptor)
+    def full(path: str, flags: int) -> int:
+        Path(path).touch()
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(os, "fdopen", full)
+    monkeypatch.setattr("waybound.instances.atomic._private", full)
     with pytest.raises(InputError, match="No space left on device"):
         check_writable(tmp_path / "a")
     assert list(tmp_path.iterdir()) == []
