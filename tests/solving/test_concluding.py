@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from waybound.api import solve
+from waybound.api import read, solve
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.routing.objective import Objective, TotalCost
 from waybound.formulations.routing.problem import RoutingProblem
@@ -123,3 +123,10 @@ def test_large_costs_are_hashed_when_the_hash_is_asked_for(monkeypatch: pytest.M
     solution = solve(BinAssignment.from_matrix(np.arange(16.0).reshape(4, 4)))
     assert solution.status == "optimal" and not hashed
     assert solution.certificate.instance_hash.startswith("sha256:") and hashed == [1]
+
+
+def test_the_evidence_of_a_heuristic_leaves_better_bounds_to_be_looked_for() -> None:
+    cover = read("cover-30")
+    free, bounded = (solve(cover, heuristic="greedy", bound_time=seconds) for seconds in (0.0, 20.0))
+    assert free.certificate.evidence and isinstance(free.bound, float) and isinstance(bounded.bound, float)
+    assert bounded.bound < free.bound and bounded.bound_source != free.bound_source

@@ -176,8 +176,11 @@ class Conclusion:
                 self.run.notes.append(f"the duals of {self.run.name} are no evidence: {in_words(fault)}")
 
     def _search_proves(self) -> bool:
-        """Whether the search's own evidence bounds the problem: the first piece that does is not multiplied out again."""
-        for one in self.searched.result.evidence:
+        """Whether an engine's own evidence bounds the problem: the first piece that does is not checked again.
+
+        The evidence of a heuristic is what costs it nothing, and leaves better bounds to be looked for.
+        """
+        for one in () if self.run.heuristic else self.searched.result.evidence:
             bound = proved(self.problem, one)
             if bound is not None:
                 self.checked.append((one, bound))
