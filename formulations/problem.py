@@ -66,8 +66,8 @@ class Problem(ABC):
         return self.senses[0]
 
     @property
-    @abstractmethod
-    def convention(self) -> str: ...
+    def convention(self) -> str:
+        return "exact"
 
     @abstractmethod
     def digest(self) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -45,7 +46,7 @@ class Axis:
         return f"{self.name}_names"
 
 
-class Part:
+class Part(ABC):
     """The rules of one field: its type and shape, its range, its place in JSON.
 
     ``table`` is the axis among whose columns it stands, by default the only one of an array, "" the document itself; ``stored`` says
@@ -62,12 +63,12 @@ class Part:
         """``value`` as it is held, which sets the ``counts`` of axes not met before; raises InputError for another type or shape."""
         return value
 
-    def refuse(self, key: str, value: Any, instance: Declared) -> None:
+    def refuse(self, key: str, value: Any, instance: Declared) -> None:  # noqa: B027 - names, counts and words have nothing to refuse here
         """Raise InputError where the converted value holds what it must not."""
 
+    @abstractmethod
     def read(self, data: Any, path: str, counts: Mapping[str, int]) -> Any:
         """The value out of JSON."""
-        raise NotImplementedError
 
     def write(self, value: Any) -> Any:
         """The value as JSON; None where it is left out."""

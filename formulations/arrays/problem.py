@@ -68,10 +68,6 @@ class ArrayProblem(Problem):
     def senses(self) -> tuple[str, ...]:
         return (self.program.sense,)
 
-    @property
-    def convention(self) -> str:
-        return "exact"
-
     def digest(self) -> str:
         p = self.program
         quadratic: tuple[Any, ...] = ()

@@ -84,7 +84,6 @@ class BinAssignment(Problem):
 
     family: ClassVar[str] = "bin-assignment"
     senses = ("min",)
-    convention = "exact"
     answer_suffixes: ClassVar[tuple[str, ...]] = (".csv",)
 
     def __init__(self, instance: AssignmentInstance, *, objective: str = "sum", match: str = "most", waiting: str = "max") -> None:

@@ -47,7 +47,6 @@ class GeneralisedAssignment(Problem):
     """
 
     family: ClassVar[str] = "generalised-assignment"
-    convention = "exact"
 
     def __init__(self, instance: GeneralisedAssignmentInstance) -> None:
         if not isinstance(instance, GeneralisedAssignmentInstance):

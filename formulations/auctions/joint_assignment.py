@@ -52,7 +52,6 @@ class JointAssignment(Problem):
 
     family: ClassVar[str] = "joint-assignment"
     senses = ("min",)
-    convention = "exact"
 
     def __init__(self, instance: JointAssignmentInstance) -> None:
         if not isinstance(instance, JointAssignmentInstance):

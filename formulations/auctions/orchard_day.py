@@ -63,7 +63,6 @@ class OrchardDay(Problem):
 
     family: ClassVar[str] = "orchard-day"
     senses = ("min",)
-    convention = "exact"
 
     def __init__(self, jobs: OrchardJobs, objective: str = OBJECTIVE.default) -> None:
         if not isinstance(jobs, OrchardJobs):

@@ -12,10 +12,9 @@ from ...instances.auctions.robot_tasks import RobotTasks
 from ...instances.errors import InputError, UsageError
 from ...instances.instance import with_settings
 from ...instances.printable import printable
-from ...instances.suggestions import did_you_mean
 from ...instances.text import an
 from ..evaluation import Check, Violation, judge
-from ..problem import Problem
+from ..problem import Problem, refuse_settings
 from ..references import indices_of
 
 Shares = tuple[tuple[int, ...], ...]
@@ -26,7 +25,6 @@ class RobotShares(Problem):
     """A problem whose answer is a tuple with one tuple of tasks a robot, as numbers from 0; ``answer_kind`` is its kind in JSON."""
 
     senses = ("min",)
-    convention = "exact"
     instance: RobotTasks
     answer_kind: ClassVar[str]
 
@@ -118,14 +116,9 @@ def robot_tasks(instance: Any, name: str) -> RobotTasks:
 
 
 def settings_of(name: str, settings: Mapping[str, Any], known: tuple[str, ...]) -> dict[str, Any]:
-    """The settings that are ``known``; UsageError for others. The convention can only be exact."""
-    kept = dict(settings)
-    if kept.pop("convention", None) not in (None, "exact"):
-        raise UsageError(f"{name} problems take distances as they are: the convention can only be exact")
-    unknown = [key for key in kept if key not in known]
-    if unknown:
-        raise UsageError(f"{name} has no setting {', '.join(unknown)}; it takes {', '.join(known)}{did_you_mean(unknown[0], known)}")
-    return kept
+    """The settings beside the convention; UsageError for one that is not ``known``."""
+    refuse_settings(name, settings, known)
+    return {key: value for key, value in settings.items() if key != "convention"}
 
 
 def saved(problem: RobotShares, **settings: Any) -> RobotTasks:

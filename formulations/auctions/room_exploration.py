@@ -52,7 +52,6 @@ class RoomExploration(Problem):
 
     family: ClassVar[str] = "room-exploration"
     senses = ("max",)
-    convention = "exact"
 
     def __init__(self, instance: ExplorationMap) -> None:
         if not isinstance(instance, ExplorationMap):

@@ -199,10 +199,6 @@ class RiskAllocation(Problem):
         return (self.instance.sense,)
 
     @property
-    def convention(self) -> str:
-        return "exact"
-
-    @property
     def size(self) -> int:
         return len(self.lower)
 

@@ -87,10 +87,6 @@ class RiskyPath(Problem):
         return ("max" if self.objective == "reward-per-risk" else "min",)
 
     @property
-    def convention(self) -> str:
-        return "exact"
-
-    @property
     def size(self) -> int:
         return self.graph.num_states
 

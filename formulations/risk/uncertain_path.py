@@ -50,6 +50,7 @@ class UncertainPath(Problem):
     """
 
     family: ClassVar[str] = "uncertain-path"
+    senses = ("min",)
 
     def __init__(self, graph: UncertainGraph, risk: float = RISK.default) -> None:
         if isinstance(risk, bool) or not 0.0 < risk <= 0.5:
@@ -57,14 +58,6 @@ class UncertainPath(Problem):
         self.graph, self.risk = graph, float(risk)
         self.name, self.problem, self.notes = graph.name, "uncertain-path", graph.notes
         self.z = 0.0 if risk == 0.5 else -NormalDist().inv_cdf(self.risk)
-
-    @property
-    def senses(self) -> tuple[str, ...]:
-        return ("min",)
-
-    @property
-    def convention(self) -> str:
-        return "exact"
 
     def digest(self) -> str:
         return digest("uncertain-path", self.graph.digest(), self.risk)

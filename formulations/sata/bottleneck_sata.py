@@ -49,6 +49,7 @@ class BottleneckSATA(DecidedElements):
     """
 
     family: ClassVar[str] = "max-min"
+    senses = ("max",)
 
     def __init__(self, graph: SensingGraph, *, fractional: bool = False) -> None:
         if graph.num_targets == 0:
@@ -56,14 +57,6 @@ class BottleneckSATA(DecidedElements):
         self.graph, self.fractional = graph, bool(fractional)
         self.name, self.notes = graph.name, graph.notes
         self.problem = "bottleneck-lp" if fractional else "bottleneck"
-
-    @property
-    def senses(self) -> tuple[str, ...]:
-        return ("max",)
-
-    @property
-    def convention(self) -> str:
-        return "exact"
 
     @property
     def num_elements(self) -> int:

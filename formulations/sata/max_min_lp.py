@@ -75,10 +75,6 @@ class MaxMinLP(Problem):
     def senses(self) -> tuple[str, ...]:
         return (self.instance.sense,)
 
-    @property
-    def convention(self) -> str:
-        return "exact"
-
     def digest(self) -> str:
         return self.instance.digest()
 

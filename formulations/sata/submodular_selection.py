@@ -45,6 +45,7 @@ class SubmodularSelection(DecidedElements):
     """
 
     family: ClassVar[str] = "selection"
+    senses = ("max",)
 
     def __init__(
         self,
@@ -77,14 +78,6 @@ class SubmodularSelection(DecidedElements):
 
     def element_name(self, element: int) -> str:
         return str(element + 1) if self.element_names is None else self.element_names[element]
-
-    @property
-    def senses(self) -> tuple[str, ...]:
-        return ("max",)
-
-    @property
-    def convention(self) -> str:
-        return "exact"
 
     def digest(self) -> str:
         return self.digest_decided(digest("selection", *self.function.parts(), *self.constraint.parts()))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from typing import Any
 
 from ..formulations.arrays.problem import ArrayProblem
@@ -71,7 +72,7 @@ class Request:
         """Seconds for bounding."""
         return max(1.0, self.time_limit / 10.0) if self.bound_time is None else self.bound_time
 
-    @property
+    @cached_property
     def linear(self) -> LinearPrograms:
         """Who solves the linear programs that are met on the way; raises UsageError for a solver that takes none."""
         return linear_programs(self.lp_solver, self.seed, self.threads)

@@ -70,7 +70,7 @@ def test_instances_and_settings_of_other_kinds_are_refused():
     with pytest.raises(UsageError, match="holds no robots and tasks, so it cannot be read as task-allocation"):
         robot_tasks(generate("sata", 1, robots=2, targets=3, phi=50), "task-allocation")
     assert settings_of("x", {"objective": "a", "convention": "exact"}, ("objective",)) == {"objective": "a"}
-    with pytest.raises(UsageError, match="x has no setting colour; it takes objective"):
+    with pytest.raises(UsageError, match="x has no setting 'colour'; it takes objective"):
         settings_of("x", {"colour": 1}, ("objective",))
     with pytest.raises(UsageError, match="the convention can only be exact"):
         settings_of("x", {"convention": "round"}, ())
