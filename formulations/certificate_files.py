@@ -25,7 +25,7 @@ LARGE = 1 << 16
 """Characters of evidence beyond which it stands in a file of its own."""
 
 MOST_BYTES = 1 << 28
-"""Of evidence that is taken out of a compressed file; more is refused as soon as it is met."""
+"""Largest evidence that is unpacked from a compressed file; reading stops where there is more."""
 
 SUFFIX = ".evidence.json.gz"
 

@@ -26,7 +26,7 @@ EQUAL = 1e-9
 """Relative difference up to which two values count as the same: sums of the same numbers in another order differ by less."""
 
 ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
-"""Of a term of a sum, relative to the largest number in it."""
+"""Rounding error of a term of a sum, relative to the largest number in it."""
 
 _WHOLE = 2.0**53
 """Below it doubles hold every whole number, and sums of whole numbers are exact."""

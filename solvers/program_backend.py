@@ -31,7 +31,7 @@ EQUAL_TOLERANCE = 1e-6
 WITHOUT_OBJECTIVE = {
     "optimal": "unbounded", "feasible": "unbounded", "infeasible": "infeasible", "infeasible_or_unbounded": "infeasible",
 }  # fmt: skip
-"""What a program is that may be infeasible or unbounded, by its status without an objective: then none is unbounded."""
+"""Status of a program that is infeasible or unbounded, by the status of the same program without its objective."""
 
 
 class ProgramBackend(Backend):

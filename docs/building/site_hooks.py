@@ -1,4 +1,4 @@
-"""What mkdocs is told beside ``docs``: pages made from registries, the reference of the API, and the notebooks, executed."""
+"""Pages that mkdocs gets beside ``docs``: made from registries, the reference of the API, and the executed notebooks."""
 
 from __future__ import annotations
 

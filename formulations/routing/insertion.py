@@ -188,6 +188,6 @@ def _joined(first: Sequence[Floats] | Floats, move: Floats, then: Sequence[Float
 
 
 def _beyond(value: Floats, limit: Floats | float, rounding: Floats | float = 0.0, size: float = 0.0) -> Floats:
-    """By how much a limit is exceeded, where the judge would say so."""
+    """Amount by which a limit is exceeded, 0 where the judge would let it pass."""
     slack, over = allowance(limit, value, size), value - limit
     return np.where(over > slack + np.where(slack > 0.0, rounding, 0.0), over, 0.0)

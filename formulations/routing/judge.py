@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 CHECKS = ("visits", "fleet", "load", "time-windows", "duration", "distance", "energy")
-"""Of every answer."""
+"""Checks that every answer goes through."""
 
 FURTHER_CHECKS = {
     "forbidden-moves": "moves",

@@ -314,7 +314,7 @@ DEFAULT_OBJECTIVE: dict[str, Objective] = {
     "recharging-vrp": Objective.of(Makespan()),
     "pdptw": Vehicles().then(TotalCost()),
 }
-"""By the names of ``--problem``, where all sites are visited; ``default_objective`` looks at those that may be left out."""
+"""Default objectives by problem, where all sites are visited; ``default_objective`` adapts them to sites that may be left out."""
 
 
 def default_objective(problem: str, sites: Sites) -> Objective:

@@ -48,7 +48,7 @@ class Resource:
 
     @property
     def tolerance(self) -> float:
-        """By how much a level may exceed its range and still count as on it: a route of exactly its limit is feasible."""
+        """Amount by which a level may exceed its range and still count as within it: a route of exactly its limit is feasible."""
         return LIMIT * self.size
 
     @property

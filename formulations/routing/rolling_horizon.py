@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from .problem import RoutingProblem
 
 REFUSED = ("pickups", "shipments", "reloads", "several-loads", "team-risk")
-"""Of a vehicle under way these ask for more than a place, a time and what is left."""
+"""Features for which a place, a time and the remaining resources do not describe a vehicle that is already on its route."""
 
 
 class UnderWay(NamedTuple):

@@ -127,7 +127,7 @@ class Timetable:
 
 
 COLUMNS = {"arrival": "arrival", "begin": "begin", "departure": "ends"}
-"""By the title of a column in a table of visits: what it states."""
+"""The field of a timetable that each column of a table of visits states."""
 
 
 def last_digit(times: Iterable[float | None]) -> float:

@@ -1,4 +1,4 @@
-"""What may be stated of an answer, in trees of cases, and problems for the answers of which it holds."""
+"""Statements by which a proof distinguishes cases, and the problem that is left where statements hold."""
 
 from __future__ import annotations
 

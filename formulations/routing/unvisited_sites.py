@@ -150,7 +150,7 @@ class _Answer:
             yield site, self._reason(tally, k, (site,))
 
     def _changes(self, number: int, places: Places, sites: Longs) -> tuple[Floats, Floats]:
-        """By how much each level of the objective is worse at each place, shape (levels, sites, places), and the worth of visits there."""
+        """Increase of each level of the objective for each insertion, shape (levels, sites, places), and the worth of the added visits."""
         problem, old = self.problem, self.sums[number]
         s, others = problem.sites, np.delete(self.all_sums, number, axis=0)
         most = others.max(axis=0, initial=0.0)

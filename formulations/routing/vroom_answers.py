@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _NUMBERS = re.compile(r"vehicle((?: [0-9]{1,18})+)\Z")
 PREFIXES = {"job": "", "pickup": "pickup ", "delivery": "delivery "}
-"""By type of a step: what ids of sites have before its number."""
+"""Prefix of a site's id before its number, by the type of a step."""
 
 
 def is_vroom_output(data: Mapping[str, Any]) -> bool:

@@ -127,7 +127,7 @@ Worth = Callable[[int, int, int], float]
 """Worth of an action in a room, given how many others chose it in this step: room, action, others."""
 
 Offer = tuple[float, int, tuple[tuple[int, int], ...]]
-"""What relays give up, how many they are, and (robot, site) of each."""
+"""An offer of relays: the gain that they give up, their number, and (robot, site) of each."""
 
 
 def explorers_and_relays(
@@ -170,7 +170,7 @@ def explorers_and_relays(
 
 
 class _Step:
-    """What robots may do in one step, and what they chose so far: ``deeds`` of robots, and the explorer each relay is ``bound`` to."""
+    """The choices of robots in one step: ``deeds`` are the actions chosen so far, ``bound`` the explorer that each relay belongs to."""
 
     def __init__(
         self, adjacent: NDArray[np.bool_], linked: NDArray[np.bool_], near: NDArray[np.bool_], here: Sequence[int], silent: Sequence[int],

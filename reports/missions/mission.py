@@ -22,7 +22,7 @@ Actions = Mapping[int, Any]
 
 @dataclass(frozen=True, eq=False)
 class Decision:
-    """What one team decided in one step.
+    """A team's decision in one step: its observation, problem and solution.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ class Scene:
 
 
 class Mission(ABC):
-    """What agents decide, step by step. ``run`` plays it; the solver or heuristic in between is the user's choice.
+    """A sequence of decisions in a world. ``run`` plays it; the solver or heuristic that decides is the user's choice.
 
     A mission object plays one run at a time: ``world`` begins it.
 
@@ -130,11 +130,11 @@ class Mission(ABC):
 
     @abstractmethod
     def problem(self, observation: Any) -> Problem | None:
-        """What one team has to decide; None where there is nothing."""
+        """The problem that one team has to solve; None where there is nothing to decide."""
 
     @abstractmethod
     def actions(self, observation: Any, problem: Problem | None, answer: Any) -> Actions:
-        """What the team's agents do. ``problem`` is None where there was none, ``answer`` where the solver found none."""
+        """The actions of the team's agents. ``problem`` is None where there was none, ``answer`` where the solver found none."""
 
     def policies(self) -> Mapping[str, Callable[[Any], Actions]]:
         """Rules that act without a problem, by name: from the whole observation to what the agents do."""

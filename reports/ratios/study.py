@@ -16,7 +16,7 @@ Told = Callable[[int, int, str], None]
 
 @dataclass(frozen=True)
 class StudySetting:
-    """What a study is asked.
+    """Settings of a run of a study.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Report:
-    """What a study brings back.
+    """Results of a study.
 
     Parameters
     ----------

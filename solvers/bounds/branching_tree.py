@@ -47,10 +47,10 @@ PATIENCE = 3
 """Candidates in a row that are no better than the best before them, after which strong branching ends."""
 
 STRONG_ITERATIONS = 40
-"""Of the simplex for each side of a candidate."""
+"""Simplex iterations for each side of a candidate."""
 
 LEAST_GAIN = 1e-6
-"""Of the objective's size: what a branching gains at least in a product of two gains."""
+"""Least gain of a side in the product of two gains, as a part of the objective's size."""
 
 
 @dataclass(eq=False)

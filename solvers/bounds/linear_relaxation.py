@@ -26,10 +26,10 @@ FIRST_ORDER = {"highs": {"solver": "pdlp", "kkt_tolerance": 1e-4}}
 partition matroid). It may be stopped at any time: all duals prove something."""
 
 FIRST_ORDER_FORMS = frozenset({"facility-location", "strong-linearisation", "weak-linearisation"})
-"""Whose programs the first-order method suits from ``SMALL`` entries on."""
+"""Forms whose programs the first-order method suits from ``SMALL`` entries on."""
 
 MARGINS = (0.0, 1e-12, 1e-10)
-"""Of the largest cost: how far reduced costs of variables with one bound are kept from 0, one after the other."""
+"""Distances from 0 at which reduced costs of variables with one bound are kept, as parts of the largest cost; tried one after the other."""
 
 SMALL = 20_000
 

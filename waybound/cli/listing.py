@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def info(source: Source, json: Json = False, verbose: Verbose = False) -> None:
-    """What an instance holds, which solvers and heuristics take it, and what the others lack."""
+    """Show what an instance holds, which solvers and heuristics take it, and what the others lack."""
     from ..reports.tables.facts import facts, facts_table
     from ..reports.tables.listing import heuristics_table, solvers_table
     from ..solving.listing import heuristic_table, solver_table

@@ -27,7 +27,7 @@ AT_ONCE = 0
 """Order of the methods that are asked however little time is left: what a bound is at least must not hang on the clock."""
 
 FIRST_SECONDS = 1.0
-"""What may be spent before a search, though no more than the budget for bounding."""
+"""Most seconds of bounding before a search; never more than the budget for bounding."""
 
 LARGEST = 500
 """Problems of a larger ``size`` have bounds that no answer reaches, and whose verification takes as long as finding them: what is there at

@@ -239,7 +239,7 @@ def _explain_by_methods(problem: Problem, end: float, control: Control, notes: l
 PROOF_SECONDS = 10.0
 
 MOST_NODES = 15
-"""Of a tree that is told in words: eight cases."""
+"""Most nodes of a proof tree that is told in words: eight cases."""
 
 
 def _proof(problem: Problem, seconds: float, control: Control) -> Evidence | None:

@@ -161,7 +161,7 @@ def _verdict(theirs: Claim, ours: Claim, senses: Sequence[str], best: Evaluation
 
 
 def _in_words(said: RawResult | Opinion) -> str:
-    """What a solver claims, as words for a message: ``the optimum 12.0``, ``that there is no answer``."""
+    """A solver's claim as words for a message: ``the optimum 12.0``, ``that there is no answer``."""
     if said.status in ("optimal", "feasible") and said.objective is not None:
         return f"{'the optimum' if said.status == 'optimal' else 'an answer of'} {said.objective!r}"
     words = {"infeasible": "that there is no answer", "unbounded": "that there is no best answer"}

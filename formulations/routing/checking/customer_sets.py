@@ -50,7 +50,7 @@ def joined_peak(terms: Terms) -> str:
 
 @dataclass(frozen=True, eq=False)
 class CustomerSets:
-    """What routes through sets of customers cost; sets are masks over the customers in site order.
+    """Least costs of routes through sets of customers; a set is a bit mask over the customers in site order.
 
     ``types`` has for each type of vehicle its sets, what each adds to the objective at least, its least length or duration (by which the
     largest route is told), and the number of vehicles. ``ends`` are the sets that an answer may visit in all, ``fewest`` its least number

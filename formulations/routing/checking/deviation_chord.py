@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 KIND = "deviation-chord"
 
 TERMS = frozenset({"total-cost", "vehicles", "reward", "penalties", "longest-route"})
-"""Of the objective: what durations do not change."""
+"""Terms of the objective that do not depend on durations."""
 
 _NEAR = 1e-9
-"""What limits concede for the rounding of sums and roots."""
+"""Relative widening of limits, for the rounding of sums and roots."""
 
 
 @routing_evidence(KIND)

@@ -31,7 +31,7 @@ POWERS = {"euclidean": 2.0, "EUC_2D": 2.0, "CEIL_2D": 2.0, "ATT": 2.0, "manhatta
 """Norms of the plane that distances grow with. Those on the globe grow with the straight line through it."""
 
 SHORTFALL = {"exact": 0.0, "trunc1": 0.1, "trunc2": 0.01, "round": 0.5, "ceil": 1e-9}
-"""By how much each convention may round a distance down."""
+"""Largest amount by which each rounding convention lowers a distance."""
 
 SHORTFALL_IN_FILES = {"EUC_2D": 0.5, "MAN_2D": 0.5, "CEIL_2D": 0.0, "ATT": 0.0}
 
@@ -39,7 +39,7 @@ _NEARLY = 1e-12
 """Part of a distance by which the tree that finds the nearest may be mistaken, and more."""
 
 _BLUR = 1e-7
-"""Of the Earth's radius: by how much distances on the globe are wrong at most, between sites nearly opposite each other."""
+"""Largest error of a distance on the globe, as a part of the Earth's radius; it is met between sites nearly opposite each other."""
 
 
 def by_coordinates(problem: RoutingProblem) -> bool:
@@ -138,7 +138,7 @@ def _metric(travel: Travel) -> bool:
 
 
 def _shortfall(travel: Travel) -> float:
-    """By how much a distance may lie below the metric's; conventions that are not listed round down to whole numbers at most."""
+    """Largest amount by which a rounded distance lies below that of the metric: at most 1, for any other convention."""
     rounding = SHORTFALL_IN_FILES if travel.convention == "file" else SHORTFALL
     return rounding.get(travel.metric if travel.convention == "file" else travel.convention, 1.0) + _blur(travel)
 
@@ -169,7 +169,10 @@ def _fixed(terms: Terms, vehicle: VehicleType) -> float:
 
 
 def _shares(problem: RoutingProblem, terms: Terms, vehicle: VehicleType, cheapest: float) -> Floats:
-    """What each customer pays of any route of a vehicle beyond the cheapest vehicle; infinite where it cannot be served."""
+    """Each customer's share of the cost of any route of this vehicle type, less the fixed cost of the cheapest type.
+
+    Shares are in proportion to loads: those of a full route add up to a round trip. Infinite where the type cannot serve the customer.
+    """
     sites, at = problem.sites, problem.sites.customers
     load, room = sites.demand[at], allowed(vehicle.capacity)
     part = load / room if 0.0 < room < math.inf else np.where((load > 0.0) & (room <= 0.0), math.inf, 0.0)

@@ -1,4 +1,4 @@
-"""What every set of routes obeys, for the checkers: one depot, one kind of vehicle, arcs with costs and resources.
+"""A relaxation of a routing problem, for the checkers: one depot, one kind of vehicle, and arcs with costs and resources.
 
 Depots are merged into one node, vehicle types into the best of all of them, which only adds routes and lowers costs: a bound for
 the merged fleet is one for the fleet. All limits are widened by what ``evaluate`` lets pass (``tolerance``), so that a bound holds for
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _ROUNDS = 10
 _LEAST_STEP = 1e-4
-"""What is let pass must be less than this for multiples of 0.001 to be compared exactly."""
+"""Sums of multiples of 0.001 are compared exactly where the tolerance of a limit is smaller than this."""
 
 
 @dataclass(frozen=True, eq=False)

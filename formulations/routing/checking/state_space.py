@@ -28,13 +28,13 @@ if TYPE_CHECKING:
 COUNTED = (*RESOURCES, "order")
 
 STEPS = 20_000
-"""Of the resource on the way of one vehicle, at most."""
+"""Most steps into which the resource of one vehicle is divided."""
 
 WORK = 2_000_000_000
 """Moves times the levels at which each can end, in one proof at most, some 5 s; a tenth of them in memory."""
 
 _NEAR = 1e-9
-"""Of a step: a weight that lacks no more than this counts as whole, and limits concede as much for each move."""
+"""Part of a step: a weight that is short of whole steps by no more counts as whole, and limits are widened as much for each move."""
 
 
 @routing_evidence("state-space")

@@ -1,4 +1,4 @@
-"""What each type of vehicle can do on one route, and what it costs: for checkers that keep types apart and let sites be left out."""
+"""Moves, costs and resources of each type of vehicle, for checkers that keep types apart and let sites be left out."""
 
 from __future__ import annotations
 

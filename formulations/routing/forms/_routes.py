@@ -1,4 +1,4 @@
-"""What all forms of routing write alike: programs block after block, and the way from arcs to routes and back."""
+"""Shared by all forms of routing: building a program block after block, and the way from arcs to routes and back."""
 
 from __future__ import annotations
 

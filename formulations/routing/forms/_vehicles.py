@@ -115,7 +115,7 @@ class VehicleColumns:
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """What the ``number``-th vehicle of a type drives: nodes, arcs of the preparation, and times at the nodes."""
+    """The route of the ``number``-th vehicle of a type as nodes, arcs of the preparation, and times at the nodes."""
 
     kind: VehicleColumns
     number: int

@@ -162,7 +162,7 @@ def _encode(blocks: VehicleBlocks, program: Program, answer: Routes) -> Floats:
 
 
 def _drives(blocks: VehicleBlocks, answer: Routes) -> Iterator[Drive]:
-    """What each vehicle drives; of one type they are numbered by the first customer that each visits."""
+    """The drive of each vehicle in an answer; vehicles of one type are numbered by the first customer that each visits."""
     problem, types = blocks.problem, blocks.types
     taken, stops = [0] * len(types), dict[int, int]()
     names, depot = problem.sites.ids, problem.sites.depot

@@ -74,7 +74,7 @@ QUANTILES = 10
 """Intervals for a risk of the team, equally wide."""
 
 FAINTEST = 1e-4
-"""Of the team's risk, the part beyond which smaller ones are not told apart."""
+"""Smallest risk of a route that the form distinguishes, as a part of the team's risk."""
 
 SPARED = 1e-6
 """Part of each limit that the restriction leaves to what solvers round."""

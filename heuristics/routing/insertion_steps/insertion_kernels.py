@@ -225,7 +225,7 @@ def _schedule(route, size, data, limits, begin, latest):  # type: ignore[no-unty
 
 @inner
 def _inserted(u, k, route, size, data, limits, timed, begin, latest, length, busy):  # type: ignore[no-untyped-def]
-    """What it adds to the distance to visit ``u`` before the ``k``-th stop, and how much later that stop is begun.
+    """Added distance of visiting ``u`` before the ``k``-th stop, and the delay of that stop.
 
     Infinite where a limit is exceeded.
     """
