@@ -40,7 +40,7 @@ FURTHER_CHECKS = {
     "route-risk": "route-risk",
     "team-risk": "team-risk",
 }
-"""By feature: what is checked besides where the data have it."""
+"""Further checks, by the feature of the data that asks for each."""
 
 
 def evaluate_routes(problem: RoutingProblem, answer: Routes) -> Evaluation:

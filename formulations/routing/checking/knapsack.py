@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 def needs(problem: RoutingProblem, name: str) -> tuple[Floats, float] | None:
     """The least of a resource that each visit uses, and the total that the fleet has for visits.
 
-    Each move is shared half and half between its two ends; the depot's halves of first and last moves are taken off the total. None where the resource is not limited. For a problem without stops on the way.
+    Each move is shared half and half between its two ends; the depot's halves of first and last moves are taken off the total.
+    None where the resource is not limited. For a problem without stops on the way.
     """
     terms, customers = terms_of(problem), problem.sites.customers
     assert terms is not None
