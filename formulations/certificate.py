@@ -18,10 +18,7 @@ from .levels import LevelBound, check_levels, with_levels
 from .problem import Problem
 from .rendering import Line, as_html, as_rich, as_text, number, percent
 from .stated import compare_answer, real, stated_evidence, stated_guarantee
-from .verified_bounds import beats_bound as beats_bound
-from .verified_bounds import better_bound as better_bound
-from .verified_bounds import proves_unbounded as proves_unbounded
-from .verified_bounds import verified_bound as verified_bound
+from .verified_bounds import beats_bound, better_bound, proves_unbounded, verified_bound
 
 SCHEMA = 1
 """Version of the certificate's JSON."""

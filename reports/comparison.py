@@ -7,11 +7,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from ..formulations.certificate import beats_bound, better_bound
 from ..formulations.problem import Problem
 from ..formulations.rendering import as_html, as_text
 from ..formulations.solution import Solution
 from ..formulations.tolerance import EQUAL, gap, same
+from ..formulations.verified_bounds import beats_bound, better_bound
 from ..instances.errors import UsageError, WayboundError, in_words
 from ..instances.printable import one_line
 

@@ -8,7 +8,6 @@ What stands here keeps its name and meaning within a minor version; other module
 
 from __future__ import annotations
 
-from .formulations.certificate import verified_bound
 from .formulations.evaluation import Check, Checklist, Evaluation, Violation, judge
 from .formulations.evidence import CHECKERS, ENDLESS, Evidence, EvidenceChecker, Guarantee, Reason
 from .formulations.forms import FORMS, Form
@@ -34,6 +33,7 @@ from .formulations.sata.submodular_selection import SubmodularSelection
 from .formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from .formulations.stop import NEVER, Stop, Stopped
 from .formulations.tolerance import allowance, same, widening
+from .formulations.verified_bounds import verified_bound
 from .heuristics.heuristic import HEURISTICS, Context, Heuristic, Outcome
 from .instances.document import dump_json, fields, parse_json
 from .instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError, WayboundError

@@ -153,7 +153,7 @@ class ArrayProblem(Problem):
 
     def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
         """Difference that it makes to the bound of ``evidence`` if every row is as wide as the answer's largest residual."""
-        from ..certificate import verified_bound
+        from ..verified_bounds import verified_bound
 
         residual = next((c.residual for c in evaluation.checks if c.name == "rows"), 0.0)
         if residual == 0.0:

@@ -17,8 +17,8 @@ from typing import Any
 
 from ...instances.errors import InputError
 from ...instances.printable import printable
-from ..certificate import verified_bound
 from ..evidence import CHECKERS, Evidence
+from ..verified_bounds import verified_bound
 
 KIND = "branching-tree"
 

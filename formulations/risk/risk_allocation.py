@@ -277,7 +277,7 @@ class RiskAllocation(Problem):
 
     def concession(self, evidence: Evidence, evaluation: Evaluation) -> float:
         """Difference that it makes to the bound of ``evidence`` if every limit is as wide as the answer's largest residuals."""
-        from ..certificate import verified_bound
+        from ..verified_bounds import verified_bound
 
         residual = {check.name: check.residual for check in evaluation.checks}
         if not any(residual.values()):

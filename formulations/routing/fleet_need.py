@@ -16,9 +16,9 @@ import numpy as np
 
 from ...instances.clock import moment_told
 from ...instances.routing.reach import Use, least_use, shortest_ways
-from ..certificate import verified_bound
 from ..evidence import Evidence
 from ..tolerance import widened
+from ..verified_bounds import verified_bound
 from .reachability import unreachable
 from .routes import Flags, Floats, Longs
 

@@ -21,7 +21,7 @@ import waybound as wb
 from waybound.api import read
 from waybound.extending import same
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.certificate import beats_bound, verified_bound
+from waybound.formulations.verified_bounds import beats_bound, verified_bound
 from waybound.instances.routing.formats import solomon
 from waybound.reports.battery.cases import Draw, cases
 from waybound.reports.battery.truth import Truth

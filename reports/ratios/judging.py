@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.certificate import better_bound, check_certificate, verified_bound
+from ...formulations.certificate import check_certificate
 from ...formulations.evidence import Guarantee
 from ...formulations.json_text import json_text
 from ...formulations.problem import Problem
 from ...formulations.stop import NEVER
+from ...formulations.verified_bounds import better_bound, verified_bound
 from ...heuristics.heuristic import HEURISTICS, Context, Outcome
 from ...instances.errors import CheckFailedError, InputError
 from ...solvers.linear_programs import LinearPrograms

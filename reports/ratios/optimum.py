@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...formulations.certificate import verified_bound
 from ...formulations.evidence import Evidence
 from ...formulations.problem import Problem
 from ...formulations.routing.objective import LongestRoute, Makespan, Reward, TotalCost
@@ -22,6 +21,7 @@ from ...formulations.sata.feasibility import allowed
 from ...formulations.sata.max_min_lp import MaxMinLP
 from ...formulations.sata.selections import Selection
 from ...formulations.sata.submodular_selection import SubmodularSelection
+from ...formulations.verified_bounds import verified_bound
 from ...instances.errors import CheckFailedError, UsageError
 
 Floats = NDArray[np.float64]

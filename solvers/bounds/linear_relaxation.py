@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...formulations.certificate import verified_bound
 from ...formulations.evidence import Evidence
 from ...formulations.problem import Problem
 from ...formulations.programs.compiled import Compiled
 from ...formulations.programs.program import INTEGERS
 from ...formulations.programs.reductions.units import scaled
 from ...formulations.stop import NEVER, Stop
+from ...formulations.verified_bounds import verified_bound
 from ..linear_programs import LinearPrograms
 from ..linear_session import LinearSession
 from . import BOUNDS, BoundMethod

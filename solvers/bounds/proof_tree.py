@@ -12,11 +12,11 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from ...formulations.certificate import verified_bound
 from ...formulations.evidence import Evidence
 from ...formulations.problem import Decision, Problem
 from ...formulations.stop import Stop, until
 from ...formulations.tolerance import same
+from ...formulations.verified_bounds import verified_bound
 from ...instances.errors import InputError
 
 MOST_NUMBERS = 4_000_000

@@ -14,20 +14,14 @@ from programs import program
 
 import waybound as wb
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.certificate import (
-    SHOWN_VIOLATIONS,
-    Certificate,
-    certificate_lines,
-    certify,
-    check_certificate,
-    verified_bound,
-)
+from waybound.formulations.certificate import SHOWN_VIOLATIONS, Certificate, certificate_lines, certify, check_certificate
 from waybound.formulations.evaluation import Check, Violation
 from waybound.formulations.evidence import CHECKERS, Evidence, Guarantee
 from waybound.formulations.routing.objective import Reward, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import CheckFailedError, InputError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel

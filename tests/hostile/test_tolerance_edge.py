@@ -14,7 +14,7 @@ from hostile_instances import FAMILIES, Rng, Units, numbers, risk_allocation, ro
 from hostile_judging import VANISHING
 from truth.families import truth
 
-from waybound.formulations.certificate import certify, verified_bound
+from waybound.formulations.certificate import certify
 from waybound.formulations.problem import Problem
 from waybound.formulations.risk.allocations import Allocation
 from waybound.formulations.routing.judge import schedule
@@ -24,6 +24,7 @@ from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.sata.selections import Selection
 from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import CheckFailedError, InputError
 from waybound.instances.routing.instance import ENERGY_CHARGES, Energy
 from waybound.instances.sata.constraints import Knapsack

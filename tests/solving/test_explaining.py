@@ -15,11 +15,11 @@ import risk_problems
 import risky_cases
 
 import waybound as wb
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.forms import FORMS
 from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solving import explaining
 from waybound.solving.explaining import deletion_filter, explain, in_words
 

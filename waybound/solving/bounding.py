@@ -11,11 +11,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
-from ..formulations.certificate import certify, verified_bound
+from ..formulations.certificate import certify
 from ..formulations.evidence import ENDLESS, Evidence
 from ..formulations.problem import Problem
 from ..formulations.stop import Stop, off_the_clock
 from ..formulations.tolerance import gap, same
+from ..formulations.verified_bounds import verified_bound
 from ..instances.errors import UnsupportedError, in_words
 from ..solvers.backend import Control, Options, RawResult
 from ..solvers.bounds import BOUNDS, BoundMethod, replaced

@@ -11,13 +11,14 @@ from functools import cached_property
 from typing import Any
 
 from .._version import __version__
-from ..formulations.certificate import Certificate, better_bound, certify, judged_only
+from ..formulations.certificate import Certificate, certify, judged_only
 from ..formulations.evaluation import Evaluation
 from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
 from ..formulations.programs.exactness import Exactness
 from ..formulations.solution import Opinion, Solution, Value, relative_gap
 from ..formulations.tolerance import EQUAL, same
+from ..formulations.verified_bounds import better_bound
 from ..instances.errors import CheckFailedError, in_words
 from ..solvers.backend import Control, Options, RawResult
 from ..solvers.linear_programs import LinearPrograms

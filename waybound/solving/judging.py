@@ -13,13 +13,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from ..formulations.certificate import Certificate, better_bound
+from ..formulations.certificate import Certificate
 from ..formulations.evaluation import Evaluation
 from ..formulations.problem import Problem
 from ..formulations.programs.exactness import Exactness
 from ..formulations.programs.program import Program
 from ..formulations.programs.reductions.units import objective_unit
 from ..formulations.tolerance import same
+from ..formulations.verified_bounds import better_bound
 from ..instances.errors import CheckFailedError, NoAnswerError, SearchFailedError, WayboundError, in_words
 from ..instances.text import an
 from ..solvers.backend import LevelClaim, RawResult

@@ -7,12 +7,13 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from ..formulations.certificate import Certificate, better_bound, certify
+from ..formulations.certificate import Certificate, certify
 from ..formulations.evaluation import Evaluation
 from ..formulations.evidence import Evidence
 from ..formulations.levels import LevelBound, best_level_bound, with_levels
 from ..formulations.problem import Problem
 from ..formulations.solution import Value
+from ..formulations.verified_bounds import better_bound
 from ..solvers.backend import Control, LevelClaim, RawResult
 from ..solvers.linear_programs import LinearPrograms
 from ..solvers.program_backend import EQUAL_TOLERANCE

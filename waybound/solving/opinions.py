@@ -8,12 +8,13 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
-from ..formulations.certificate import Certificate, beats_bound
+from ..formulations.certificate import Certificate
 from ..formulations.evaluation import Evaluation
 from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.solution import Opinion
 from ..formulations.tolerance import same
+from ..formulations.verified_bounds import beats_bound
 from ..solvers.backend import BACKENDS, Control, Options, RawResult, solver_named
 from ..solvers.isolation import SolverWork, run_in_process
 from ..solvers.program_backend import ProgramBackend, takers

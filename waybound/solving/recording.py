@@ -8,10 +8,10 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from ..formulations.certificate import better_bound
 from ..formulations.problem import Problem
 from ..formulations.search_history import Event
 from ..formulations.solution import Solution
+from ..formulations.verified_bounds import better_bound
 from ..solvers.backend import Control
 
 Progress = Callable[[dict[str, Any]], None]

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....instances.errors import InputError
-from ...certificate import verified_bound
 from ...evidence import Evidence
+from ...verified_bounds import verified_bound
 from .known_features import Floats, explicit, own_moves, routing_evidence, unknown_features, with_fleet
 from .route_limits import limits_of
 

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ...certificate import verified_bound
 from ...evidence import Evidence
 from ...programs.program import Floats, Rows, Variables
 from ...programs.rows import rows
 from ...programs.size import ProgramSize
 from ...tolerance import INTEGRALITY
+from ...verified_bounds import verified_bound
 from ..selections import Selection
 
 if TYPE_CHECKING:

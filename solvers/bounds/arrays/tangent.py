@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from ....formulations.arrays.problem import ArrayProblem
-from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.problem import Problem
 from ....formulations.programs.duals import dual_value
 from ....formulations.programs.program import QUADRATIC
 from ....formulations.stop import NEVER, Stop
+from ....formulations.verified_bounds import verified_bound
 from ...backend import Control, Options
 from ...backends.highs import Highs
 from ...linear_programs import LinearPrograms

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
+from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod
 from ..linear_relaxation import linear_relaxation_bound

@@ -7,11 +7,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.risk.risky_path import RiskyPath
 from ....formulations.risk.uncertain_path import UncertainPath
 from ....formulations.stop import Stop, until
+from ....formulations.verified_bounds import verified_bound
 from ...engines.risk.risky_path_steps.least_hazard import least_hazard
 from ...engines.risk.supported_paths import supported_paths
 from ...linear_programs import LinearPrograms

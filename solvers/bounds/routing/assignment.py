@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.stop import NEVER, Stop, Stopped
+from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from .arcs import Arcs, Floats, arc_costs, by_site, lacks_arc_costs

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from ....formulations.certificate import better_bound, verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.deviation_chord import KIND, lacks_chord, without_risks
 from ....formulations.routing.checking.route_limits import limits_of
 from ....formulations.stop import NEVER, Stop
+from ....formulations.verified_bounds import better_bound, verified_bound
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family, replaced
 from . import column_generation, spanning_tree, state_space

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.all_routes import MOST, MOST_ORDERS, orders
 from ....formulations.routing.checking.customer_sets import CUSTOMERS, LIMITS, WORK, CustomerSets, joined_peak
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.vehicle_moves import terms_of
 from ....formulations.stop import NEVER, Stop, until
+from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 

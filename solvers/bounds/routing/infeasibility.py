@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.routing.fleet_need import fleet_conflicts
 from ....formulations.routing.reachability import servable_alone
 from ....formulations.stop import NEVER, Stop
+from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.round_trips import PEAKS, check_farthest_round_trip, totals
 from ....formulations.stop import NEVER, Stop
+from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from .arcs import lacks_arc_costs, too_many_arcs

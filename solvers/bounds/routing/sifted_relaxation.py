@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.forms import FORMS
 from ....formulations.programs.size import ProgramSize
 from ....formulations.stop import NEVER, Stop
+from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from ..linear_relaxation import ENTRIES_PER_SECOND

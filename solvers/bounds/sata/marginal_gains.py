@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....formulations.certificate import verified_bound
 from ....formulations.evidence import Evidence
 from ....formulations.sata.feasibility import Openings, in_budgets
 from ....formulations.stop import NEVER, Stop
+from ....formulations.verified_bounds import verified_bound
 from ....instances.sata.constraints import Knapsack, LimitRows, PartitionMatroid
 from ....instances.sata.set_functions import Floats, ItemWeights
 from ...linear_programs import LinearPrograms

@@ -9,13 +9,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ....formulations.certificate import verified_bound
 from ....formulations.problem import Problem
 from ....formulations.programs.exactness import Exactness
 from ....formulations.risk.allocations import Allocation, Floats
 from ....formulations.risk.normal import ndtri
 from ....formulations.risk.risk_allocation import RiskAllocation
 from ....formulations.stop import Stop
+from ....formulations.verified_bounds import verified_bound
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from .convex_allocation_steps.successive_tangents import Interval, SuccessiveTangents
 

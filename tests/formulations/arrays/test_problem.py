@@ -13,11 +13,12 @@ from programs import program
 
 from waybound.api import solve
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.certificate import certify, verified_bound
+from waybound.formulations.certificate import certify
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.programs.cones import Cones
 from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import InputError
 
 

@@ -14,11 +14,12 @@ from draws import draws
 from truth.families import truth
 
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.certificate import certify, check_certificate, verified_bound
+from waybound.formulations.certificate import certify, check_certificate
 from waybound.formulations.checking.branching_tree import DEEPEST
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.problem import Problem
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import CheckFailedError, InputError, WayboundError
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
 

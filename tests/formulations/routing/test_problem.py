@@ -9,7 +9,7 @@ import math
 import pytest
 
 import waybound as wb
-from waybound.formulations.certificate import verified_bound
+from waybound.formulations.verified_bounds import verified_bound
 
 
 @pytest.fixture(scope="module")

@@ -14,12 +14,12 @@ from oracles import ASYM_5, SQUARE_4, TWO_INDEX, agrees, optimum, routing, small
 from small_routing import at_risk, few, varied
 from truth.routing import RoutingTruth, routes
 
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.routing.checking.no_answer import out_of_reach
 from waybound.formulations.routing.objective import Objective, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.reachability import minimum_vehicles, servable_alone, unreachable
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Energy, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import Travel

@@ -12,10 +12,10 @@ import pytest
 from draws import draws
 from small_routing import small
 
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import InputError
 
 FEATURES = (

@@ -14,8 +14,8 @@ from truth.local_algorithm import random_graph as graph_of_robots
 
 import waybound as wb
 from waybound import BottleneckSATA, Evidence, UnsupportedError
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.sata.max_min_lp import MaxMinLP, as_row_prices, as_sensing
+from waybound.formulations.verified_bounds import verified_bound
 
 seeds = st.integers(0, 2**32 - 1)
 A, C = np.array([[1.0, 1, 0], [0, 0, 2]]), np.array([[1.0, 0, 1], [0, 3, 0]])

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from selection_problems import KINDS, context, cover_30, cover_tight, half_tight, only_evidence, optimum, random_problem, run, value
 
 from waybound import Cardinality, Coverage, DenseFacilityLocation, PartitionMatroid, SubmodularSelection, UsageError
-from waybound.formulations.certificate import verified_bound
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.heuristics.heuristic import HEURISTICS
 
 

@@ -26,7 +26,7 @@ from selection_problems import (
 )
 
 from waybound import BottleneckSATA, Cardinality, InputError, Knapsack, PartitionMatroid, SubmodularSelection, UsageError
-from waybound.formulations.certificate import verified_bound
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from selection_problems import KINDS, context, only_evidence, optimum, random_problem, run, value
 
 from waybound import Coverage, Knapsack, SubmodularSelection, UserFunction
-from waybound.formulations.certificate import verified_bound
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.heuristics.heuristic import HEURISTICS
 
 E = 1 - math.exp(-1)

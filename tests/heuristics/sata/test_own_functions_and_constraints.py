@@ -15,7 +15,7 @@ from selection_problems import CONSTRAINTS, KINDS, OWN_CONSTRAINTS, OWN_KINDS, A
 
 import waybound as wb
 from waybound import InputError, SelectionInstance, SubmodularSelection, UsageError
-from waybound.formulations.certificate import verified_bound
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.sata.constraints import LimitRows
 from waybound.instances.sata.set_functions import AT_ENTRY, AT_ITEM, Coverage, ItemFunction, ItemWeights

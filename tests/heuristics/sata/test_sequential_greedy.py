@@ -12,7 +12,7 @@ from sata_cases import CASES, graph_of_rows
 from selection_problems import KINDS, half_tight, only_evidence, optimum, random_problem, run, value
 
 from waybound import Coverage, PartitionMatroid, SensingGraph, SubmodularSelection, WinnerTakesAllSATA
-from waybound.formulations.certificate import verified_bound
+from waybound.formulations.verified_bounds import verified_bound
 
 
 def winner_takes_all(*robots: list[tuple[float, ...]], names: tuple[str, ...] | None = None) -> WinnerTakesAllSATA:

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from selection_problems import KINDS, cover_30, cover_tight, only_evidence, optimum, random_problem, run, value
 
-from waybound.formulations.certificate import verified_bound
+from waybound.formulations.verified_bounds import verified_bound
 
 
 @given(st.integers(0, 10**6), st.sampled_from(KINDS))

@@ -7,8 +7,8 @@ import math
 
 import pytest
 
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.problem import problem_from_instance
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.reading import read_instance
 from waybound.solving.bounding import find_bounds
 

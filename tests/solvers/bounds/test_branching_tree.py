@@ -16,8 +16,9 @@ from truth.families import truth
 
 import waybound as wb
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.certificate import certify, check_certificate, verified_bound
+from waybound.formulations.certificate import certify, check_certificate
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import BOUNDS, branching_tree
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
 

@@ -9,9 +9,9 @@ import pytest
 from programs import AnsweredBy
 
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.reports.battery.kinds import KINDS
 from waybound.reports.battery.truth import truth
 from waybound.solvers.bounds.linear_relaxation import linear_relaxation_bound

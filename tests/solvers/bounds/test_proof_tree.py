@@ -9,10 +9,10 @@ from branching_programs import hard, knapsack, random_program
 from patience import HANG
 from truth.families import truth
 
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.problem import Problem
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import proof_tree
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
 from waybound.solvers.bounds.proof_tree import Node, ProofTree

@@ -167,7 +167,7 @@ def proof(
 
 def price_evidence(problem: BinAssignment, parts: list[Side], prices: list[Floats], source: str, known: float | None = None) -> Evidence:
     """Evidence ``assignment-prices`` of prices >= 0 of the columns of each part, 0 for free columns; its value may be known."""
-    from .....formulations.certificate import verified_bound
+    from .....formulations.verified_bounds import verified_bound
 
     of_bins, level = np.zeros(problem.num_bins), 0.0
     if len(parts) == 1 and (parts[0].num_rows == problem.num_robots) and parts[0].rows_are_robots:

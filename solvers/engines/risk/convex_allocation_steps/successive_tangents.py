@@ -277,7 +277,7 @@ class SuccessiveTangents:
 
     def _proof(self, solved: Solved) -> dict[str, Floats] | None:
         """Prices that prove that there is no answer, from the ray of a program that has none."""
-        from .....formulations.certificate import verified_bound
+        from .....formulations.verified_bounds import verified_bound
 
         sign = self.problem.sign
         if solved.ray is None:

@@ -6,8 +6,8 @@ from program_text import expected, program_text
 from programs import INF, program
 
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import NEVER
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import InputError, UnsupportedError
 from waybound.reports.battery.kinds import KINDS
 from waybound.reports.battery.truth import truth

@@ -11,7 +11,7 @@ from draws import draws
 from joint_assignments import WORKED, enumerated, random_joint
 
 from waybound.formulations.auctions.checking.errand_prices import check_errand_prices
-from waybound.formulations.certificate import verified_bound
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import InputError
 from waybound.solvers.bounds.linear_relaxation import linear_relaxation_bound
 

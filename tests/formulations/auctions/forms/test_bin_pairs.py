@@ -13,8 +13,8 @@ from program_text import expected, program_text, written
 import waybound as wb
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.auctions.forms.bin_pairs import decoded, encoded, pair_rows
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.problem import problem_from_instance
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import InputError
 from waybound.instances.reading import read_instance
 

@@ -8,7 +8,7 @@ import risky_cases as cases
 from program_text import expected, written
 
 import waybound as wb
-from waybound.formulations.certificate import verified_bound
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import InputError, UnsupportedError
 from waybound.solvers.linear_programs import LinearPrograms
 

@@ -9,11 +9,11 @@ from risk_problems import around_a_box, margins, problem
 from scipy.special import ndtr, ndtri
 
 from waybound.api import solve
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.risk.forms import piecewise as module
 from waybound.formulations.risk.forms.piecewise import density, mean_risk, piecewise_program, points, tangents
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.engines.risk.convex_allocation_steps.session import open_session
 
 

@@ -15,12 +15,12 @@ from hypothesis import strategies as st
 from small_routing import LINE, at_risk
 from truth.routing import RoutingTruth
 
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.routing.checking.deviation_chord import KIND, check_deviation_chord, lacks_chord, without_risks
 from waybound.formulations.routing.objective import Makespan, Objective, TotalCost
 from waybound.formulations.routing.overrun import quantile
 from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.features import RISKS
 from waybound.instances.routing.instance import Energy, Sites, VehicleType

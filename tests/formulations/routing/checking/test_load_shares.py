@@ -12,7 +12,6 @@ from small_routing import WHOLE_FAMILY, drawn, enumerated, excludes, plane
 from truth.routing import best_values
 
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.routing.checking.load_shares import (
     by_coordinates,
@@ -34,6 +33,7 @@ from waybound.formulations.routing.objective import (
     Vehicles,
 )
 from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, METRICS, Travel

@@ -11,12 +11,12 @@ from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.routing.checking.relaxation import relax
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.tolerance import LIMIT
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 

@@ -12,7 +12,7 @@ from random_sensing import random_graph
 from sata_cases import selections
 
 from waybound import BottleneckSATA, Evidence, Problem, Selection
-from waybound.formulations.certificate import verified_bound
+from waybound.formulations.verified_bounds import verified_bound
 
 
 def decided(problem: Any, rng: np.random.Generator) -> Any:

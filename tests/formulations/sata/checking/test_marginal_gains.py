@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from selection_problems import CONSTRAINTS, KINDS, cover_30, cover_tight, feasible_sets, optimum, random_problem
 
 from waybound import BottleneckSATA, Evidence, InputError, Selection, SensingGraph, SubmodularSelection
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.sata.checking.marginal_gains import check_marginal_gains
 from waybound.formulations.tolerance import LIMIT
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
 from waybound.instances.sata.set_functions import Coverage, FacilityLocation, UserFunction
 

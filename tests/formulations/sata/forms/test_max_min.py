@@ -9,8 +9,8 @@ from random_sensing import optimum
 from sata_cases import CASES, best_value, dense_weights, random_graph, selections
 
 from waybound import BottleneckSATA, Exactness, InputError, MaxMinLP, Selection, UnsupportedError, UsageError
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.programs.program import LINEAR
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.solvers.backend import BACKENDS, Control, Options
 

@@ -12,8 +12,8 @@ from sata_cases import CASES, random_graph, selections
 from selection_problems import CONSTRAINTS, cover_30, feasible_sets, optimum, random_problem
 
 from waybound import BottleneckSATA, Exactness, InputError, MaxMinLP, Selection, SubmodularSelection, WinnerTakesAllSATA
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.sata.constraints import Cardinality, PartitionMatroid
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.instances.sata.set_functions import Coverage, FacilityLocation

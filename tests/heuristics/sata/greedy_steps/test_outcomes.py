@@ -10,8 +10,8 @@ from selection_problems import cover_30, cover_tight
 
 import waybound as wb
 from waybound import Guarantee, SubmodularSelection
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.heuristics.sata.greedy_steps import outcomes
 from waybound.heuristics.sata.greedy_steps.outcomes import assumptions, concluded, greedy_guarantee, rounded_down
 

@@ -8,9 +8,9 @@ from programs import INF, program
 
 import waybound as wb
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
 from waybound.formulations.tolerance import VECTOR
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.reports.battery.kinds import KINDS
 from waybound.reports.battery.truth import truth
 from waybound.solvers.bounds import BOUNDS

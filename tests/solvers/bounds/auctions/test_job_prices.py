@@ -10,8 +10,8 @@ from knapsack_assignments import enumerated, random_assignment, worked
 
 import waybound as wb
 from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import NEVER, Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.auctions.job_prices import compute
 from waybound.solvers.bounds.linear_relaxation import linear_relaxation_bound

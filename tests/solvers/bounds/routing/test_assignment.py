@@ -10,8 +10,8 @@ import pytest
 from oracles import ASYM_5, GAP_5, SQUARE_4, optimum, routing
 
 from waybound import TotalCost, Vehicles
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.assignment import assignment_bound
 

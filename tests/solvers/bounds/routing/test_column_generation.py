@@ -18,10 +18,11 @@ from small_routing import plane, small
 from truth.routing import best_values, routes
 
 from waybound import Evidence, RoutingProblem, Sites, Travel, VehicleType
-from waybound.formulations.certificate import certify, check_certificate, verified_bound
+from waybound.formulations.certificate import certify, check_certificate
 from waybound.formulations.kernels import kernels
 from waybound.formulations.routing.checking.relaxation import relax
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
 from waybound.solvers.bounds.routing import column_generation

@@ -10,8 +10,8 @@ from small_routing import plane, small, varied
 from truth.routing import best_values
 
 from waybound import Reward, RoutingProblem, Sites, Travel, VehicleType
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import NEVER, Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.routing.travel import EXPLICIT
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.cutting_planes import cutting_planes_bound

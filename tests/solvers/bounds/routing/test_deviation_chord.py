@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from waybound import Energy, RoutingProblem, generate
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.deviation_chord import deviation_chord_bound
 from waybound.solving.bounding import find_bounds

@@ -14,8 +14,8 @@ from truth.routing import best_values
 import waybound as wb
 from waybound import RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.routing.travel import EXPLICIT
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.few_customers import all_routes_bound, customer_sets_bound

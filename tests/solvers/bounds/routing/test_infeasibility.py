@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from waybound import Energy, RoutingProblem, Sites, Travel, VehicleType
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.routing.travel import EXPLICIT
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing import infeasibility

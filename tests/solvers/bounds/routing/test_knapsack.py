@@ -6,8 +6,8 @@ import numpy as np
 from small_routing import small
 
 from waybound import Evidence
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.routing.checking.knapsack import check_knapsack
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.knapsack import knapsack_bound
 

@@ -10,8 +10,8 @@ from small_routing import plane
 from truth.routing import best_values
 
 from waybound import LongestRoute, Makespan, Objective, TotalCost
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.largest_route import averaged_tour, farthest_round_trip
 

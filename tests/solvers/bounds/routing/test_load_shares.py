@@ -8,8 +8,8 @@ import numpy as np
 from small_routing import plane
 
 from waybound import Objective, Reward, RoutingProblem, Sites, TotalCost, Travel, Vehicles, VehicleType
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.routing.travel import EXPLICIT
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.load_shares import load_shares, nearest_moves

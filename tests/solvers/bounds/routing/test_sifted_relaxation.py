@@ -9,8 +9,8 @@ from programs import AnsweredBy
 from scipy.optimize import linprog
 
 from waybound import RoutingProblem, Sites, Travel, VehicleType
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing import sifted_relaxation
 from waybound.solvers.bounds.routing.sifted_relaxation import sifted_relaxation_bound

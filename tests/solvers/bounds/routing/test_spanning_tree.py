@@ -11,8 +11,8 @@ import pytest
 from patience import HANG
 
 from waybound import Makespan, RoutingProblem, Sites, Travel, Vehicles, VehicleType
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.routing.travel import EXPLICIT
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.arcs import arc_costs

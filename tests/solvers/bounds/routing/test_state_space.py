@@ -8,8 +8,8 @@ import pytest
 from small_routing import FEATURES, WHOLE_FAMILY, plane, small, varied
 from truth.routing import best_values
 
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import NEVER, Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.state_space import state_space_bound
 from waybound.solvers.linear_programs import LinearPrograms

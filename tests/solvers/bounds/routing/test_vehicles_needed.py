@@ -10,7 +10,7 @@ from small_routing import WHOLE_FAMILY, few, plane, varied
 from truth.routing import best_values
 
 from waybound import Objective, TotalCost, Vehicles
-from waybound.formulations.certificate import verified_bound
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing.vehicles_needed import fewest_routes, vehicles_needed
 

@@ -13,8 +13,8 @@ from random_sensing import chain_graph, optimum, random_graph
 from ratio_strategies import graphs
 
 from waybound import BottleneckSATA, InputError, MaxMinLP
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.backends.highs import Highs

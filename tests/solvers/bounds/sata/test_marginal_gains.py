@@ -11,8 +11,8 @@ from selection_problems import CONSTRAINTS, KINDS, cover_30, cover_tight, optimu
 
 import waybound as wb
 from waybound import BottleneckSATA, Cardinality, Coverage, Knapsack, PartitionMatroid, SensingGraph, SubmodularSelection, UserFunction
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.sata.marginal_gains import best_prefix, marginal_gains_bound
 

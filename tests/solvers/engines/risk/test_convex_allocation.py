@@ -9,9 +9,9 @@ from risk_problems import around_a_box, margins, problem, risk_of_two_sensors, r
 
 import waybound as wb
 from waybound.api import solve
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import UnsupportedError
 from waybound.instances.risk.allocation import Budget, Risk
 from waybound.reports.benchmarks.risk_allocation import by_program, random_problem

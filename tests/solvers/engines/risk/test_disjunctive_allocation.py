@@ -10,7 +10,7 @@ from risk_problems import around_a_box, problem, run
 
 import waybound as wb
 from waybound.api import solve
-from waybound.formulations.certificate import verified_bound
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 from waybound.solvers.engines.risk.disjunctive_allocation import DisjunctiveAllocation
 

@@ -12,8 +12,9 @@ from random_sensing import chain_graph, even_graph, optimum, random_graph
 from ratio_strategies import graphs
 
 from waybound import BottleneckSATA, Evidence, MaxMinLP, UnsupportedError, UsageError, solve
-from waybound.formulations.certificate import check_certificate, verified_bound
+from waybound.formulations.certificate import check_certificate
 from waybound.formulations.sata.balls import coverage, even_shares
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.engines.sata.saddle import LEAST_GAP, Saddle

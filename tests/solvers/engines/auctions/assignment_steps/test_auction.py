@@ -8,8 +8,8 @@ from bin_assignments import enumerated, random_costs, worked
 from draws import draws
 
 from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import NEVER, Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.engines.auctions.assignment_steps import auction as auctions
 from waybound.solvers.engines.auctions.assignment_steps.auction import auction
 from waybound.solvers.engines.auctions.assignment_steps.sides import sides

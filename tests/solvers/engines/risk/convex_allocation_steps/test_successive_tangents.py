@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from risk_problems import margins, problem
 
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.reports.benchmarks.risk_allocation import compared, reference
 from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents import Interval, SuccessiveTangents, least_margin
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import risky_cases as cases
 
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.risk.risky_path import RiskyPath
 from waybound.formulations.stop import NEVER, Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.risk.occupancy import OccupancyGrid
 from waybound.instances.risk.risky_graph import RiskyGraph
 from waybound.instances.risk.tether import Tether

@@ -8,10 +8,10 @@ from random_sensing import even_graph, optimum, random_graph
 from ratio_strategies import graphs
 from sata_cases import dense_weights
 
-from waybound.formulations.certificate import verified_bound
 from waybound.formulations.sata.balls import coverage, even_shares, weights_bound
 from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds.sata.ball import weights_evidence
 from waybound.solvers.engines.sata.saddle_steps.game import Game, Limits, Record, RegretMatching
 from waybound.solvers.engines.sata.saddle_steps.programs import Programs
