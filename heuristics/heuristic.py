@@ -125,11 +125,13 @@ HEURISTICS: Registry[Heuristic] = Registry("heuristic", "waybound.heuristics.*",
 Run = TypeVar("Run", bound=Callable[..., Outcome])
 
 
-def heuristic(name: str, family: str, features: Iterable[str], summary: str, stated: str = Heuristic.stated) -> Callable[[Run], Run]:
-    """Register the decorated function as the ``run`` of a heuristic of our own for one family of problems."""
+def heuristic(
+    name: str, family: str, features: Iterable[str], summary: str, stated: str = Heuristic.stated, **further: Any
+) -> Callable[[Run], Run]:
+    """Register the decorated function as the ``run`` of a heuristic for one family of problems; ``further`` are fields of ``Heuristic``."""
 
     def add(run: Run) -> Run:
-        HEURISTICS.add(name, Heuristic(name, (family,), frozenset(features), run, summary, stated))
+        HEURISTICS.add(name, Heuristic(name, (family,), frozenset(features), run, summary, stated, **further))
         return run
 
     return add

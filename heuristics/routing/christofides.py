@@ -6,8 +6,7 @@ from typing import Any
 
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Route, Routes
-from ..heuristic import Context, Outcome
-from . import routing_heuristic
+from ..heuristic import Context, Outcome, heuristic
 from .tour_partitioning import FEATURES
 from .tour_steps.cutting import ended, no_time
 from .tour_steps.giant_tour import giant_tour, guaranteed, moving_costs
@@ -18,8 +17,9 @@ def _refuses(problem: Any) -> frozenset[str]:
     return frozenset({"capacity"}) if full else frozenset()
 
 
-@routing_heuristic(
-    "christofides", FEATURES, "one tour from a spanning tree and a matching, for a vehicle that can serve all",
+@heuristic(
+    "christofides",
+    "routing", FEATURES, "one tour from a spanning tree and a matching, for a vehicle that can serve all",
     stated="3/2, where distances are metric", refuses=_refuses,
 )  # fmt: skip
 def christofides(problem: RoutingProblem, context: Context, *, improve: bool = True) -> Outcome:

@@ -9,8 +9,7 @@ import numpy as np
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Route, Routes
 from ...instances.errors import UsageError
-from ..heuristic import CUT_SHORT, Context, Outcome
-from . import routing_heuristic
+from ..heuristic import CUT_SHORT, Context, Outcome, heuristic
 from .tour_steps.cutting import ended, visits_by_route
 from .tour_steps.distance_matrices import travel_matrices
 
@@ -23,7 +22,7 @@ FEATURES = frozenset(
 )  # fmt: skip
 
 
-@routing_heuristic("greedy-assignment", FEATURES, "the vehicle that is free first takes the nearest site")
+@heuristic("greedy-assignment", "routing", FEATURES, "the vehicle that is free first takes the nearest site")
 def greedy_assignment(problem: RoutingProblem, context: Context) -> Outcome:
     """The vehicle that is free first takes the nearest site that it can still bring home, until no vehicle can take any.
 
@@ -35,7 +34,7 @@ def greedy_assignment(problem: RoutingProblem, context: Context) -> Outcome:
     return _assigned(problem, context, math.nan)
 
 
-@routing_heuristic("pure-greedy", FEATURES, "the vehicle that is free first takes the site of the largest reward less weighted distance")
+@heuristic("pure-greedy", "routing", FEATURES, "the vehicle that is free first takes the site of the largest reward less weighted distance")
 def pure_greedy(problem: RoutingProblem, context: Context, *, distance_weight: float = 0.0) -> Outcome:
     """The vehicle that is free first takes the site of the largest reward less weighted distance that it can still bring home.
 

@@ -7,8 +7,7 @@ import numpy as np
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Route, Routes
 from ...instances.errors import UsageError
-from ..heuristic import CUT_SHORT, Context, Outcome
-from . import routing_heuristic
+from ..heuristic import CUT_SHORT, Context, Outcome, heuristic
 from .tour_steps.cutting import ended, visits_by_route
 from .tour_steps.distance_matrices import site_data
 
@@ -21,7 +20,7 @@ FEATURES = frozenset(
 RULES = ("density", "reward")
 
 
-@routing_heuristic("greedy-orienteering", FEATURES, "the site of the largest reward, or reward for the distance it adds, while any fits")
+@heuristic("greedy-orienteering", "routing", FEATURES, "the site of the largest reward, or reward for the distance it adds, while any fits")
 def greedy_orienteering(problem: RoutingProblem, context: Context, *, by: str | None = None) -> Outcome:
     """Add one site after the other where it adds the least distance, while any fits.
 

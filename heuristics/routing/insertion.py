@@ -9,8 +9,7 @@ from typing import Any
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
 from ...instances.errors import UsageError
-from ..heuristic import Context, Outcome
-from . import routing_heuristic
+from ..heuristic import Context, Outcome, heuristic
 from .savings import FEATURES
 from .tour_steps.cutting import ended, in_turn, no_time, routes_of, too_many
 from .tour_steps.distance_matrices import site_data
@@ -19,8 +18,9 @@ SEEDS = ("farthest", "earliest-due")
 TIMED = frozenset({"time-windows", "depot-windows"})
 
 
-@routing_heuristic(
-    "insertion", FEATURES | {"objective:vehicles", "objective:priorities", "objective:weights"},
+@heuristic(
+    "insertion",
+    "routing", FEATURES | {"objective:vehicles", "objective:priorities", "objective:weights"},
     "Solomon's sequential insertion I1, with windows and route limits",
 )  # fmt: skip
 def insertion(

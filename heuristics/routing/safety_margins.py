@@ -31,8 +31,7 @@ from ...instances.routing.features import RISKS
 from ...solvers.backend import Control, Engine, Options, solver_named
 from ...solvers.backends.highs import Highs
 from ...solvers.engines.routing.pyvrp import PyVRP
-from ..heuristic import Context, Outcome
-from . import routing_heuristic
+from ..heuristic import Context, Outcome, heuristic
 from .tour_steps.cutting import ended
 
 if TYPE_CHECKING:
@@ -72,8 +71,9 @@ def _opens(problem: Any) -> bool:
     return len(problem.customers) > EXACT or not any(FORMS[name].exactness is Exactness.EXACT for name in forms)
 
 
-@routing_heuristic(
-    "safety-margins", (PyVRP.features | RISKS) - {"time-windows", "several-windows", "energy:travel"},
+@heuristic(
+    "safety-margins",
+    "routing", (PyVRP.features | RISKS) - {"time-windows", "several-windows", "energy:travel"},
     "PyVRP, or another engine, with margins for uncertain durations, fitted to the risk of routes and team",
     refuses=_refuses, opens=_opens,
 )  # fmt: skip

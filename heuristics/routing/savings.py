@@ -12,8 +12,7 @@ from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...instances.memory import fits, readable
 from ...instances.routing.travel import Travel
-from ..heuristic import CUT_SHORT, Context, Outcome
-from . import routing_heuristic
+from ..heuristic import CUT_SHORT, Context, Outcome, heuristic
 from .tour_steps.distance_matrices import Floats, Sites
 
 FEATURES = frozenset(
@@ -43,8 +42,9 @@ STRIP = 1 << 22
 """Distances that are looked at between two looks at the time."""
 
 
-@routing_heuristic(
-    "savings", FEATURES | {"objective:vehicles", "objective:priorities", "objective:weights"},
+@heuristic(
+    "savings",
+    "routing", FEATURES | {"objective:vehicles", "objective:priorities", "objective:weights"},
     "Clarke and Wright's parallel savings, with windows and route limits",
     opens=lambda problem: problem.family == "routing" and problem.size > SLOW_TO_BEGIN,
 )  # fmt: skip

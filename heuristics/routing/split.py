@@ -11,8 +11,7 @@ from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
 from ...formulations.stop import Stop
 from ...instances.errors import UsageError
-from ..heuristic import Context, Outcome
-from . import routing_heuristic
+from ..heuristic import Context, Outcome, heuristic
 from .insertion import insertion
 from .savings import FEATURES
 from .tour_partitioning import pieces_of, radial_guarantee
@@ -25,8 +24,9 @@ FLEET_STATES = 50_000_000
 """Vehicles times customers up to which a limited fleet is part of the search."""
 
 
-@routing_heuristic(
-    "split", FEATURES, "a tour through all customers, cut into routes in the best way; with windows and limits",
+@heuristic(
+    "split",
+    "routing", FEATURES, "a tour through all customers, cut into routes in the best way; with windows and limits",
     stated="that of tour-partitioning, without windows and limits",
 )  # fmt: skip
 def split(problem: RoutingProblem, context: Context, *, tour: str = "christofides", improve: bool = True, starts: int = 50) -> Outcome:

@@ -11,8 +11,7 @@ from ...formulations.evidence import Guarantee
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Route, Routes
 from ...formulations.tolerance import widened
-from ..heuristic import Context, Outcome
-from . import routing_heuristic
+from ..heuristic import Context, Outcome, heuristic
 from .tour_steps.cutting import ended, in_turn, no_time, routes_of, too_many
 from .tour_steps.distance_matrices import Flags, Floats
 from .tour_steps.giant_tour import GiantTour, giant_tour, guaranteed, in_rows, moving_costs
@@ -79,8 +78,9 @@ def radial_guarantee(problem: RoutingProblem, tour: GiantTour, value: float, *, 
     return guaranteed(tour, value, averaged, pieces.times, pieces.share, statement, pieces.assumptions, source, plain)
 
 
-@routing_heuristic(
-    "tour-partitioning", FEATURES, "a tour through all customers, cut wherever a vehicle is full",
+@heuristic(
+    "tour-partitioning",
+    "routing", FEATURES, "a tour through all customers, cut wherever a vehicle is full",
     stated="5/2 - 3/(2Q) for equal demands, 7/2 - 3/Q for others, with Christofides' tour, where distances are metric",
 )  # fmt: skip
 def tour_partitioning(problem: RoutingProblem, context: Context, *, tour: str = "christofides", improve: bool = True) -> Outcome:

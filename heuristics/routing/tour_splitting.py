@@ -7,8 +7,7 @@ import numpy as np
 from ...formulations.routing.objective import LongestRoute
 from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Routes
-from ..heuristic import Context, Outcome
-from . import routing_heuristic
+from ..heuristic import Context, Outcome, heuristic
 from .tour_steps.cutting import ended, in_turn, no_time, routes_of
 from .tour_steps.giant_tour import giant_tour, guaranteed, in_rows, moving_costs
 
@@ -19,8 +18,9 @@ FEATURES = frozenset(
 SOURCE = "Frederickson, Hecht and Kim (1978), Approximation algorithms for some routing problems, SIAM Journal on Computing 7, theorem 4"
 
 
-@routing_heuristic(
-    "tour-splitting", FEATURES, "a tour through all customers, cut so that the longest route is short",
+@heuristic(
+    "tour-splitting",
+    "routing", FEATURES, "a tour through all customers, cut so that the longest route is short",
     stated="5/2 - 1/k for k vehicles, with Christofides' tour, where moves are metric",
 )  # fmt: skip
 def tour_splitting(problem: RoutingProblem, context: Context, *, tour: str = "christofides", improve: bool = True) -> Outcome:

@@ -10,7 +10,6 @@ import numpy as np
 
 from ....formulations.arrays.problem import ArrayProblem
 from ....formulations.evidence import ENDLESS, Evidence
-from ....formulations.problem import Problem
 from ....formulations.programs.program import Floats, Program
 from ....formulations.programs.reductions.units import scaled
 from ....formulations.stop import NEVER, Stop
@@ -18,7 +17,7 @@ from ...backend import Control, Options
 from ...backends.highs import Highs
 from ...linear_programs import LinearPrograms
 from ...linear_session import LinearSession
-from .. import BOUNDS, BoundMethod
+from .. import BOUNDS, BoundMethod, of_family
 from ..linear_relaxation import ENTRIES_PER_SECOND
 
 DENOMINATORS = (1, 12, 1000, 10**6)
@@ -81,9 +80,7 @@ def _whole(ray: Floats, denominator: int) -> Floats:
     return np.array([float(f * factor) if abs(f * factor) < 2**53 else math.nan for f in near])
 
 
-def _missing(problem: Problem) -> frozenset[str]:
-    if not isinstance(problem, ArrayProblem):
-        return frozenset({f"{problem.family} problems"})
+def _lacks(problem: ArrayProblem) -> frozenset[str]:
     p = problem.program
     missing = {"a quadratic objective"} if p.quadratic is not None else set()
     missing |= {"cones"} if p.cones else set()
@@ -92,4 +89,4 @@ def _missing(problem: Problem) -> frozenset[str]:
     return frozenset(missing | (set() if gains.any() else {"bounds on all that gains"}))
 
 
-BOUNDS.add("endless-ray", BoundMethod("endless-ray", _missing, endless_ray, order=8))
+BOUNDS.add("endless-ray", BoundMethod("endless-ray", of_family("arrays", _lacks), endless_ray, order=8))

@@ -9,7 +9,6 @@ import numpy as np
 
 from ....formulations.arrays.problem import ArrayProblem
 from ....formulations.evidence import Evidence
-from ....formulations.problem import Problem
 from ....formulations.programs.duals import dual_value
 from ....formulations.programs.program import QUADRATIC
 from ....formulations.stop import NEVER, Stop
@@ -17,7 +16,7 @@ from ....formulations.verified_bounds import verified_bound
 from ...backend import Control, Options
 from ...backends.highs import Highs
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
+from .. import BOUNDS, BoundMethod, of_family
 from ..linear_relaxation import ENTRIES_PER_SECOND, vertex
 
 
@@ -48,11 +47,9 @@ def tangent_bound(problem: ArrayProblem, stop: Stop = NEVER, linear: LinearProgr
     return evidence if math.isfinite(verified_bound(problem, evidence)) else None
 
 
-def _missing(problem: Problem) -> frozenset[str]:
-    if not isinstance(problem, ArrayProblem):
-        return frozenset({f"{problem.family} problems"})
+def _lacks(problem: ArrayProblem) -> frozenset[str]:
     features = problem.program.features()
     return frozenset() if features >= QUADRATIC and not problem.program.cones else frozenset({"a linear objective, or cones"})
 
 
-BOUNDS.add("tangent", BoundMethod("tangent", _missing, tangent_bound, order=2))
+BOUNDS.add("tangent", BoundMethod("tangent", of_family("arrays", _lacks), tangent_bound, order=2))

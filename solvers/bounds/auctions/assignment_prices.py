@@ -9,8 +9,7 @@ from ....formulations.stop import Stop
 from ...engines.auctions.assignment_steps.auction import auction
 from ...engines.auctions.threshold_matching import least_threshold
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
-from .data_bounds import only
+from .. import BOUNDS, BoundMethod, of_family
 
 if TYPE_CHECKING:
     from ....formulations.auctions.bin_assignment import BinAssignment
@@ -32,4 +31,4 @@ KERNELS = (
 )
 
 
-BOUNDS.add("assignment-prices", BoundMethod("assignment-prices", only("bin-assignment"), compute, order=1, kernels=KERNELS))
+BOUNDS.add("assignment-prices", BoundMethod("assignment-prices", of_family("bin-assignment"), compute, order=1, kernels=KERNELS))

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from ....formulations.evidence import CHECKERS, Evidence
-from .. import BOUNDS, BoundMethod
-
-
-def only(family: str) -> Callable[[Any], frozenset[str]]:
-    """The ``missing`` function of a bound method for one family."""
-    return lambda problem: frozenset() if problem.family == family else frozenset({f"{problem.family} problems"})
+from .. import BOUNDS, BoundMethod, of_family
 
 
 def _add(kind: str, family: str, source: str, *, valued: bool = False) -> None:
     def compute(problem: Any, *_: Any) -> Evidence:
         return Evidence(kind, source, CHECKERS[kind](problem, {}) if valued else 0.0, {})
 
-    BOUNDS.add(kind, BoundMethod(kind, only(family), compute))
+    BOUNDS.add(kind, BoundMethod(kind, of_family(family), compute))
 
 
 _add("average-part", "balanced-partition", "mean of what all parts must cost")

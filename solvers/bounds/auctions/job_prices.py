@@ -12,9 +12,8 @@ from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
+from .. import BOUNDS, BoundMethod, of_family
 from ..linear_relaxation import linear_relaxation_bound
-from .data_bounds import only
 
 if TYPE_CHECKING:
     from ....formulations.auctions.generalised_assignment import GeneralisedAssignment
@@ -136,7 +135,7 @@ def _filled(gain: Floats, used: Longs, most: int) -> tuple[float, Longs]:
 BOUNDS.add(
     "job-prices",
     BoundMethod(
-        "job-prices", only("generalised-assignment"), compute, order=1, aims=True,
+        "job-prices", of_family("generalised-assignment"), compute, order=1, aims=True,
         replaces=lambda problem: frozenset({"linear-relaxation"} if problem.family == "generalised-assignment" else ()),
     ),
 )  # fmt: skip

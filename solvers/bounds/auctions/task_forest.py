@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
-from .data_bounds import only
+from .. import BOUNDS, BoundMethod, of_family
 
 if TYPE_CHECKING:
     from ....formulations.auctions.task_allocation import TaskAllocation
@@ -26,12 +25,6 @@ PATIENCE = 25
 
 SHORTEST = 1e-4
 """The least part of the value that a step aims at."""
-
-
-def missing(problem: Any) -> frozenset[str]:
-    """The mean way, about which a forest says little, and other families."""
-    lacking = only("task-allocation")(problem)
-    return lacking or (frozenset({"objective:mini-ave"}) if problem.objective == "mini-ave" else frozenset())
 
 
 def compute(problem: TaskAllocation, stop: Stop, linear: LinearPrograms) -> Evidence | None:
@@ -72,4 +65,7 @@ def compute(problem: TaskAllocation, stop: Stop, linear: LinearPrograms) -> Evid
 
 KERNELS = ("waybound.solvers.bounds.auctions.forest_kernels",)
 
-BOUNDS.add("task-forest", BoundMethod("task-forest", missing, compute, order=1, kernels=KERNELS))
+MISSING = of_family("task-allocation", lambda problem: problem.features() & {"objective:mini-ave"})
+"""A forest says little about the mean way."""
+
+BOUNDS.add("task-forest", BoundMethod("task-forest", MISSING, compute, order=1, kernels=KERNELS))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -12,12 +11,7 @@ from ....formulations.risk.risk_allocation import Ints, RiskAllocation
 from ....formulations.stop import Stop
 from ...engines.risk.convex_allocation_steps.successive_tangents import Interval, SuccessiveTangents
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
-
-
-def missing(problem: Any) -> frozenset[str]:
-    """Features for which it proves nothing."""
-    return frozenset() if problem.family == "risk-allocation" else frozenset({f"{problem.family} problems"})
+from .. import BOUNDS, BoundMethod, of_family
 
 
 def compute(problem: RiskAllocation, stop: Stop, linear: LinearPrograms) -> Evidence | None:
@@ -42,7 +36,7 @@ def part_evidence(problem: RiskAllocation, rows: Ints, interval: Interval) -> tu
 BOUNDS.add(
     "convex-allocation",
     BoundMethod(
-        "convex-allocation", missing, compute, order=1,
+        "convex-allocation", of_family("risk-allocation"), compute, order=1,
         replaces=lambda problem: frozenset({"linear-relaxation"}) if problem.family == "risk-allocation" else frozenset(),
     ),
 )  # fmt: skip

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 from ....formulations.evidence import Evidence
 from ....formulations.risk.risky_path import RiskyPath
@@ -15,7 +13,7 @@ from ....formulations.verified_bounds import verified_bound
 from ...engines.risk.risky_path_steps.least_hazard import least_hazard
 from ...engines.risk.supported_paths import supported_paths
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
+from .. import BOUNDS, BoundMethod, of_family
 
 
 def move_potentials(problem: RiskyPath, stop: Stop, linear: LinearPrograms) -> Evidence | None:
@@ -51,14 +49,13 @@ def path_potentials(problem: UncertainPath, stop: Stop, linear: LinearPrograms) 
     return supported_paths(problem, stop).evidence(problem)
 
 
-def _missing(family: str, *features: str) -> Callable[[Any], frozenset[str]]:
-    return lambda problem: problem.features() & set(features) if problem.family == family else frozenset({f"{problem.family} problems"})
-
+REWARDS = of_family("risky-path", lambda problem: problem.features() & {"objective:risk", "objective:hazard"})
+RISKS = of_family("risky-path", lambda problem: problem.features() & {"objective:reward-per-risk"})
 
 for _method in (
-    BoundMethod("move-potentials", _missing("risky-path"), move_potentials),
-    BoundMethod("guarded-walks", _missing("risky-path", "objective:reward-per-risk"), guarded_walks, order=8, aims=True),
-    BoundMethod("all-paths", _missing("risky-path", "objective:risk", "objective:hazard"), all_paths, order=8, aims=True),
-    BoundMethod("path-potentials", _missing("uncertain-path"), path_potentials),
+    BoundMethod("move-potentials", of_family("risky-path"), move_potentials),
+    BoundMethod("guarded-walks", RISKS, guarded_walks, order=8, aims=True),
+    BoundMethod("all-paths", REWARDS, all_paths, order=8, aims=True),
+    BoundMethod("path-potentials", of_family("uncertain-path"), path_potentials),
 ):
     BOUNDS.add(_method.name, _method)

@@ -20,7 +20,7 @@ from ....formulations.stop import NEVER, Stop
 from ....instances.errors import InputError
 from ....instances.sata.sensing_graph import SensingGraph
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
+from .. import BOUNDS, BoundMethod, of_family
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
@@ -148,10 +148,6 @@ def ball_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | No
     return None if evidence is None else robots.evidence(evidence)
 
 
-def _missing(problem: Problem) -> frozenset[str]:
-    if problem.family != "max-min":
-        return frozenset({f"{problem.family} problems"})
-    return problem.features() & {"min-max", "several-packing-rows"}
+MISSING = of_family("max-min", lambda problem: problem.features() & {"min-max", "several-packing-rows"})
 
-
-BOUNDS.add("ball", BoundMethod("ball", _missing, ball_bound, order=1))
+BOUNDS.add("ball", BoundMethod("ball", MISSING, ball_bound, order=1))

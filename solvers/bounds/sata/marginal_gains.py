@@ -15,7 +15,7 @@ from ....formulations.verified_bounds import verified_bound
 from ....instances.sata.constraints import Knapsack, LimitRows, PartitionMatroid
 from ....instances.sata.set_functions import Floats, ItemWeights
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod
+from .. import BOUNDS, BoundMethod, of_family
 from .growing_sets import WeightedSet, empty_set
 
 if TYPE_CHECKING:
@@ -146,13 +146,11 @@ def _picked(problem: SubmodularSelection, stop: Stop) -> list[int]:
     return picks
 
 
-def _missing(problem: Problem) -> frozenset[str]:
-    if problem.family != "selection":
-        return frozenset({f"{problem.family} problems"})
-    f = problem.function  # type: ignore[attr-defined]
+def _lacks(problem: SubmodularSelection) -> frozenset[str]:
+    f = problem.function
     return frozenset() if f.monotone and f.submodular else frozenset({"a function that is declared monotone and submodular"})
 
 
 KERNELS = ("waybound.solvers.bounds.sata.gain_kernels",)
 
-BOUNDS.add("marginal-gains", BoundMethod("marginal-gains", _missing, marginal_gains_bound, order=1, kernels=KERNELS))
+BOUNDS.add("marginal-gains", BoundMethod("marginal-gains", of_family("selection", _lacks), marginal_gains_bound, order=1, kernels=KERNELS))
