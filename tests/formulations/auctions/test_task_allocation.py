@@ -44,7 +44,7 @@ def test_it_is_read_from_files_with_its_setting(tmp_path):
     assert (problem.problem, problem.objective, problem.features()) == ("task-allocation", "mini-max", {"objective:mini-max"})
     with pytest.raises(UsageError, match="objective must be one of mini-sum, mini-max, mini-ave"):
         wb.read(tmp_path / "t.csv", objective="mini-mean")
-    with pytest.raises(UsageError, match="task-allocation has no setting vehicles"):
+    with pytest.raises(UsageError, match="task-allocation has no setting 'vehicles'"):
         wb.read(tmp_path / "t.csv", vehicles=3)
 
 
