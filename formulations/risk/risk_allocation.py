@@ -17,10 +17,9 @@ from ...instances.generators.settings import Setting
 from ...instances.printable import printable
 from ...instances.risk.allocation import MOST_RISK, RISKS, Risk, RiskAllocationInstance
 from ...instances.risk.allocation_arrays import allocation_from_arrays
-from ...instances.suggestions import did_you_mean
 from ..evaluation import Evaluation
 from ..evidence import Evidence
-from ..problem import PROBLEMS, Decision, Problem
+from ..problem import PROBLEMS, Decision, Problem, refuse_settings
 from .allocations import Allocation, allocation_from_json, contradiction
 from .joint_normal import MORE_POINTS, POINTS, Probability, any_fails
 from .judge import evaluate_allocation, judged_slack, safest_risks
@@ -410,11 +409,8 @@ class RiskAllocation(Problem):
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RiskAllocation:
     if not isinstance(instance, RiskAllocationInstance):
         raise UsageError(f"{instance.name} holds no chance constraints, so it cannot be read as {problem}")
-    settings = {key: value for key, value in settings.items() if key != "convention" or value != "exact"}
-    unknown = settings.keys() - SETTINGS.keys()
-    if unknown:
-        raise UsageError(f"{problem} has no setting {min(unknown)!r}; it takes {', '.join(SETTINGS)}{did_you_mean(min(unknown), SETTINGS)}")
-    values = {key: SETTINGS[key].value(key, value) for key, value in settings.items()}
+    refuse_settings(problem, settings, tuple(SETTINGS))
+    values = {key: SETTINGS[key].value(key, value) for key, value in settings.items() if key != "convention"}
     changes: dict[str, Any] = {"kind": values["risk"]} if values.get("risk") else {}
     if values.get("total") is not None:
         old = instance.risk

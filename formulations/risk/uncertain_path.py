@@ -15,7 +15,7 @@ from ...instances.generators.settings import Setting
 from ...instances.instance import digest, with_settings
 from ...instances.risk.uncertain_graph import UncertainGraph
 from ..evaluation import Checklist, Evaluation
-from ..problem import PROBLEMS, Problem
+from ..problem import PROBLEMS, Problem, refuse_settings
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -159,9 +159,5 @@ def make(instance: Any, name: str, settings: dict[str, Any]) -> UncertainPath:
     """The problem of an instance; setting ``risk``."""
     if not isinstance(instance, UncertainGraph):
         raise UsageError(f"{instance.name} holds no graph of uncertain costs, so it cannot be read as {name}")
-    if settings.pop("convention", None) not in (None, "exact"):
-        raise UsageError(f"{name} problems have no distances to round: the convention can only be exact")
-    risk = RISK.value("risk", settings.pop("risk", RISK.default))
-    if settings:
-        raise UsageError(f"{name} has no setting {', '.join(settings)}; it takes risk")
-    return UncertainPath(instance, risk)
+    refuse_settings(name, settings, ("risk",))
+    return UncertainPath(instance, RISK.value("risk", settings.get("risk", RISK.default)))

@@ -85,7 +85,7 @@ def test_risks_beyond_one_half_and_none_are_refused(risk):
 
 
 def test_settings_and_instances_of_others_are_refused():
-    with pytest.raises(UsageError, match="uncertain-path has no setting speed; it takes risk"):
+    with pytest.raises(UsageError, match="uncertain-path has no setting 'speed'; it takes risk"):
         problem_from_instance(graph_of(WORKED), speed=1)
     with pytest.raises(UsageError, match="the convention can only be exact"):
         problem_from_instance(graph_of(WORKED), convention="round")
