@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import pytest
+
+from waybound.formulations.kernels import kernel_modules, kernels
 
 FULL = os.environ.get("WAYBOUND_HOSTILE") == "1"
 """Whether the full counts are run."""
@@ -21,6 +23,20 @@ FULL = os.environ.get("WAYBOUND_HOSTILE") == "1"
 def share() -> Callable[[int, int], int]:
     """``share(few, all)``: the number of cases to run here."""
     return lambda few, full: full if FULL else few
+
+
+@pytest.fixture(scope="session", autouse=FULL)
+def compiled() -> Callable[[Iterable[str]], None]:
+    """``compiled(modules)`` compiles the loops of modules. The full counts begin with all of them: they are about searching."""
+
+    def compile_all(modules: Iterable[str]) -> None:
+        for kernel in (kernel for module in modules for kernel in kernels(module)):
+            if not kernel.kept():
+                kernel.make()
+
+    if FULL:
+        compile_all(kernel_modules())
+    return compile_all
 
 
 @pytest.fixture
