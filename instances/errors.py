@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 from os import PathLike
+from typing import Literal
 
 from .printable import one_line
+
+Code = Literal[
+    "malformed", "missing", "duplicate", "unknown-name", "out-of-range", "wrong-shape", "contradiction", "ambiguous", "foreign",
+    "unsupported", "too-large", "file", "missing-package", "no-answer", "search-failed", "check-failed", "internal",
+]  # fmt: skip
+"""What is wrong, for programs that read errors; messages may change their words, codes do not. docs/errors.md says what each means."""
 
 
 class WayboundError(Exception):
@@ -12,14 +19,19 @@ class WayboundError(Exception):
 
     Attributes
     ----------
+    code : str
+        What is wrong, one of ``Code``.
     exit_code : int
         Exit code of the command line when this error ends a command.
     """
 
+    code: Code = "internal"
     exit_code = 1
 
-    def __init__(self, message: str = "") -> None:
+    def __init__(self, message: str = "", code: Code | None = None) -> None:
         super().__init__(one_line(message))
+        if code is not None:
+            self.code = code
 
 
 class InputError(WayboundError):
@@ -29,6 +41,8 @@ class InputError(WayboundError):
     ----------
     message : str
         What is wrong, in the words of the input.
+    code : str
+        The same for programs.
     file : path-like, optional
         The file that was read.
     line : int, optional
@@ -37,11 +51,13 @@ class InputError(WayboundError):
         What should stand there, and what stands there.
     """
 
+    code = "malformed"
     exit_code = 2
 
     def __init__(
         self,
         message: str,
+        code: Code | None = None,
         *,
         file: str | PathLike[str] | None = None,
         line: int | None = None,
@@ -60,12 +76,13 @@ class InputError(WayboundError):
             text += f"; expected {expected}"
         if found is not None:
             text += f"; found {found}"
-        super().__init__(text)
+        super().__init__(text, code)
 
     def at(self, file: str | PathLike[str] | None = None, line: int | None = None) -> InputError:
         """The same error with a place, where it has none yet."""
         return InputError(
             self.message,
+            self.code,
             file=self.file if self.file is not None else file,
             line=self.line if self.line is not None else line,
             expected=self.expected,
@@ -76,6 +93,7 @@ class InputError(WayboundError):
 class UsageError(WayboundError):
     """An option, a name or a combination of them that does not exist."""
 
+    code = "contradiction"
     exit_code = 2
 
 
@@ -94,6 +112,7 @@ class UnsupportedError(WayboundError):
         Where ``who`` is none of several: the one that lacks the fewest.
     """
 
+    code = "unsupported"
     exit_code = 2
 
     def __init__(self, who: str, missing: object, others: object = (), nearest: str = "") -> None:
@@ -112,22 +131,27 @@ class UnsupportedError(WayboundError):
 class MissingPackageError(WayboundError):
     """A package that an optional part needs is not installed."""
 
+    code = "missing-package"
     exit_code = 2
 
 
 class NoAnswerError(WayboundError):
     """The limit was reached before any verified answer was found."""
 
+    code = "no-answer"
     exit_code = 4
 
 
 class SearchFailedError(WayboundError):
     """A solver or a heuristic failed before it found any answer; its own error is the cause."""
 
+    code = "search-failed"
+
 
 class CheckFailedError(WayboundError):
     """A check failed: an answer, a bound or a solver's claim does not hold up."""
 
+    code = "check-failed"
     exit_code = 5
 
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+from typing import get_args
+
 import pytest
 
 from waybound.instances import errors as e
@@ -41,3 +45,10 @@ def test_where_none_has_all_features_the_nearest_is_named_with_what_it_lacks() -
 def test_every_error_has_the_exit_code_of_the_design(kind: type[e.WayboundError], code: int) -> None:
     assert kind("x").exit_code == code
     assert issubclass(kind, e.WayboundError)
+
+
+def test_codes_are_those_of_the_page_and_stay_with_an_error_that_is_given_a_place() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "errors.md").read_text(encoding="utf-8")
+    assert re.findall(r"^\| `([a-z-]+)` \| ", page, flags=re.MULTILINE)[1:] == list(get_args(e.Code))
+    assert (e.InputError("x").code, e.UsageError("x").code, e.WayboundError().code) == ("malformed", "contradiction", "internal")
+    assert e.InputError("x", "duplicate", line=3).at(file="a").code == "duplicate"

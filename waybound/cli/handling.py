@@ -85,11 +85,12 @@ def _from_an_interrupt(error: BaseException | None) -> bool:
 
 
 def print_failure(message: str, code: int, error: BaseException | None = None) -> None:
-    """The one object that ``--json`` promises where a command fails: ``error``, ``code``, and the place in a file where it has one."""
+    """The one object that ``--json`` promises where a command fails (docs/errors.md)."""
     from .output import print_json
 
     place = {"file": str(error.file), "line": error.line} if isinstance(error, InputError) and error.file is not None else {}
-    failure = {"error": one_line(message), "code": code, **place}
+    kind = {"error_code": error.code} if isinstance(error, WayboundError) else {}
+    failure = {"error": one_line(message), "code": code, **kind, **place}
     with contextlib.suppress(InputError):  # standard output cannot be written to
         print_json({key: value for key, value in failure.items() if value is not None})
 
