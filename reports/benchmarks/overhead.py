@@ -59,7 +59,7 @@ def integers(problem: RoutingProblem, engine: str = "pyvrp") -> dict[str, Any]:
     from waybound.solvers.engines.routing import ortools_model, vroom
     from waybound.solvers.engines.routing.integer_scales import UNLIMITED
     from waybound.solvers.engines.routing.pyvrp import load_factor
-    from waybound.solvers.engines.routing.routing_integers import integer_routing
+    from waybound.solvers.engines.routing.routing_integers import integer_routing, with_slope
     from waybound.solvers.engines.routing.vroom import Priorities, priorities, vroom_integers
 
     sites, fleet = problem.sites, problem.fleet
@@ -70,8 +70,8 @@ def integers(problem: RoutingProblem, engine: str = "pyvrp") -> dict[str, Any]:
         data = replace(data, prize=np.array([asked.of.get(site, 0) for site in range(len(sites))]))
     else:
         data = integer_routing(problem)
-    if engine == "ortools":
-        data = ortools_model.short_ways(problem, data)
+    if engine != "vroom":
+        data = with_slope(problem, data)
     loads = load_factor(data) if engine == "pyvrp" else 1
     column: Callable[[Any], Any] = lambda values: loads * (values[:, 0] if values.shape[1] else np.zeros(len(values), np.int64))  # noqa: E731
     limited = bool((data.max_distance != UNLIMITED).any()) and engine != "vroom"  # which has a matrix for costs, and one for limits

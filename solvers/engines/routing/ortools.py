@@ -15,8 +15,8 @@ from ....instances.errors import UsageError
 from ...backend import BACKENDS, Control, Options, RawResult
 from ...own_options import own_options
 from .bisection import USUAL_FEATURES, Bisecting
-from .ortools_model import Model, short_ways
-from .routing_integers import IntegerRouting, entangled, integer_routing
+from .ortools_model import Model
+from .routing_integers import IntegerRouting, entangled, integer_routing, with_slope
 from .routing_objective import awaited, claimed_objective, stops_between, unscalable
 
 if TYPE_CHECKING:
@@ -122,9 +122,9 @@ class _Search:
     """One run: publishes its incumbents and asks for its end from within the library's callback."""
 
     def __init__(self, problem: RoutingProblem, data: IntegerRouting, options: Options, control: Control, began: float) -> None:
-        self.problem, self.data, self.options, self.control = problem, short_ways(problem, data), options, control
-        self.shorter = self.data is not data
-        self.rewarded = self.shorter and not stops_between(problem)
+        self.problem, self.data, self.options, self.control = problem, with_slope(problem, data), options, control
+        self.sloped = self.data is not data
+        self.rewarded = self.sloped and bool(data.prize.any()) and not (data.fixed.any() or stops_between(problem))
         self.began, self.ends = began, began + options.time_limit
         self.solutions = 0
         self.publish_at = 0.0
@@ -222,7 +222,7 @@ class _Search:
 
     def _claim(self, cost: int, model: Model, answer: Routes) -> float | None:
         data = self.data
-        if self.shorter or data.maxima.any() or ((data.time.any() or data.overtime.any()) and not data.scales["exact"]):
+        if self.sloped or data.maxima.any() or ((data.time.any() or data.overtime.any()) and not data.scales["exact"]):
             # Durations are rounded up, move by move, and the largest value is counted from the earliest departure.
             return self.problem.evaluate(answer).values[0] if len(self.problem.senses) == 1 else None
         return claimed_objective(self.problem, (cost - model.offset) / data.cost_factor)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -26,28 +25,6 @@ TIMED = frozenset(
     }
 )  # fmt: skip
 """Features for which the library has to know when a vehicle is where."""
-
-
-def short_ways(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:
-    """The data with a price of distance where none has any, but rewards alone count or vehicles stop on the way.
-
-    The shorter of equal answers is better then: otherwise the library's search has no direction, and ends with the first routes that are
-    full.
-    """
-    costs = {name: getattr(data, name) for name in ("fixed", "time", "overtime", "maxima", "prize")}
-    stops = stops_between(problem)
-    if data.unit.any() or not (stops or (data.prize.any() and not any(v.any() for name, v in costs.items() if name != "prize"))):
-        return data
-    step = max(1, int(np.gcd.reduce(np.concatenate([*costs.values()]))))
-    moves = 2 * len(problem.customers) * (1 + stops)  # of any answer
-    longest, slowest = (moves * max(int(getattr(m, name).max(initial=0)) for m in data.moves) for name in ("distance", "duration"))
-    most = 1 + sum(int((v // step).sum()) for v in costs.values())
-    if data.time.any() or data.overtime.any() or data.maxima.any():
-        most *= 1 + longest + slowest + moves * int(data.service.max()) + int(max(data.opens.max(), data.ready.max()))
-    if (1 + longest) * most > UNLIMITED // 4:
-        return data
-    scaled = {name: v // step * (1 + longest) for name, v in costs.items()}
-    return replace(data, **scaled, unit=np.ones_like(data.unit), cost_factor=data.cost_factor * (1 + longest) / step)
 
 
 class Model:

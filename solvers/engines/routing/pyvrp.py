@@ -19,7 +19,7 @@ from ...backend import BACKENDS, Control, Options, RawResult
 from ...own_options import own_options
 from .bisection import USUAL_FEATURES, Bisecting
 from .integer_scales import UNLIMITED, Integers
-from .routing_integers import IntegerRouting, entangled, integer_routing
+from .routing_integers import IntegerRouting, entangled, integer_routing, with_slope
 from .routing_objective import claimed_objective, unscalable
 
 if TYPE_CHECKING:
@@ -90,7 +90,8 @@ class _Search:
     """One run: stops it, publishes its incumbents, and translates its answers."""
 
     def __init__(self, problem: RoutingProblem, data: IntegerRouting, options: Options, control: Control, began: float) -> None:
-        self.problem, self.data, self.options, self.control, self.began = problem, data, options, control, began
+        self.problem, self.data, self.options, self.control, self.began = problem, with_slope(problem, data), options, control, began
+        self.sloped = self.data is not data
         self.timed = bool(data.time.any() or data.overtime.any())
         self.iterations = 0
         self.limit = "none"
@@ -167,7 +168,7 @@ class _Search:
         return Incumbents()
 
     def _claim(self, solution: Any, answer: Routes) -> float | None:
-        if self.timed and not self.data.scales["exact"]:  # durations are rounded up, move by move
+        if self.sloped or (self.timed and not self.data.scales["exact"]):  # durations are rounded up, move by move
             return self.problem.evaluate(answer).values[0] if len(self.problem.senses) == 1 else None
         cost = solution.distance_cost() + solution.duration_cost() + solution.fixed_vehicle_cost() - solution.prizes()
         return claimed_objective(self.problem, cost / self.data.cost_factor)

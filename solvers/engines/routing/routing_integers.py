@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from ....formulations.programs.exactness import Exactness, Link
 from ....instances.errors import InputError
 from .integer_scales import FINE, UNLIMITED, Floats, Integers, Scale, Strips, plain, scale_of, whole
-from .routing_objective import Scalar, scalarised
+from .routing_objective import Scalar, scalarised, stops_between
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
@@ -221,6 +221,43 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     )  # fmt: skip
     _check_headroom(integers, len(sites), largest, total)
     return integers
+
+
+def with_slope(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:
+    """The data with a price of distance where no move has a price, but sites are rewarded, vehicles counted, or stops made on the way.
+
+    Of answers that are equal the shorter one is better then, and no other order changes: a step of what counts outweighs all the distance
+    that the limits of routes leave. Without a price a local search has no direction, and ends with the first routes that are full.
+    """
+    costs = {name: getattr(data, name) for name in ("fixed", "time", "overtime", "maxima", "prize")}
+    timed = bool(data.time.any() or data.overtime.any() or data.maxima.any())
+    stops = stops_between(problem)
+    if data.unit.any() or (timed and not stops):
+        return data
+    step = max(1, int(np.gcd.reduce(np.concatenate([*costs.values()]))))
+    outweighed, moves = 1 + _farthest(problem, data), 2 * len(problem.customers) * (1 + stops)
+    most = 1 + sum(int((v // step).sum()) for v in costs.values())
+    if timed:
+        slowest = moves * max(m.slowest for m in data.moves)
+        most *= outweighed + slowest + moves * int(data.service.max()) + int(max(data.opens.max(), data.ready.max()))
+    if outweighed * most > UNLIMITED // 4:
+        return data
+    dearer = {name: v // step * outweighed for name, v in costs.items()}
+    return replace(data, **dearer, unit=np.ones_like(data.unit), cost_factor=data.cost_factor * outweighed / step)
+
+
+def _farthest(problem: RoutingProblem, data: IntegerRouting) -> int:
+    """No feasible answer is longer than this, all routes together."""
+    most, stops = len(problem.customers), stops_between(problem)
+    limits = data.max_distance.tolist()
+    if data.scales["distance"] == data.scales["time"]:  # then a limit on time is one on distance where moves take as long as they are
+        for k, limit in enumerate(limits):
+            if not problem.travel_of(k).own_durations:
+                hours = int(data.closes[k]) - int(data.opens[k])
+                limits[k] = min(limit, int(data.max_duration[k]), int(data.travel_reach[k]), max(0, hours))
+    counts = [most if v.count is None else min(v.count, most) for v in problem.fleet]
+    limited: int = sum(count * limit for count, limit in zip(counts, limits, strict=True))
+    return min(limited, 2 * most * (1 + stops) * max(m.longest for m in data.moves))
 
 
 def _prices(goal: Scalar, lengths: list[Strips], clock: Scale, scaled: Callable[..., Scale]) -> tuple[Scale, Scale, Scale, Scale]:

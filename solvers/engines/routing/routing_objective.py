@@ -113,17 +113,22 @@ def _sign(level: Weighted) -> float:
 
 
 def _range(problem: RoutingProblem, goal: Scalar) -> float:
-    """Largest difference of two answers in ``goal``: every customer on a route of its own costs at most this."""
+    """Largest difference of two answers in ``goal``: routes are as many and as long as their limits allow, and their moves no longer than
+    the longest one, two a customer."""
     n = len(problem.customers)
+    moves, stay = 2 * n * (1 + stops_between(problem)), longest_stay(problem)
+    counts = np.array([n if v.count is None else min(v.count, n) for v in problem.fleet])
     travels = [problem.travel_of(k) for k in range(len(problem.fleet))]
-    moves = 2 * n * (1 + stops_between(problem))
-    distance = moves * float(max(t.distances.max(initial=0.0) for t in travels))
-    routes = distance * goal.unit.max() + n * goal.fixed.max()
-    duration = 0.0
-    if goal.timed or goal.maxima.any():
-        duration = longest_stay(problem) + moves * float(max(t.durations.max(initial=0.0) for t in travels))
-        routes += n * duration * (goal.time.max() + goal.overtime.max())
-    return float(routes + goal.prize.sum() + goal.maxima @ [duration, distance, duration])
+    farthest = moves * np.array([float(t.distances.max(initial=0.0)) for t in travels])
+    slowest = stay + moves * np.array([float(t.durations.max(initial=0.0)) for t in travels])
+    opens, closes = problem.sites.ready, problem.sites.due
+    hours = [min(v.max_duration, max(0.0, min(v.shift[1], closes[v.end]) - max(v.shift[0], opens[v.start]))) for v in problem.fleet]
+    duration = np.minimum(slowest, hours)
+    distance = np.minimum(farthest, [v.max_distance for v in problem.fleet])
+    distance = np.where([t.own_durations for t in travels], distance, np.minimum(distance, hours))
+    priced = np.minimum(goal.unit * distance @ counts, goal.unit.max() * farthest.max())
+    timed = (goal.time + goal.overtime) * duration @ counts
+    return float(priced + n * goal.fixed.max() + timed + goal.prize.sum() + goal.maxima @ [duration.max(), distance.max(), duration.max()])
 
 
 def stops_between(problem: RoutingProblem) -> int:

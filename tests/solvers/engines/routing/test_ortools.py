@@ -12,8 +12,7 @@ from truth.routing import best_values
 from waybound import Group, Reward, Route, Routes, RoutingProblem, Sites, TotalCost, Travel, UsageError, VehicleType
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.engines.routing.ortools import STATUS_MAP, ORTools, _Search, with_more_routes
-from waybound.solvers.engines.routing.ortools_model import short_ways
-from waybound.solvers.engines.routing.routing_integers import integer_routing
+from waybound.solvers.engines.routing.routing_integers import integer_routing, with_slope
 
 
 def test_every_status_of_the_library_has_one_of_ours() -> None:
@@ -64,12 +63,12 @@ def test_rewards_alone_still_give_the_search_a_direction(seed: int, greedy: floa
 
 def test_no_way_is_so_long_that_a_reward_is_given_up_for_it() -> None:
     problem = collecting(0)
-    data = short_ways(problem, integer_routing(problem))
-    assert data.unit.all() and int(data.prize[1:].min()) > 2 * 39 * int(data.moves[0].distance.max())
+    data = with_slope(problem, integer_routing(problem))
+    assert data.unit.all() and data.prize[1:].min() > sum(v.count for v in problem.fleet) * data.max_distance.max()
     assert data.prize / data.cost_factor == pytest.approx(problem.sites.reward)
     costly = replace(problem, objective=Reward().then(TotalCost()))
     priced = integer_routing(costly)
-    assert short_ways(costly, priced) is priced
+    assert with_slope(costly, priced) is priced
 
 
 @pytest.mark.parametrize("required", [True, False])
