@@ -81,7 +81,7 @@ def loads_of(value: Any, what: str) -> list[float]:
     several = isinstance(value, Iterable) and not isinstance(value, str | bytes | Mapping)
     loads = [number_of(each, what) for each in (value if several else [value])]
     if not loads:
-        raise InputError(f"{what} is empty", expected="one number a load dimension")
+        raise InputError(f"{what} is empty", "missing", expected="one number a load dimension")
     return loads
 
 

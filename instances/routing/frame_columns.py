@@ -115,19 +115,20 @@ def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | str | None, ext
     if not hasattr(frame, "columns"):
         raise InputError("sites must be a pandas frame, one row a site", expected="a DataFrame", found=type(frame).__name__)
     if len(frame) == 0:
-        raise InputError("the frame has no rows")
+        raise InputError("the frame has no rows", "missing")
     if frame.columns.nlevels > 1:
-        raise InputError("titles of columns have several levels", expected="one: frame.columns.droplevel(0)")
+        raise InputError("titles of columns have several levels", "unsupported", expected="one: frame.columns.droplevel(0)")
     mapping = pairs_of(mapping) if isinstance(mapping, str) else mapping
     titles = list(frame.columns)
     if len(set(titles)) < len(titles):
-        raise InputError(f"column {next(t for t in titles if titles.count(t) > 1)!r} stands twice")
+        raise InputError(f"column {next(t for t in titles if titles.count(t) > 1)!r} stands twice", "duplicate")
     titles_by_own = mapped(titles, mapping or {})
     mapped_titles = {own for own in titles_by_own if mapping and own in {*mapping, *mapping.values()}}
     granted = titles if extra is True else [] if extra is False else list(extra)
     for title in granted:
         if title not in titles:
-            raise InputError(f"extra names the column {title!r}, which is not there{did_you_mean(str(title), map(str, titles))}")
+            message = f"extra names the column {title!r}, which is not there{did_you_mean(str(title), map(str, titles))}"
+            raise InputError(message, "unknown-name")
     for exact in (True, False):
         for title in titles:
             own = own_title(title)
@@ -138,7 +139,7 @@ def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | str | None, ext
             if own not in titles_by_own:
                 titles_by_own[own] = title
             elif own in ALIASES.values():
-                raise InputError(f"columns {titles_by_own[own]!r} and {title!r} both tell {own}", expected="one of them")
+                raise InputError(f"columns {titles_by_own[own]!r} and {title!r} both tell {own}", "ambiguous", expected="one of them")
     named = next((t for t in titles if str(t).casefold() == "name"), None)
     counted = isinstance(frame.index, pd.RangeIndex)
     if "id" not in titles_by_own and counted and named is not None:
@@ -148,7 +149,8 @@ def columns_of(frame: pd.DataFrame, mapping: Mapping[Any, Any] | str | None, ext
     for level in frame.index.names:  # an index holds ids alone
         own = None if level is None else own_title(level) or ours(str(level))
         if own not in (None, "id") and own not in titles_by_own:
-            raise InputError(f"the index is called {shown(str(level))}, and columns alone tell {own}", expected="frame.reset_index()")
+            message = f"the index is called {shown(str(level))}, and columns alone tell {own}"
+            raise InputError(message, "unsupported", expected="frame.reset_index()")
     used = set(titles_by_own.values())
     kept = [title for title in titles if title not in used]
     for title in kept:
@@ -174,15 +176,16 @@ def mapped(titles: list[Any], mapping: Mapping[Any, Any]) -> dict[str, Any]:
         own, theirs = (one, other) if known(one) else (other, one) if known(other) else (None, None)
         if own is None:
             pair = f"{one!r}: {other!r}"
-            raise InputError(f"columns={{{pair}}} names no title of waybound", expected=", ".join(COLUMNS), found=str(one))
+            raise InputError(f"columns={{{pair}}} names no title of waybound", "unknown-name", expected=", ".join(COLUMNS), found=str(one))
         if theirs not in titles and own in titles and known(theirs):
             own, theirs = theirs, own
         if theirs not in titles:
             listed = ", ".join(map(str, titles[:12]))
             hint = did_you_mean(str(theirs), map(str, titles))
-            raise InputError(f"columns maps {own!r} to the column {theirs!r}, which is not there{hint}", found=f"columns {listed}")
+            message = f"columns maps {own!r} to the column {theirs!r}, which is not there{hint}"
+            raise InputError(message, "unknown-name", found=f"columns {listed}")
         if own in titles_by_own:
-            raise InputError(f"columns maps {own!r} twice", found=f"{titles_by_own[own]!r} and {theirs!r}")
+            raise InputError(f"columns maps {own!r} twice", "duplicate", found=f"{titles_by_own[own]!r} and {theirs!r}")
         titles_by_own[own] = theirs
     return titles_by_own
 
@@ -208,14 +211,15 @@ def _refuse_dropping(title: Any, titles_by_own: Mapping[str, Any], mapped_titles
     if own is not None and own in titles_by_own:
         if own not in mapped_titles:
             cure = f"one of them, or extra=[{title!r}] to keep the other only"
-            raise InputError(f"columns {titles_by_own[own]!r} and {title!r} both tell {own}", expected=cure)
+            raise InputError(f"columns {titles_by_own[own]!r} and {title!r} both tell {own}", "ambiguous", expected=cure)
         return
     elsewhere_placed = (own in ("x", "y") and "lat" in titles_by_own) or (own in ("lat", "lon") and "x" in titles_by_own)
     meant = None if elsewhere_placed else own or _misspelt(text, titles_by_own)
     if meant is not None:
-        raise InputError(f"{column}; did you mean {meant!r}?", expected=f"columns={{{meant!r}: {title!r}}} to use it, {keep}")
+        message = f"{column}; did you mean {meant!r}?"
+        raise InputError(message, "unknown-name", expected=f"columns={{{meant!r}: {title!r}}} to use it, {keep}")
     if instead is not None:
-        raise InputError(f"{column}; {instead}", expected=keep)
+        raise InputError(f"{column}; {instead}", "unknown-name", expected=keep)
 
 
 def _plain_words(title: str) -> str:
@@ -234,9 +238,9 @@ def _misspelt(title: str, titles_by_own: Mapping[str, Any]) -> str | None:
 def _ids(frame: pd.DataFrame, titles_by_own: Mapping[str, Any]) -> tuple[str, ...]:
     values = frame[titles_by_own["id"]] if "id" in titles_by_own else frame.index
     if values.ndim > 1 or getattr(values, "nlevels", 1) > 1:
-        raise InputError("the index has several levels", expected="ids in one: a column id, or frame.reset_index()")
+        raise InputError("the index has several levels", "unsupported", expected="ids in one: a column id, or frame.reset_index()")
     if values.isna().any():
-        raise InputError(f"row {int(np.argmax(np.asarray(values.isna()))) + 1} has no id", expected="a name in every row")
+        raise InputError(f"row {int(np.argmax(np.asarray(values.isna()))) + 1} has no id", "missing", expected="a name in every row")
     return tuple(id_text(v) for v in values.tolist())
 
 

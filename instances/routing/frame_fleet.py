@@ -62,7 +62,7 @@ def fleet_of(fleet: Any, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
     names = [v.name for v in kinds]
     if len(set(names)) < len(names):
         with placed(fleet, next(k for k, name in enumerate(names) if name in names[:k])):
-            raise InputError("vehicle types must have different names", found=", ".join(names))
+            raise InputError("vehicle types must have different names", "duplicate", found=", ".join(names))
     return tuple(kinds)
 
 
@@ -82,7 +82,7 @@ def _own_travel(travel: Any, sites: Sites, times: Times, path: str) -> tuple[Tra
     try:
         read = {key: matrix_of(data[key], sites.ids, what, clock) for key, what, clock in known if data.get(key) is not None}
     except InputError as error:
-        raise InputError(f"{path}: {error.message}", expected=error.expected, found=error.found) from None
+        raise InputError(f"{path}: {error.message}", error.code, expected=error.expected, found=error.found) from None
     shut = None
     if read.keys() & {"matrix", "durations"}:
         matrix, durations, shut = without_infinities(read.get("matrix", np.zeros((len(sites),) * 2)), read.get("durations"))
@@ -151,7 +151,7 @@ def _rows(frame: Any) -> list[dict[str, Any]]:
         for title in frame.columns:
             if title not in known:
                 message = f"the fleet has an unknown column {str(title)!r}{hint(str(title), 'fleet', known)}"
-                raise InputError(message, expected=", ".join((*VEHICLE_KEYS, *SHIFT)))
+                raise InputError(message, "unknown-name", expected=", ".join((*VEHICLE_KEYS, *SHIFT)))
     rows: list[dict[str, Any]] = frame.to_dict("records")
     if "name" not in frame.columns and not isinstance(frame.index, pd.RangeIndex):
         for name, row in zip(frame.index.tolist(), rows, strict=True):
@@ -165,7 +165,8 @@ def _count(value: Any, path: str) -> Any:
         text = value.strip().casefold()
         return math.inf if text in ("inf", "unlimited") else int(text) if text.isdecimal() else value
     if plain_value(value) is None and value != math.inf:
-        raise InputError(f"{path} is missing", expected="a number, unlimited or inf for any number, or no column 'count' for 1 each")
+        message = f"{path} is missing"
+        raise InputError(message, "missing", expected="a number, unlimited or inf for any number, or no column 'count' for 1 each")
     return value
 
 
@@ -183,13 +184,14 @@ def _json_keys(row: Mapping[Any, Any], path: str, times: Times) -> dict[str, Any
         elif key in ENDS and plain_value(value) is None:
             # Other tools mean an open end; here it was the first depot, and neither is said.
             usual = f"a depot, or no {key!r} at all for {MEANT[key]}"
-            raise InputError(f"{what} is missing", expected=f"{usual}; an open end is a depot of its own, at distance 0 from all sites")
+            message = f"{what} is missing"
+            raise InputError(message, "missing", expected=f"{usual}; an open end is a depot of its own, at distance 0 from all sites")
         else:
             keys[key] = words_of(value, what) if key in WORDS and isinstance(value, str) else value
     keys = {key: plain for key, value in keys.items() if (plain := plain_value(value)) is not None}
     if keys.keys() & set(SHIFT):
         if "shift" in keys:
-            raise InputError(f"{path} tells its shift twice", expected="shift, or shift_start and shift_end")
+            raise InputError(f"{path} tells its shift twice", "duplicate", expected="shift, or shift_start and shift_end")
         keys["shift"] = [keys.pop(key, None) for key in SHIFT]
     loads = [keys.pop(key, None) for key in FURTHER]
     while loads and loads[-1] is None:
@@ -207,7 +209,7 @@ def _json_keys(row: Mapping[Any, Any], path: str, times: Times) -> dict[str, Any
     unknown = next((key for key in keys if key not in VEHICLE_KEYS), None)
     if unknown is not None:
         message = f"{path} has an unknown key {unknown!r}{hint(unknown, 'fleet', VEHICLE_KEYS)}"
-        raise InputError(message, expected=", ".join(VEHICLE_KEYS))
+        raise InputError(message, "unknown-name", expected=", ".join(VEHICLE_KEYS))
     return keys
 
 
@@ -221,7 +223,7 @@ def plain_value(value: Any) -> Any:
         return None
     if isinstance(value, float) and not -math.inf < value < math.inf:
         if value == -math.inf:
-            raise InputError("a number of the fleet is minus infinity", expected="a number of at least 0")
+            raise InputError("a number of the fleet is minus infinity", "out-of-range", expected="a number of at least 0")
         return None
     if isinstance(value, Mapping):  # a store, whose limits stay what they are
         return {key: inner.tolist() if hasattr(inner, "tolist") else _listed(inner) for key, inner in value.items()}

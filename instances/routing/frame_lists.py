@@ -59,14 +59,14 @@ def windows_of(windows: Any, index: Index, times: Times) -> dict[int, list[Windo
         with placed(windows, k):
             window = _window((row.get("ready"), row.get("due")), row["site"], times)
             if window[0] > window[1]:
-                raise InputError(f"a window of {row['site']} closes before it opens", found=str(window))
+                raise InputError(f"a window of {row['site']} closes before it opens", "contradiction", found=str(window))
             windows_by_site.setdefault(_at(row["site"], index, "windows"), []).append((window, k))
     names = list(index)
     for site, held in windows_by_site.items():
         for (one, _), (after, k) in pairwise(sorted(held)):
             with placed(windows, k):
                 if after[0] <= one[1]:
-                    raise InputError(f"windows of {names[site]} are not apart from each other", found=f"{one} and {after}")
+                    raise InputError(f"windows of {names[site]} are not apart from each other", "contradiction", found=f"{one} and {after}")
     return {site: [window for window, _ in held] for site, held in windows_by_site.items()}
 
 
@@ -147,7 +147,7 @@ def _groups(frame: Any, index: Index) -> list[Group]:
             if said is not None and said not in (True, False):
                 raise InputError("column required of groups must hold true and false", found=str(said))
             if said is not None and required.setdefault(group, bool(said)) != said:
-                raise InputError(f"group {group} is required in one row and not in another", expected="one of them")
+                raise InputError(f"group {group} is required in one row and not in another", "contradiction", expected="one of them")
     return [Group(tuple(members), required.get(group, True)) for group, members in sites.items()]
 
 
@@ -159,18 +159,19 @@ def _rows(frame: Any, what: str) -> list[dict[str, Any]]:
     with placed(frame):
         for title in frame.columns:
             if title not in known:
-                raise InputError(f"{what} have an unknown column {str(title)!r}{hint(str(title), what, known)}", expected=", ".join(known))
+                message = f"{what} have an unknown column {str(title)!r}{hint(str(title), what, known)}"
+                raise InputError(message, "unknown-name", expected=", ".join(known))
         lacking = next((title for title in names if title not in frame.columns), None)
         if lacking is not None:
-            raise InputError(f"{what} have no column {lacking!r}", expected=", ".join(known))
+            raise InputError(f"{what} have no column {lacking!r}", "missing", expected=", ".join(known))
         if what == "windows" and not {"ready", "due"} & set(frame.columns):
-            raise InputError("windows have neither a column 'ready' nor 'due'", expected=", ".join(known))
+            raise InputError("windows have neither a column 'ready' nor 'due'", "missing", expected=", ".join(known))
     rows = []
     for k, held in enumerate(frame.to_dict("records")):
         row = {str(key): None if pd.api.types.is_scalar(value) and pd.isna(value) else value for key, value in held.items()}
         for title in names:
             if row[title] in (None, ""):
-                raise InputError(f"row {k + 1} of {what} has no {title}", expected="a name in every row")
+                raise InputError(f"row {k + 1} of {what} has no {title}", "missing", expected="a name in every row")
             row[title] = id_text(row[title])
         rows.append(row)
     return rows
@@ -178,5 +179,6 @@ def _rows(frame: Any, what: str) -> list[dict[str, Any]]:
 
 def _at(site: Any, index: Index, what: str) -> int:
     if str(site) not in index:
-        raise InputError(f"{what} name the unknown site {str(site)!r}{did_you_mean(str(site), index)}", expected="the id of a site")
+        message = f"{what} name the unknown site {str(site)!r}{did_you_mean(str(site), index)}"
+        raise InputError(message, "unknown-name", expected="the id of a site")
     return index[str(site)]

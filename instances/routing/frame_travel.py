@@ -60,7 +60,7 @@ def moves_of(travel: Any, durations: Any, sites: Ids, nodes: Ids, times: Times, 
     elif is_list(travel, sites):
         distance, own, notes = listed_moves(travel, sites, times)
         if own is not None and durations is not None:
-            raise InputError("durations are told twice", expected="durations, or the column duration of the moves")
+            raise InputError("durations are told twice", "duplicate", expected="durations, or the column duration of the moves")
     else:
         distance = matrix_of(travel, sites, "distance", None)
     own = own if durations is None else matrix_of(durations, sites, "duration", times)
@@ -110,7 +110,7 @@ def matrix_of(values: Any, ids: Ids, what: str, times: Times | None) -> Floats:
 
 def _refuse_shape(shape: tuple[int, ...], ids: Ids, what: str) -> None:
     n = len(ids)
-    raise InputError(f"the {what} matrix and the sites have different sizes", expected=f"({n}, {n})", found=str(shape))
+    raise InputError(f"the {what} matrix and the sites have different sizes", "wrong-shape", expected=f"({n}, {n})", found=str(shape))
 
 
 def _sized(matrix: Floats, ids: Ids, what: str) -> Floats:
@@ -122,7 +122,8 @@ def _sized(matrix: Floats, ids: Ids, what: str) -> Floats:
     if bad.any():
         i, j = np.argwhere(bad)[0].tolist()
         message = f"{what} from site {ids[i]} to site {ids[j]} must be a number and not negative"
-        raise InputError(message, expected="a finite number" if finite else "inf for a move that cannot be made", found=str(matrix[i, j]))
+        expected = "a finite number" if finite else "inf for a move that cannot be made"
+        raise InputError(message, "out-of-range", expected=expected, found=str(matrix[i, j]))
     return matrix
 
 
@@ -134,7 +135,7 @@ def in_order(frame: Any, ids: Ids, what: str) -> Any:
         return frame.to_numpy()[np.ix_([order[0][s] for s in ids], [order[1][s] for s in ids])]
     positions = [str(k) for k in range(len(ids))]
     if rows != positions or columns != positions:
-        raise InputError(f"the labels of the {what} frame are not the ids of the sites", expected=", ".join(ids[:5]),
+        raise InputError(f"the labels of the {what} frame are not the ids of the sites", "unknown-name", expected=", ".join(ids[:5]),
                          found=", ".join(rows[:5]))  # fmt: skip
     return frame.to_numpy()
 
@@ -149,15 +150,16 @@ def _along_roads(graph: Any, nodes: Ids, ids: Ids, weight: str, what: str) -> Fl
     absent = next((k for k, node in enumerate(nodes) if node not in named), None)
     if absent is not None:
         message = f"the graph has no node {nodes[absent]!r} for site {ids[absent]}"
-        raise InputError(message, expected="a node named as the site, or a column node")
+        raise InputError(message, "unknown-name", expected="a node named as the site, or a column node")
     lengths: dict[tuple[int, int], float] = {}
     for tail, head, data in graph.edges(data=True):
         if weight not in data:
             message, held = f"the edge from {tail} to {head} has no attribute {weight!r}", ", ".join(map(str, data)) or "none"
-            raise InputError(message, expected="weight= the one that holds distances", found=held)
+            raise InputError(message, "missing", expected="weight= the one that holds distances", found=held)
         length = float(data[weight])
         if not length >= 0 or math.isinf(length):
-            raise InputError(f"{weight} of the edge from {tail} to {head} must be finite and not negative", found=str(data[weight]))
+            message = f"{weight} of the edge from {tail} to {head} must be finite and not negative"
+            raise InputError(message, "out-of-range", found=str(data[weight]))
         for pair in ((number[tail], number[head]), *(() if graph.is_directed() else ((number[head], number[tail]),))):
             lengths[pair] = min(length, lengths.get(pair, math.inf))
     tails, heads = np.array(list(lengths), dtype=np.int64).reshape(-1, 2).T
@@ -177,7 +179,7 @@ def _refuse_cut_off(ways: Floats, ids: Ids, what: str) -> None:
     np.fill_diagonal(apart, True)
     for k in np.nonzero(apart.all(axis=1) | apart.all(axis=0))[0].tolist():
         way = "from" if apart[k].all() else "to"
-        raise InputError(f"no road leads {way} site {ids[k]}", expected=f"{what}s that connect it to some site")
+        raise InputError(f"no road leads {way} site {ids[k]}", "missing", expected=f"{what}s that connect it to some site")
 
 
 def _shortest_paths(graph: Any, ids: Ids, what: str) -> Floats:
@@ -191,11 +193,11 @@ def _shortest_paths(graph: Any, ids: Ids, what: str) -> Floats:
         at = int(np.argmax(bad))
         i = int(np.searchsorted(roads.indptr, at, side="right")) - 1
         road = f"the road from site {ids[i]} to site {ids[int(roads.indices[at])]}"
-        raise InputError(f"{what} of {road} must be finite and not negative", found=str(roads.data[at]))
+        raise InputError(f"{what} of {road} must be finite and not negative", "out-of-range", found=str(roads.data[at]))
     lengths = np.asarray(dijkstra(roads, directed=True), dtype=np.float64)
     if np.isinf(lengths).any():
         i, j = np.argwhere(np.isinf(lengths))[0].tolist()
-        raise InputError(f"no path leads from site {ids[i]} to site {ids[j]}", expected="a road graph that connects all sites")
+        raise InputError(f"no path leads from site {ids[i]} to site {ids[j]}", "missing", expected="a road graph that connects all sites")
     return lengths
 
 
@@ -225,17 +227,17 @@ def listed_moves(frame: Any, ids: Ids, times: Times) -> tuple[Floats, Floats | N
         column = frame[titles[title]]
         if column.isna().any():
             row = int(np.argmax(np.asarray(column.isna()))) + 1
-            raise InputError(f"row {row} of the moves has no {title}", expected="the id of a site")
+            raise InputError(f"row {row} of the moves has no {title}", "missing", expected="the id of a site")
         names = [id_text(v) for v in column.tolist()]
         strange = next((name for name in names if name not in index), None)
         if strange is not None:
-            raise InputError(f"the list of moves names the unknown site {strange!r}", expected="an id of the sites")
+            raise InputError(f"the list of moves names the unknown site {strange!r}", "unknown-name", expected="an id of the sites")
         ends.append(np.array([index[name] for name in names], dtype=np.int64))
     place = ends[0] * len(ids) + ends[1]
     if len(np.unique(place)) < len(place):
         order = np.argsort(place, kind="stable")
         k = int(order[1:][np.diff(place[order]) == 0][0])
-        raise InputError(f"the move from {ids[ends[0][k]]} to {ids[ends[1][k]]} stands twice in the list of moves")
+        raise InputError(f"the move from {ids[ends[0][k]]} to {ids[ends[1][k]]} stands twice in the list of moves", "duplicate")
 
     def square(values: Any, what: str) -> Floats:
         matrix = np.full((len(ids), len(ids)), math.inf)
@@ -244,7 +246,7 @@ def listed_moves(frame: Any, ids: Ids, times: Times) -> tuple[Floats, Floats | N
         if (bad := ~(matrix >= 0)).any():
             i, j = np.argwhere(bad)[0].tolist()
             message = f"{what} of the move from {ids[i]} to {ids[j]} must be a number and not negative"
-            raise InputError(message, expected="no row, or inf, for a move that cannot be made", found=str(matrix[i, j]))
+            raise InputError(message, "out-of-range", expected="no row, or inf, for a move that cannot be made", found=str(matrix[i, j]))
         return matrix
 
     try:
@@ -263,7 +265,8 @@ def _titles(frame: Any) -> tuple[dict[str, Any], list[str]]:
 
     def refuse_second(own: str, title: Any) -> None:
         if own in known:
-            raise InputError(f"columns {str(known[own])!r} and {str(title)!r} of the moves both tell {own}", expected="one of them")
+            message = f"columns {str(known[own])!r} and {str(title)!r} of the moves both tell {own}"
+            raise InputError(message, "ambiguous", expected="one of them")
 
     for title in frame.columns:
         own = str(title).casefold()
@@ -276,8 +279,9 @@ def _titles(frame: Any) -> tuple[dict[str, Any], list[str]]:
         refuse_second(ours(title, "moves") or "", title)
         if cure := hint(title, "moves", [own for own in MOVES if own not in known]):
             expected = f"{', '.join(MOVES)}; leave out what shall not count"
-            raise InputError(f"the moves have an unknown column {title!r}{cure}", expected=expected)
+            raise InputError(f"the moves have an unknown column {title!r}{cure}", "unknown-name", expected=expected)
     lacking = next((own for own in MOVES[:3] if own not in known), None)
     if lacking is not None:
-        raise InputError(f"the moves have no column {lacking!r}", expected=", ".join(MOVES), found=", ".join(map(str, frame.columns))[:80])
+        message = f"the moves have no column {lacking!r}"
+        raise InputError(message, "missing", expected=", ".join(MOVES), found=", ".join(map(str, frame.columns))[:80])
     return known, others

@@ -41,19 +41,19 @@ def instance_from_frame(sites: pd.DataFrame, *, source: str = "frame", **keyword
     if not is_graph(travel):
         if arguments.weight != "weight":
             message = f"weight={arguments.weight!r} names the distances of a graph's edges, and there is no graph"
-            raise InputError(message, expected="travel=graph (networkx)")
+            raise InputError(message, "contradiction", expected="travel=graph (networkx)")
         table = table.without("node") if "node" in table else table
     _see_moments(arguments, table, fleet, times)
     geographic, xy = coordinates_of(table)
     if table.depot.all():
         all_of_them = f"{len(table.ids)} sites, all of them depots" if len(table.ids) > 1 else "the depot alone"
-        raise InputError("there is no customer", expected="a row that is no depot", found=all_of_them)
+        raise InputError("there is no customer", "missing", expected="a row that is no depot", found=all_of_them)
     places = _sites(arguments, table, times, xy, geographic)
     moves = _moves(arguments, table, times, xy, geographic)
     notes = moves.notes if isinstance(moves, Moves) else ()
     if unit != "km" and not (_is_service(travel, moves) or (travel is None and geographic)):
         expected = "columns lat and lon, the table of a routing service, or no distance_unit"
-        raise InputError(f"distance_unit={unit!r} counts for nothing: distances are as they are given", expected=expected)
+        raise InputError(f"distance_unit={unit!r} counts for nothing: distances are as they are given", "contradiction", expected=expected)
     _need_units(arguments, places, moves, fleet)
     ways, forbidden = _travel(arguments, places, moves, times, xy)
     if fleet is None:
@@ -63,7 +63,7 @@ def instance_from_frame(sites: pd.DataFrame, *, source: str = "frame", **keyword
             notes += (f"{count} vehicles at each of {len(kinds)} depots",)
     elif arguments.limits_vehicles:
         expected = "fleet, or vehicles, capacity, max_duration, max_distance, fixed_cost and unit_cost"
-        raise InputError("fleet tells the vehicles already", expected=expected)
+        raise InputError("fleet tells the vehicles already", "contradiction", expected=expected)
     else:
         kinds, forbidden = shared_bans(fleet_of(fleet, places, times), forbidden, places)
     _need_capacities(places, kinds, fleet)
@@ -113,19 +113,21 @@ def _moves(arguments: FrameArguments, table: Columns, times: Times, xy: Floats |
     if isinstance(travel, str) and (travel in METRICS or not Path(travel).suffix):
         if travel not in METRICS:
             expected = f"a matrix, the file of a table, or one of {', '.join(METRICS)}"
-            raise InputError(f"travel by {travel!r} is unknown{did_you_mean(travel, METRICS)}", expected=expected)
+            raise InputError(f"travel by {travel!r} is unknown{did_you_mean(travel, METRICS)}", "unknown-name", expected=expected)
         angles = travel in GEOGRAPHIC
         if xy is None:
-            raise InputError(f"travel by {travel} needs coordinates", expected=f"columns {'lat and lon' if angles else 'x and y'}")
+            message = f"travel by {travel} needs coordinates"
+            raise InputError(message, "missing", expected=f"columns {'lat and lon' if angles else 'x and y'}")
         if angles != geographic:
             expected = "columns lat and lon" if angles else "travel='haversine', or columns x and y"
-            raise InputError(f"travel by {travel} does not fit the coordinates", expected=expected)
+            raise InputError(f"travel by {travel} does not fit the coordinates", "contradiction", expected=expected)
         return travel
     if travel is not None:
         nodes = tuple(str(v) for v in table["node"].tolist()) if "node" in table else table.ids
         return moves_of(travel, arguments.durations, table.ids, nodes, times, arguments.weight, unit)
     if xy is None:
-        raise InputError("there are neither coordinates nor distances", expected="columns x and y, lat and lon, or travel=matrix")
+        message = "there are neither coordinates nor distances"
+        raise InputError(message, "missing", expected="columns x and y, lat and lon, or travel=matrix")
     if geographic:
         warn_of_swapped(xy)
         return "haversine" if unit == "km" else f"haversine-{unit}"
@@ -136,14 +138,15 @@ def _travel(arguments: FrameArguments, sites: Sites, moves: Moves | str, times: 
     """Distances and durations at the speed of all vehicles, and the moves that are forbidden, None for none."""
     closing = None if arguments.closing is None else _closing(arguments.closing, sites.ids, times)
     if hasattr(arguments.variances, "tocsr"):
-        raise InputError("variances belong to moves, not to roads", expected="a full matrix", found="a sparse one")
+        raise InputError("variances belong to moves, not to roads", "unsupported", expected="a full matrix", found="a sparse one")
     variances = None if arguments.variances is None else matrix_of(arguments.variances, sites.ids, "variance", None)
     own: dict[str, Any] = {"convention": arguments.convention, "closing": closing, "variances": variances}
     forbidden = None
     if isinstance(moves, Moves):
         forbidden = moves.forbidden
         if len(sites) > 1 and sites.required.any() and forbidden is not None and forbidden.sum() == len(sites) * (len(sites) - 1):
-            raise InputError("all distances between sites are infinite, so that no move can be made", expected="inf for some moves")
+            message = "all distances between sites are infinite, so that no move can be made"
+            raise InputError(message, "contradiction", expected="inf for some moves")
         ways = Travel(EXPLICIT, matrix=moves.distances, duration_matrix=moves.durations, **own)
     else:
         durations = None if arguments.durations is None else matrix_of(arguments.durations, sites.ids, "duration", times)
@@ -156,7 +159,7 @@ def _need_units(arguments: FrameArguments, sites: Sites, moves: Moves | str, fle
     if not (sites.ready.any() or np.isfinite(sites.due).any() or sites.service.any() or arguments.max_duration != math.inf):
         return
     if _is_service(arguments.travel, moves) and arguments.time_unit is None:
-        raise InputError("durations of the routing service are in seconds, and the unit of the other times is not said",
+        raise InputError("durations of the routing service are in seconds, and the unit of the other times is not said", "missing",
                          expected="time_unit='s', min, h or d")  # fmt: skip
     if not (isinstance(moves, str) and moves in GEOGRAPHIC and arguments.durations is None):
         return
@@ -164,12 +167,14 @@ def _need_units(arguments: FrameArguments, sites: Sites, moves: Moves | str, fle
     own = "speed" in getattr(fleet, "columns", ()) or any(isinstance(row, Mapping) and "speed" in row for row in rows)
     speed = arguments.speed
     if own and speed is not None:
-        raise InputError("speeds are told twice", expected="speed, or the column speed of the fleet", found=f"speed={speed:g} and a column")
+        message = "speeds are told twice"
+        raise InputError(message, "duplicate", expected="speed, or the column speed of the fleet", found=f"speed={speed:g} and a column")
     if speed is None and not own:
-        raise InputError("distances on the globe are lengths, and there are times of sites or vehicles beside them",
+        raise InputError("distances on the globe are lengths, and there are times of sites or vehicles beside them", "missing",
                          expected="speed=50 (an hour), or durations=matrix")  # fmt: skip
     if arguments.time_unit is None:
-        raise InputError("a speed is a distance in an hour, and the unit of times is not said", expected="time_unit='min', or s, h, d")
+        message = "a speed is a distance in an hour, and the unit of times is not said"
+        raise InputError(message, "missing", expected="time_unit='min', or s, h, d")
 
 
 def _is_service(travel: Any, moves: Moves | str) -> bool:
@@ -180,7 +185,7 @@ def _is_service(travel: Any, moves: Moves | str) -> bool:
 def _speed(speed: float, travel: Travel, times: Times) -> float:
     """Units of distance in a unit of time; a speed on the globe is one in an hour."""
     if isinstance(speed, bool) or not isinstance(speed, int | float) or not 0 < speed < math.inf:
-        raise InputError("speed must be positive and finite", found=str(speed))
+        raise InputError("speed must be positive and finite", "out-of-range", found=str(speed))
     clock = times.clock
     if travel.metric not in GEOGRAPHIC or travel.duration_matrix is not None or clock is None:
         return float(speed)
@@ -206,7 +211,7 @@ def _need_capacities(sites: Sites, kinds: tuple[VehicleType, ...], fleet: Any) -
         return
     each = ", ".join([f"{limited.capacity:g}", *("inf" for _ in range(sites.dimensions - 1))])
     expected = "a column capacity2, ..., inf for no limit" if hasattr(fleet, "columns") else f"capacity=[{each}], with inf for no limit"
-    raise InputError(f"sites have {sites.dimensions} loads, and capacity is told of the first alone", expected=expected)
+    raise InputError(f"sites have {sites.dimensions} loads, and capacity is told of the first alone", "missing", expected=expected)
 
 
 def _closing(values: Any, ids: tuple[str, ...], times: Times) -> Floats:

@@ -38,7 +38,7 @@ def coordinates_of(table: Columns) -> tuple[bool, Floats | None]:
         return False, np.column_stack([_column(table, "x"), _column(table, "y")]) if "x" in table else None
     if "x" in table:
         four = ", ".join(repr(table.titles[own]) for own in ("x", "y", "lat", "lon"))
-        raise InputError("there are two kinds of coordinates", expected="x and y, or lat and lon", found=four)
+        raise InputError("there are two kinds of coordinates", "contradiction", expected="x and y, or lat and lon", found=four)
     lat, lon = _column(table, "lat"), _column(table, "lon")
     for what, values, most in (("latitude", lat, 90.0), ("longitude", lon, 180.0)):
         bad = ~(np.abs(values) <= most)
@@ -48,7 +48,8 @@ def coordinates_of(table: Columns) -> tuple[bool, Floats | None]:
                 "; are lat and lon swapped?" if what == "latitude" and np.abs(lon).max() <= 90.0 and np.abs(lat).max() <= 180.0 else ""
             )
             found = f"{values[k]}{swapped}"
-            raise InputError(f"{what} of site {table.ids[k]} is out of range", expected=f"{-most:g} to {most:g} degrees", found=found)
+            message = f"{what} of site {table.ids[k]} is out of range"
+            raise InputError(message, "out-of-range", expected=f"{-most:g} to {most:g} degrees", found=found)
     return True, np.column_stack([lon, lat])
 
 
@@ -56,7 +57,7 @@ def refuse_alone(titles: Mapping[str, Any]) -> None:
     """Raise InputError for a coordinate without the other one; ``titles`` maps waybound's titles to those of the frame."""
     for pair in (("x", "y"), ("lat", "lon")):
         if len(present := [titles[own] for own in pair if own in titles]) == 1:
-            raise InputError("coordinates need two columns", expected=" and ".join(pair), found=f"{present[0]!r} alone")
+            raise InputError("coordinates need two columns", "missing", expected=" and ".join(pair), found=f"{present[0]!r} alone")
 
 
 def _column(table: Columns, title: str) -> Floats:

@@ -87,7 +87,7 @@ class RoutingInstance:
         """The depots and the first ``count`` customers, as the short versions of Solomon's files are made."""
         customers = self.sites.customers
         if not 1 <= count <= len(customers):
-            raise UsageError(f"customers={count} is out of range: {self.name} has {len(customers)} customers")
+            raise UsageError(f"customers={count} is out of range: {self.name} has {len(customers)} customers", "out-of-range")
         keep = np.sort(np.concatenate([self.sites.depots, customers[:count]]))
         fleet = tuple(placed(v, keep) for v in self.fleet)
         moves = None if self.forbidden is None else self.forbidden[np.ix_(keep, keep)]
@@ -116,9 +116,9 @@ def check_routing_data(
 ) -> None:
     """Raise InputError unless the parts of a routing instance fit each other."""
     if len(travel) != len(sites):
-        raise InputError("travel and sites have different sizes", expected=str(len(sites)), found=str(len(travel)))
+        raise InputError("travel and sites have different sizes", "wrong-shape", expected=str(len(sites)), found=str(len(travel)))
     if not fleet:
-        raise InputError("the fleet is empty")
+        raise InputError("the fleet is empty", "missing")
     if team_risk is not None:
         checked_risk(team_risk, "the risk of the team")
     for vehicle in fleet:
@@ -126,21 +126,23 @@ def check_routing_data(
         if (vehicle.risk is not None or team_risk is not None) and (vehicle.travel or travel).uncertain:
             _check_normal(vehicle, sites)
     if min_vehicles < 0:
-        raise InputError("the least number of vehicles must not be negative", found=str(min_vehicles))
+        raise InputError("the least number of vehicles must not be negative", "out-of-range", found=str(min_vehicles))
     _refuse_overflow(sites, travel, fleet)
     total = fleet_size(fleet)
     if total is not None and min_vehicles > total:
-        raise InputError(f"at least {min_vehicles} vehicles are asked for, but the fleet has {total}")
+        raise InputError(f"at least {min_vehicles} vehicles are asked for, but the fleet has {total}", "contradiction")
     for k, needs in enumerate(sites.skills):
         if needs and sites.required[k] and not any(needs <= v.skills for v in fleet):
-            raise InputError(f"no vehicle has the skills that site {sites.ids[k]} asks for", expected=", ".join(sorted(needs)))
+            message = f"no vehicle has the skills that site {sites.ids[k]} asks for"
+            raise InputError(message, "contradiction", expected=", ".join(sorted(needs)))
 
 
 def check_moves(sites: Sites, forbidden: NDArray[np.bool_] | None) -> None:
     """Raise InputError unless ``forbidden`` tells of each pair of sites whether it is."""
     if forbidden is not None and (forbidden.shape != (len(sites), len(sites)) or forbidden.dtype != np.bool_):
         found = f"{forbidden.dtype} {forbidden.shape}"
-        raise InputError("forbidden moves must be truth values, one for each pair of sites", found=found)
+        message = "forbidden moves must be truth values, one for each pair of sites"
+        raise InputError(message, "malformed" if forbidden.dtype != np.bool_ else "wrong-shape", found=found)
 
 
 def _check_vehicle(vehicle: VehicleType, sites: Sites, travel: Travel, clock: Clock | None) -> None:
@@ -148,37 +150,36 @@ def _check_vehicle(vehicle: VehicleType, sites: Sites, travel: Travel, clock: Cl
     for stops, what in (((vehicle.start, vehicle.end), "starts or ends"), (vehicle.reloads, "reloads"), (vehicle.stations, "recharges")):
         for site in stops:
             if not 0 <= site < len(sites):
-                raise InputError(f"{name} {what} at site {site}, which does not exist", expected=f"0 to {len(sites) - 1}")
+                raise InputError(f"{name} {what} at site {site}, which does not exist", "unknown-name", expected=f"0 to {len(sites) - 1}")
             if not sites.depot[site]:
                 depots = [sites.ids[k] for k in sites.depots[:SHOWN].tolist()]
                 more = ", ..." if len(sites.depots) > SHOWN else ""
                 expected = f"{', '.join(depots)}{more}"
-                raise InputError(f"{name} {what} at site {sites.ids[site]}, which is no depot", expected=expected)
+                raise InputError(f"{name} {what} at site {sites.ids[site]}, which is no depot", "unknown-name", expected=expected)
     if len(vehicle.further_capacity) not in (0, sites.dimensions - 1):
-        raise InputError(f"capacity of {name} has another number of load dimensions than the sites", expected=str(sites.dimensions),
-                         found=str(1 + len(vehicle.further_capacity)))  # fmt: skip
+        message = f"capacity of {name} has another number of load dimensions than the sites"
+        raise InputError(message, "wrong-shape", expected=str(sites.dimensions), found=str(1 + len(vehicle.further_capacity)))
     opens, closes = max(float(sites.ready[vehicle.start]), vehicle.shift[0]), min(float(sites.due[vehicle.end]), vehicle.shift[1])
     if math.isfinite(vehicle.shift[0]) and opens > float(sites.due[vehicle.start]):
         found = f"from {moment_told(clock, opens)}, the latest departure is {moment_told(clock, float(sites.due[vehicle.start]))}"
-        raise InputError(f"the shift of {name} begins after its depot has closed", found=found)
+        raise InputError(f"the shift of {name} begins after its depot has closed", "contradiction", found=found)
     if (math.isfinite(vehicle.shift[0]) or math.isfinite(vehicle.shift[1])) and opens > closes:
-        raise InputError(
-            f"the shift of {name} leaves no time between departure and return",
-            found=f"{moment_told(clock, opens)} to {moment_told(clock, closes)}",
-        )
+        message = f"the shift of {name} leaves no time between departure and return"
+        raise InputError(message, "contradiction", found=f"{moment_told(clock, opens)} to {moment_told(clock, closes)}")
     if sites.windows and vehicle.energy is not None and vehicle.energy.charge == "windows":
-        raise InputError(
-            f"energy of {name} is charged by windows, and a site has several", expected="travel, elapsed or elapsed-fixed-start"
-        )
+        message = f"energy of {name} is charged by windows, and a site has several"
+        raise InputError(message, "contradiction", expected="travel, elapsed or elapsed-fixed-start")
     own = vehicle.travel
     if own is not None:
         if len(own) != len(sites):
-            raise InputError(f"travel of {name} and sites have different sizes", expected=str(len(sites)), found=str(len(own)))
+            message = f"travel of {name} and sites have different sizes"
+            raise InputError(message, "wrong-shape", expected=str(len(sites)), found=str(len(own)))
         plain = {"file", "exact"}  # the same thing for a matrix
         if own.convention != travel.convention and not (
             {own.convention, travel.convention} <= plain and (own.metric == EXPLICIT or travel.metric == EXPLICIT)
         ):
-            raise InputError(f"{name} travels under another convention than the others", expected=travel.convention, found=own.convention)
+            message = f"{name} travels under another convention than the others"
+            raise InputError(message, "contradiction", expected=travel.convention, found=own.convention)
 
 
 def _check_normal(vehicle: VehicleType, sites: Sites) -> None:
@@ -186,19 +187,16 @@ def _check_normal(vehicle: VehicleType, sites: Sites) -> None:
     energy = vehicle.energy
     if energy is not None and (energy.stations or energy.charge == "windows"):
         why = "is filled up on the way" if energy.stations else "is charged by windows"
-        raise InputError(
-            f"the store of {vehicle.name} {why}, so that no risk of its running out is known", expected="one charge for a route"
-        )
+        message = f"the store of {vehicle.name} {why}, so that no risk of its running out is known"
+        raise InputError(message, "unsupported", expected="one charge for a route")
     if math.isinf(vehicle.max_duration) and (energy is None or energy.charge == "travel"):
         return
     opens = max(float(sites.ready[vehicle.start]), vehicle.shift[0])
     stops = [*sites.customers.tolist(), *vehicle.reloads]
     late = [k for k in stops if sites.ready[k] > opens or (sites.windows and sites.windows[k])]
     if late:
-        raise InputError(
-            f"{vehicle.name} may have to wait at site {sites.ids[late[0]]}, so that no risk of its taking too long is known",
-            expected="windows that are open when it departs, or energy for travel as its only limit",
-        )
+        message = f"{vehicle.name} may have to wait at site {sites.ids[late[0]]}, so that no risk of its taking too long is known"
+        raise InputError(message, "unsupported", expected="windows that are open when it departs, or energy for travel as its only limit")
 
 
 def _refuse_overflow(sites: Sites, travel: Travel, fleet: Sequence[VehicleType]) -> None:
@@ -215,12 +213,14 @@ def _refuse_overflow(sites: Sites, travel: Travel, fleet: Sequence[VehicleType])
             continue
         worst = np.abs(columns)
         site = sites.ids[int(np.argmax(worst if worst.ndim == 1 else worst.max(axis=1)))]
-        raise InputError(f"{what} of site {site} is too large to compute with", expected=f"at most {LARGEST:g}", found=f"{worst.max():g}")
+        message = f"{what} of site {site} is too large to compute with"
+        raise InputError(message, "out-of-range", expected=f"at most {LARGEST:g}", found=f"{worst.max():g}")
     for vehicle in fleet:
         for name in ("fixed_cost", "unit_cost", "unit_duration_cost", "unit_overtime_cost"):
             if getattr(vehicle, name) > LARGEST:
                 found = f"{getattr(vehicle, name):g}"
-                raise InputError(f"{name} of {vehicle.name} is too large to compute with", expected=f"at most {LARGEST:g}", found=found)
+                message = f"{name} of {vehicle.name} is too large to compute with"
+                raise InputError(message, "out-of-range", expected=f"at most {LARGEST:g}", found=found)
 
 
 def fleet_size(fleet: Sequence[VehicleType]) -> int | None:

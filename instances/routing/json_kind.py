@@ -93,7 +93,7 @@ def decode(data: dict[str, Any]) -> RoutingInstance:
     problem = string(data["problem"], "problem")
     problems = strings(data.get("problems", [problem]), "problems")
     if problem not in problems:
-        raise InputError("problems must hold problem", expected=problem, found=", ".join(problems))
+        raise InputError("problems must hold problem", "contradiction", expected=problem, found=", ".join(problems))
     sites = _decode_sites(data["sites"])
     convention = string(data["convention"], "convention") if "convention" in data else ""
     travel = decode_travel(data["travel"], sites, convention)
@@ -101,7 +101,7 @@ def decode(data: dict[str, Any]) -> RoutingInstance:
     fleet = [decode_vehicle(item, f"fleet[{k}]", index, sites) for k, item in enumerate(array(data["fleet"], "fleet"))]
     names = [vehicle.name for vehicle in fleet]
     if len(set(names)) != len(names):
-        raise InputError("vehicle types must have different names", found=", ".join(names))
+        raise InputError("vehicle types must have different names", "duplicate", found=", ".join(names))
     instance = RoutingInstance(
         string(data["name"], "name"), "json", sites, travel, tuple(fleet), problem=problem, problems=problems,
         min_vehicles=integer(data.get("min_vehicles", 0), "min_vehicles", 0), objective=strings(data.get("objective", []), "objective"),
@@ -133,7 +133,7 @@ def _clock(data: Any) -> Clock:
             held.get("of-day", False),
         )
     except UsageError as error:
-        raise InputError(f"clock.unit: {error}") from None
+        raise InputError(f"clock.unit: {error}", error.code) from None
 
 
 def _attributes(data: Any, n: int) -> dict[str, Any]:
@@ -184,12 +184,12 @@ def _decode_sites(data: Any) -> Sites:
     at_depot = columns.get("depot", np.arange(n) == 0) & columns.get("required", np.zeros(n, dtype=bool))
     if at_depot.any():
         k = int(np.argmax(at_depot))
-        raise InputError(f"sites.required[{k}] asks for a visit to a depot", expected="false", found="true")
+        raise InputError(f"sites.required[{k}] asks for a visit to a depot", "contradiction", expected="false", found="true")
     if "attributes" in data:
         columns["attributes"] = _attributes(data["attributes"], n)
     here, there = positions(data, "sites", n), positions(data, "sites", n, ("lon", "lat"))
     if here is not None and there is not None:
-        raise InputError("sites have two kinds of coordinates", expected="x and y, or lon and lat")
+        raise InputError("sites have two kinds of coordinates", "contradiction", expected="x and y, or lon and lat")
     return Sites.of(ids, coordinates=there if here is None else here, geographic=there is not None, **columns)
 
 
@@ -205,7 +205,7 @@ def _loads(data: Any, path: str, n: int) -> Any:
 def _site(data: Any, path: str, index: dict[str, int]) -> int:
     name = string(data, path)
     if name not in index:
-        raise InputError(f"{path} names no site", expected="an id of sites.id", found=name)
+        raise InputError(f"{path} names no site", "unknown-name", expected="an id of sites.id", found=name)
     return index[name]
 
 

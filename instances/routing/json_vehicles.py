@@ -51,11 +51,12 @@ def decode_travel(data: Any, sites: Sites, convention: str, path: str = "travel"
     fields(data, path, TRAVEL_KEYS, ("metric",))
     metric, n = string(data["metric"], f"{path}.metric"), len(sites)
     if metric not in (*METRICS, EXPLICIT):
-        raise InputError(f"{path}.metric is unknown", expected=", ".join((*METRICS, EXPLICIT)), found=metric)
+        raise InputError(f"{path}.metric is unknown", "unknown-name", expected=", ".join((*METRICS, EXPLICIT)), found=metric)
     if (metric == EXPLICIT) != ("matrix" in data):
-        raise InputError(f"{path} by {metric} {'needs' if metric == EXPLICIT else 'has no'} matrix")
+        message = f"{path} by {metric} {'needs' if metric == EXPLICIT else 'has no'} matrix"
+        raise InputError(message, "missing" if metric == EXPLICIT else "contradiction")
     if path == "travel" and "convention" in data:
-        raise InputError("travel has a convention of its own", expected="the key convention of the document")
+        raise InputError("travel has a convention of its own", "contradiction", expected="the key convention of the document")
     own = positions(data, path, n)
     if own is None and metric != EXPLICIT:
         own = sites.coordinates
@@ -105,7 +106,7 @@ def vehicle_keys(sites: Sites, index: Mapping[str, int]) -> dict[str, Key]:
     def site(data: Any, path: str) -> int:
         name = string(data, path)
         if name not in index:
-            raise InputError(f"{path} names no site", expected="an id of sites.id", found=name)
+            raise InputError(f"{path} names no site", "unknown-name", expected="an id of sites.id", found=name)
         return index[name]
 
     def places(data: Any, path: str) -> tuple[int, ...]:
@@ -170,7 +171,7 @@ def decode_vehicle(data: Any, path: str, index: Mapping[str, int], sites: Sites)
     if not isinstance(loads, list):
         loads = [loads]
     elif not loads:
-        raise InputError(f"{path}.capacity is empty", expected="one number a load dimension")
+        raise InputError(f"{path}.capacity is empty", "missing", expected="one number a load dimension")
     capacity, *further = (real(v, f"{path}.capacity", null=math.inf) for v in loads)
     start = values.setdefault("start", int(sites.depots[0]))
     values.setdefault("end", start)

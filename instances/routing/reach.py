@@ -182,8 +182,9 @@ def refuse_unreachable(instance: RoutingInstance, lines: Sequence[int] | None = 
     most = float(np.broadcast_to(use.most, len(at))[k])
     shown = partial(moment_told, instance.clock, digits=12) if use.limit in ("arrival", "return") else plain
     raise InputError(
-        f"no vehicle can reach customer {sites.ids[at[k]]}: {WORDS[use.limit]}", line=None if lines is None else int(lines[at[k]]),
-        expected=f"at most {shown(most)}", found=f"at least {shown(float(use.least[k]))}",
+        f"no vehicle can reach customer {sites.ids[at[k]]}: {WORDS[use.limit]}", "contradiction",
+        line=None if lines is None else int(lines[at[k]]), expected=f"at most {shown(most)}",
+        found=f"at least {shown(float(use.least[k]))}",
     )  # fmt: skip
 
 
@@ -199,7 +200,7 @@ def refuse_powerless(instance: RoutingInstance) -> None:
         least = v.energy.rate * float(moves.duration(v.start, at).min() + moves.duration(at, v.end).min())
         if least <= v.energy.at_departure * (1.0 + 1e-9):
             return
-    raise InputError("the energy of no vehicle lasts to any site and back", expected=f"at least {least:g}",
+    raise InputError("the energy of no vehicle lasts to any site and back", "contradiction", expected=f"at least {least:g}",
                      found=f"{max(v.energy.at_departure for v in instance.fleet if v.energy):g}")  # fmt: skip
 
 

@@ -47,9 +47,8 @@ class ServiceTable:
 def unit_of_distance(name: str) -> str:
     """``name``, if it is a unit of distance."""
     if name not in UNITS_OF_DISTANCE:
-        raise UsageError(
-            f"unknown unit of distance {name!r}; choose from {', '.join(UNITS_OF_DISTANCE)}{did_you_mean(name, UNITS_OF_DISTANCE)}"
-        )
+        message = f"unknown unit of distance {name!r}; choose from {', '.join(UNITS_OF_DISTANCE)}{did_you_mean(name, UNITS_OF_DISTANCE)}"
+        raise UsageError(message, "unknown-name")
     return name
 
 
@@ -72,7 +71,7 @@ def table_of(data: Any) -> ServiceTable:
         raise InputError("is no table of a routing service", expected="an object", found=kind_of(data))
     if data.get("code", "Ok") != "Ok" or "error" in data:
         said = data.get("message", data.get("error", data.get("code")))
-        raise InputError("the routing service found no table", found=str(said)[:80])
+        raise InputError("the routing service found no table", "missing", found=str(said)[:80])
     if not is_table(data):
         raise InputError("is no table of a routing service", expected="distances or durations (OSRM), or sources_to_targets (Valhalla)",
                          found=", ".join(map(str, data))[:80] or "an empty object")  # fmt: skip
@@ -86,7 +85,7 @@ def _valhalla(data: Mapping[str, Any]) -> ServiceTable:
     units = str(data.get("units", "kilometers"))
     factor = {"kilometers": 1000.0, "km": 1000.0, "miles": 1609.344, "mi": 1609.344}.get(units)
     if factor is None:
-        raise InputError("units of the table are unknown", expected="kilometers or miles", found=units[:40])
+        raise InputError("units of the table are unknown", "unknown-name", expected="kilometers or miles", found=units[:40])
     answer = data["sources_to_targets"]
     if isinstance(answer, Mapping):  # the terse form
         metres, seconds = _square(answer.get("distances"), "distances"), _square(answer.get("durations"), "durations")
@@ -96,7 +95,7 @@ def _valhalla(data: Mapping[str, Any]) -> ServiceTable:
     else:
         raise InputError("sources_to_targets must be lists of objects", expected='{"distance": ..., "time": ...}', found=kind_of(answer))
     if metres is None and seconds is None:
-        raise InputError("sources_to_targets holds neither distances nor times")
+        raise InputError("sources_to_targets holds neither distances nor times", "missing")
     return ServiceTable("Valhalla", None if metres is None else metres * factor, seconds)
 
 
@@ -108,11 +107,11 @@ def _square(rows: Any, what: str) -> Floats | None:
     n = len(rows)
     for k, row in enumerate(rows):
         if len(row) != n:
-            raise InputError(
-                f"{what}[{k}] of the table has a wrong length: sources and destinations must be the same sites", expected=str(n),
-                found=str(len(row)),
-            )  # fmt: skip
+            message = f"{what}[{k}] of the table has a wrong length: sources and destinations must be the same sites"
+            raise InputError(message, "wrong-shape", expected=str(n), found=str(len(row)))
         for j, value in enumerate(row):
-            if value is not None and (isinstance(value, bool) or not isinstance(value, int | float) or not value >= 0):
-                raise InputError(f"{what}[{k}][{j}] of the table must be a number that is not negative, or null", found=str(value)[:40])
+            number = isinstance(value, int | float) and not isinstance(value, bool)
+            if value is not None and not (number and value >= 0):
+                message = f"{what}[{k}][{j}] of the table must be a number that is not negative, or null"
+                raise InputError(message, "out-of-range" if number else "malformed", found=str(value)[:40])
     return np.array([[math.inf if value is None else value for value in row] for row in rows], dtype=np.float64).reshape(n, n)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError, UsageError
+from ..errors import Code, InputError, UsageError
 from ..printable import LONGEST_LINE, printable
 
 Floats = NDArray[np.float64]
@@ -160,7 +160,7 @@ class Sites:
         """
         n = len(ids)
         if n == 0:
-            raise InputError("there are no sites")
+            raise InputError("there are no sites", "missing")
         flags = np.zeros(n, dtype=bool)
         if depot is None:
             flags[0] = True
@@ -184,7 +184,7 @@ class Sites:
         for k, intervals in (windows or {}).items():
             listed = tuple(sorted((float(a), float(b)) for a, b in intervals))
             if not listed:
-                raise InputError(f"site {ids[k]} has no time window at all")
+                raise InputError(f"site {ids[k]} has no time window at all", "missing")
             opens[k], closes[k] = listed[0][0], listed[-1][1]
             several[k] = listed if len(listed) > 1 else ()
         able: list[frozenset[str]] = [frozenset()] * n if skills else []
@@ -203,19 +203,20 @@ class Sites:
         for name in COLUMNS:
             values = getattr(self, name)
             if values.shape[:1] != (n,) or values.ndim != (2 if name.startswith("further") else 1):
-                raise InputError(f"{name} must have one entry a site", expected=str(n), found=str(values.shape))
+                raise InputError(f"{name} must have one entry a site", "wrong-shape", expected=str(n), found=str(values.shape))
             values.setflags(write=False)
         if self.further_demand.shape != self.further_pickup.shape:
-            raise InputError("demand and pickup have different numbers of load dimensions")
+            raise InputError("demand and pickup have different numbers of load dimensions", "wrong-shape")
         if self.coordinates is not None:
             if self.coordinates.shape != (n, 2):
-                raise InputError("coordinates must have two entries a site", expected=f"({n}, 2)", found=str(self.coordinates.shape))
+                message = "coordinates must have two entries a site"
+                raise InputError(message, "wrong-shape", expected=f"({n}, 2)", found=str(self.coordinates.shape))
             self._refuse(~np.isfinite(self.coordinates).all(axis=1), "coordinate of site {} is not finite", self.coordinates)
             self.coordinates.setflags(write=False)
         seen: set[str] = set()
         for site in self.ids:
             if site in seen:
-                raise InputError(f"two sites have the id {site!r}", expected="different ids")
+                raise InputError(f"two sites have the id {site!r}", "duplicate", expected="different ids")
             seen.add(site)
         for name in ("demand", "service", "reward", "penalty", "pickup"):
             values = getattr(self, name)
@@ -226,48 +227,49 @@ class Sites:
             self._refuse(bad, name + " of site {} must be finite and not negative in each load dimension", values)
         self._refuse(~np.isfinite(self.ready), "ready time of site {} must be finite", self.ready)
         self._refuse(np.asarray(np.isnan(self.due) | np.isneginf(self.due)), "due time of site {} must be a number", self.due)
-        self._refuse(
-            np.asarray(self.ready > self.due), "time window of site {} closes before it opens", np.column_stack([self.ready, self.due])
-        )
+        window = np.column_stack([self.ready, self.due])
+        self._refuse(np.asarray(self.ready > self.due), "time window of site {} closes before it opens", window, "contradiction")
         if not self.depot.any():
-            raise InputError("there is no depot")
+            raise InputError("there is no depot", "missing")
         self._check_windows()
         if self.skills and len(self.skills) != n:
-            raise InputError("skills must have one entry a site", expected=str(n), found=str(len(self.skills)))
+            raise InputError("skills must have one entry a site", "wrong-shape", expected=str(n), found=str(len(self.skills)))
         self._check_groups()
         self._check_shipments()
         for title, entries in self.attributes.items():
             if len(entries) != n:
-                raise InputError(f"attribute {title!r} must have one entry a site", expected=str(n), found=str(len(entries)))
+                raise InputError(f"attribute {title!r} must have one entry a site", "wrong-shape", expected=str(n), found=str(len(entries)))
 
-    def _refuse(self, bad: Flags | np.bool_, message: str, values: Floats) -> None:
+    def _refuse(self, bad: Flags | np.bool_, message: str, values: Floats, code: Code = "out-of-range") -> None:
         if np.any(bad):
             k = int(np.argmax(bad))
-            raise InputError(message.format(self.ids[k]), found=str(values[k]))
+            raise InputError(message.format(self.ids[k]), code, found=str(values[k]))
 
     def _check_windows(self) -> None:
         if not self.windows:
             return
         if len(self.windows) != len(self.ids):
-            raise InputError("windows must have one entry a site", expected=str(len(self.ids)), found=str(len(self.windows)))
+            raise InputError("windows must have one entry a site", "wrong-shape", expected=str(len(self.ids)), found=str(len(self.windows)))
         for k, listed in enumerate(self.windows):
             if not listed:
                 continue
             name, times = self.ids[k], [t for window in listed for t in window]
             if self.depot[k]:
-                raise InputError(f"depot {name} has several time windows", expected="one, from the earliest departure to the latest return")
+                message = f"depot {name} has several time windows"
+                raise InputError(message, "unsupported", expected="one, from the earliest departure to the latest return")
             if len(listed) < 2 or any(math.isnan(t) for t in times) or times != sorted(times) or len(set(times[1:-1])) < len(times) - 2:
-                raise InputError(f"time windows of site {name} must be in order and apart from each other", found=str(list(listed)))
+                message = f"time windows of site {name} must be in order and apart from each other"
+                raise InputError(message, "contradiction", found=str(list(listed)))
             if (times[0], times[-1]) != (float(self.ready[k]), float(self.due[k])):
                 found = f"[{self.ready[k]:g}, {self.due[k]:g}]"
-                raise InputError(f"ready and due of site {name} are not the ends of its windows", found=found)
+                raise InputError(f"ready and due of site {name} are not the ends of its windows", "contradiction", found=found)
 
     def _customer(self, site: int, what: str) -> str:
         """The id of a customer; raises InputError where there is none."""
         if not 0 <= site < len(self.ids):
-            raise InputError(f"{what} names site {site}, which does not exist", expected=f"0 to {len(self.ids) - 1}")
+            raise InputError(f"{what} names site {site}, which does not exist", "unknown-name", expected=f"0 to {len(self.ids) - 1}")
         if self.depot[site]:
-            raise InputError(f"{what} names the depot {self.ids[site]}", expected="a customer")
+            raise InputError(f"{what} names the depot {self.ids[site]}", "contradiction", expected="a customer")
         return self.ids[site]
 
     def _check_groups(self) -> None:
@@ -275,18 +277,20 @@ class Sites:
         for number, group in enumerate(self.groups, start=1):
             what = f"group {number}"
             if not group.sites:
-                raise InputError(f"{what} has no sites")
+                raise InputError(f"{what} has no sites", "missing")
             if len(set(group.sites)) < len(group.sites):
                 twice = next(k for k in group.sites if group.sites.count(k) > 1)
-                raise InputError(f"{what} has the site {self._customer(twice, what)} twice", expected="different sites")
+                raise InputError(f"{what} has the site {self._customer(twice, what)} twice", "duplicate", expected="different sites")
             for site in group.sites:
                 name = self._customer(site, what)
                 if site in grouped:
-                    raise InputError(f"site {name} is in two groups", expected="one group a site")
+                    raise InputError(f"site {name} is in two groups", "duplicate", expected="one group a site")
                 if self.required[site]:
-                    raise InputError(f"site {name} is required and in {what}", expected="a group whose members may be left out")
+                    message = f"site {name} is required and in {what}"
+                    raise InputError(message, "contradiction", expected="a group whose members may be left out")
                 if self.penalty[site]:
-                    raise InputError(f"site {name} of {what} has a penalty of its own", expected="0", found=str(self.penalty[site]))
+                    message = f"site {name} of {what} has a penalty of its own"
+                    raise InputError(message, "contradiction", expected="0", found=str(self.penalty[site]))
             grouped.update(group.sites)
 
     def _check_shipments(self) -> None:
@@ -296,25 +300,26 @@ class Sites:
             first, last = (self._customer(k, "a shipment") for k in (shipment.pickup, shipment.delivery))
             what = f"shipment from {first} to {last}"
             if first == last:
-                raise InputError(f"{what} ends where it begins", expected="two sites")
+                raise InputError(f"{what} ends where it begins", "contradiction", expected="two sites")
             if not 1 <= len(shipment.load) <= dimensions or not all(0 <= v < math.inf for v in shipment.load):
                 found = ", ".join(f"{v:g}" for v in shipment.load)
-                raise InputError(
-                    f"load of the {what} must be finite and not negative", expected=f"{dimensions} numbers at most", found=found
-                )
+                message = f"load of the {what} must be finite and not negative"
+                raise InputError(message, "out-of-range", expected=f"{dimensions} numbers at most", found=found)
             if self.required[shipment.pickup] != self.required[shipment.delivery]:
-                raise InputError(f"one end of the {what} is required, the other is not", expected="both or neither")
+                raise InputError(f"one end of the {what} is required, the other is not", "contradiction", expected="both or neither")
             begins = float(self.ready[shipment.pickup] + self.service[shipment.pickup])
             if self.required[shipment.pickup] and float(self.due[shipment.delivery]) < begins:
                 found = f"due {self.due[shipment.delivery]:g}, picked up at {begins:g} at the earliest"
-                raise InputError(f"delivery of the {what} comes before its pickup", expected="a delivery after the pickup", found=found)
+                message = f"delivery of the {what} comes before its pickup"
+                raise InputError(message, "contradiction", expected="a delivery after the pickup", found=found)
             follows.setdefault(shipment.pickup, set()).add(shipment.delivery)
         unordered = dict(follows)
         while unordered:
             free = [k for k in unordered if not unordered[k] & unordered.keys()]
             if not free:
                 names = ", ".join(self.ids[k] for k in sorted(unordered))
-                raise InputError(f"each of these sites is to be visited before the others: {names}", expected="shipments without a cycle")
+                message = f"each of these sites is to be visited before the others: {names}"
+                raise InputError(message, "contradiction", expected="shipments without a cycle")
             for k in free:
                 del unordered[k]
 
@@ -405,7 +410,8 @@ def _dimensions(values: ArrayLike, n: int, what: str) -> Floats:
     if loads.ndim < 2:
         return np.array(np.broadcast_to(loads, n))[:, None]
     if loads.ndim > 2 or loads.shape[0] != n or loads.shape[1] < 1:
-        raise InputError(f"{what} must have one row a site and one column a load dimension", expected=f"({n}, ...)", found=str(loads.shape))
+        message = f"{what} must have one row a site and one column a load dimension"
+        raise InputError(message, "wrong-shape", expected=f"({n}, ...)", found=str(loads.shape))
     return loads
 
 

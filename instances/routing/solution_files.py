@@ -61,13 +61,12 @@ def _read_sol(text: str, sites: Sites) -> SolutionFile:
                 del visits[-1]
             for visit in visits:
                 if not 1 <= visit <= len(customers):
-                    raise InputError(
-                        "route names a customer that does not exist", line=line, expected=f"1 to {len(customers)}", found=str(visit)
-                    )
+                    message = "route names a customer that does not exist"
+                    raise InputError(message, "unknown-name", line=line, expected=f"1 to {len(customers)}", found=str(visit))
             routes.append(tuple(customers[visit - 1] for visit in visits))
         elif match := _COST.match(row):
             if cost is not None:
-                raise InputError("Cost stands twice", line=line)
+                raise InputError("Cost stands twice", "duplicate", line=line)
             cost = number(match[1], line, "Cost")
         elif not _REMARK.match(row):
             raise InputError("line is not understood", line=line, expected="Route #k: ..., Cost, or Comment", found=shown(row))
@@ -89,16 +88,17 @@ def _read_tour(text: str, sites: Sites) -> SolutionFile:
             break
         for token in row.split():
             if ended:
-                raise InputError("a second tour is not supported", line=line, expected="EOF", found=shown(token))
+                raise InputError("a second tour is not supported", "unsupported", line=line, expected="EOF", found=shown(token))
             if token == "-1":
                 ended = True
                 continue
             node = whole(token, line, "node", least=1)
             if node > len(sites):
-                raise InputError("tour names a node that does not exist", line=line, expected=f"1 to {len(sites)}", found=token)
+                message = "tour names a node that does not exist"
+                raise InputError(message, "unknown-name", line=line, expected=f"1 to {len(sites)}", found=token)
             nodes.append(node - 1)
     if not ended:
-        raise InputError("TOUR_SECTION ends early", line=last, expected="-1", found="the end of the file")
+        raise InputError("TOUR_SECTION ends early", "missing", line=last, expected="-1", found="the end of the file")
     return SolutionFile(_turned(nodes, sites, last), None)
 
 
@@ -106,7 +106,8 @@ def _turned(nodes: list[int], sites: Sites, line: int) -> tuple[tuple[int, ...],
     """The route from the depot along a cycle."""
     at = [k for k, node in enumerate(nodes) if sites.depot[node]]
     if len(at) != 1:
-        raise InputError("a tour must visit the depot once", line=line, expected="1", found=f"{len(at)} visits")
+        message = "a tour must visit the depot once"
+        raise InputError(message, "duplicate" if at else "missing", line=line, expected="1", found=f"{len(at)} visits")
     rotated = nodes[at[0] + 1 :] + nodes[: at[0]]
     return (tuple(rotated),) if rotated else ()
 
@@ -128,11 +129,11 @@ def _read_sequence(text: str, sites: Sites) -> SolutionFile:
                 node = whole(token, line, "node", least=1)
                 if not inside or node > len(sites):
                     expected = f"1 to {len(sites)}" if inside else "a section or EOF"
-                    raise InputError("sequence names a node that does not exist", line=line, expected=expected, found=token)
+                    raise InputError("sequence names a node that does not exist", "unknown-name", line=line, expected=expected, found=token)
                 lists[inside].append(node - 1)
         elif title in ("NODE_SEQUENCE_SECTION", "DEPOT_SECTION"):
             if title in lists:
-                raise InputError(f"{title} stands twice", line=line)
+                raise InputError(f"{title} stands twice", "duplicate", line=line)
             inside = title
             lists[inside] = []
         elif match := _SEQUENCE_HEADER.match(row):
@@ -142,13 +143,14 @@ def _read_sequence(text: str, sites: Sites) -> SolutionFile:
                 "line is not understood", line=line, expected="a header, NODE_SEQUENCE_SECTION or DEPOT_SECTION", found=shown(row)
             )
     if inside:
-        raise InputError(f"{inside} ends early", line=last, expected="-1", found="the end of the file")
+        raise InputError(f"{inside} ends early", "missing", line=last, expected="-1", found="the end of the file")
     nodes = lists.get("NODE_SEQUENCE_SECTION", [])
     for key, count in (("DIMENSION", len(sites)), ("ROUTE_NODES", len(nodes))):
         if key in claims and whole(claims[key][1], claims[key][0], key, least=0) != count:
-            raise InputError(f"{key} is another number", line=claims[key][0], expected=str(count), found=shown(claims[key][1]))
+            message = f"{key} is another number"
+            raise InputError(message, "wrong-shape", line=claims[key][0], expected=str(count), found=shown(claims[key][1]))
     if any(not sites.depot[node] for node in lists.get("DEPOT_SECTION", [])):
-        raise InputError("DEPOT_SECTION names another node", line=last, expected=", ".join(str(k + 1) for k in sites.depots))
+        raise InputError("DEPOT_SECTION names another node", "foreign", line=last, expected=", ".join(str(k + 1) for k in sites.depots))
     score = number(claims["ROUTE_SCORE"][1], claims["ROUTE_SCORE"][0], "ROUTE_SCORE") if "ROUTE_SCORE" in claims else None
     return SolutionFile(_turned(nodes, sites, last), score)
 
@@ -168,7 +170,7 @@ def tour_text(sites: Sites, routes: Iterable[Sequence[int]], cost: float | None 
     kept = [route for route in routes if len(route)]
     depots = sites.depots.tolist()
     if len(kept) > 1 or len(depots) != 1:
-        raise UsageError(f"{name}: {len(kept)} routes from {len(depots)} depots are no tour; write a .sol file")
+        raise UsageError(f"{name}: {len(kept)} routes from {len(depots)} depots are no tour; write a .sol file", "unsupported")
     nodes = [depots[0] + 1, *(i + 1 for i in (kept[0] if kept else ()))]
     head = [f"NAME : {name}", "TYPE : TOUR", f"DIMENSION : {len(nodes)}"]
     if cost is not None and math.isfinite(cost):

@@ -29,7 +29,7 @@ def convention_named(name: str) -> str:
     name = ALIASES.get(name, name)
     if name not in CONVENTIONS:
         known = (*CONVENTIONS, *ALIASES)
-        raise UsageError(f"unknown convention {name!r}; choose from {', '.join(known)}{did_you_mean(name, known)}")
+        raise UsageError(f"unknown convention {name!r}; choose from {', '.join(known)}{did_you_mean(name, known)}", "unknown-name")
     return name
 
 
@@ -195,19 +195,19 @@ class Travel:
         put: Callable[[str, Any], None] = lambda name, value: object.__setattr__(self, name, value)  # noqa: E731
         if self.metric == EXPLICIT:
             if self.matrix is None:
-                raise InputError("an EXPLICIT travel needs a matrix")
+                raise InputError("an EXPLICIT travel needs a matrix", "missing")
             put("matrix", _square(self.matrix, "distance"))
         elif self.metric in METRICS:
             if self.coordinates is None:
-                raise InputError(f"travel by {self.metric} needs coordinates")
+                raise InputError(f"travel by {self.metric} needs coordinates", "missing")
         else:
-            raise InputError(f"unknown metric {self.metric!r}", expected=", ".join((*METRICS, EXPLICIT)))
+            raise InputError(f"unknown metric {self.metric!r}", "unknown-name", expected=", ".join((*METRICS, EXPLICIT)))
         if self.coordinates is not None:
             xy = np.array(self.coordinates, dtype=np.float64)
             if xy.ndim != 2 or xy.shape[1] != 2:
-                raise InputError("coordinates must be an array of shape (sites, 2)", found=f"shape {xy.shape}")
+                raise InputError("coordinates must be an array of shape (sites, 2)", "wrong-shape", found=f"shape {xy.shape}")
             if not np.isfinite(xy).all():
-                raise InputError(f"coordinate of site {int(np.nonzero(~np.isfinite(xy).all(axis=1))[0][0])} is not finite")
+                raise InputError(f"coordinate of site {int(np.nonzero(~np.isfinite(xy).all(axis=1))[0][0])} is not finite", "out-of-range")
             xy.setflags(write=False)
             put("coordinates", xy)
         for field_name, what in (("duration_matrix", "duration"), ("variances", "variance")):
@@ -215,11 +215,11 @@ class Travel:
             if values is not None:
                 put(field_name, _square(values, what))
                 if len(getattr(self, field_name)) != len(self):
-                    raise InputError(f"the {what} matrix has another size than the sites", found=str(len(values)))
+                    raise InputError(f"the {what} matrix has another size than the sites", "wrong-shape", found=str(len(values)))
         if self.closing is not None:
             put("closing", self._closing(self.closing))
         if not 0.0 < self.pace < np.inf:
-            raise InputError("the time that a unit of distance takes must be positive and finite", found=str(self.pace))
+            raise InputError("the time that a unit of distance takes must be positive and finite", "out-of-range", found=str(self.pace))
         file_rounding = METRICS[self.metric].file_rounding if self.metric in METRICS else _ROUNDING["exact"]
         convention = convention_named(self.convention or ("file" if file_rounding is not None else "exact"))
         if convention == "file":
@@ -272,11 +272,12 @@ class Travel:
     def _closing(self, values: ArrayLike) -> Floats:
         times = np.array(values, dtype=np.float64)
         if times.shape != (len(self), len(self)):
-            raise InputError("closing times must have one entry a move", expected=f"({len(self)}, {len(self)})", found=str(times.shape))
+            message = "closing times must have one entry a move"
+            raise InputError(message, "wrong-shape", expected=f"({len(self)}, {len(self)})", found=str(times.shape))
         np.fill_diagonal(times, np.inf)
         if np.isnan(times).any():
             i, j = np.argwhere(np.isnan(times))[0].tolist()
-            raise InputError(f"closing time of the move in row {i + 1}, column {j + 1} must be a number", found="nan")
+            raise InputError(f"closing time of the move in row {i + 1}, column {j + 1} must be a number", "out-of-range", found="nan")
         times.setflags(write=False)
         return times
 
@@ -324,9 +325,8 @@ class Travel:
         """
         n = len(self)
         if not fits(16.0 * n * n):  # whoever asks for them makes at least one more such matrix
-            raise UsageError(
-                f"all distances between {n:,} sites need {readable(8.0 * n * n)}, more than there is; savings needs none of them"
-            )
+            message = f"all distances between {n:,} sites need {readable(8.0 * n * n)}, more than there is; savings needs none of them"
+            raise UsageError(message, "too-large")
         matrix, every = np.empty((n, n)), np.arange(n)
         step = max(1, STRIP // max(1, n))
         for first in range(0, n, step):
@@ -350,13 +350,14 @@ def _frozen_matrix(matrix: Floats) -> Floats:
 def _square(values: ArrayLike, what: str) -> Floats:
     matrix = np.array(values, dtype=np.float64)
     if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
-        raise InputError(f"the {what} matrix must be square", found=f"shape {matrix.shape}")
+        raise InputError(f"the {what} matrix must be square", "wrong-shape", found=f"shape {matrix.shape}")
     bad = ~(matrix >= 0.0) | np.isinf(matrix)
     np.fill_diagonal(bad, False)
     if bad.any():
         i, j = (int(v[0]) for v in np.nonzero(bad))
         cure = "forbidden=array of the problem for moves that cannot be made" if matrix[i, j] == np.inf else None
-        raise InputError(f"{what} in row {i + 1}, column {j + 1} must be finite and not negative", expected=cure, found=str(matrix[i, j]))
+        message = f"{what} in row {i + 1}, column {j + 1} must be finite and not negative"
+        raise InputError(message, "out-of-range", expected=cure, found=str(matrix[i, j]))
     np.fill_diagonal(matrix, 0.0)
     matrix.setflags(write=False)
     return matrix

@@ -49,19 +49,19 @@ class Energy:
             object.__setattr__(self, name, float(getattr(self, name)))
         object.__setattr__(self, "stations", tuple(int(k) for k in self.stations))
         if not self.capacity >= 0 or not math.isfinite(self.capacity):
-            raise InputError("energy capacity must be finite and not negative", found=str(self.capacity))
+            raise InputError("energy capacity must be finite and not negative", "out-of-range", found=str(self.capacity))
         if not self.rate > 0 or not math.isfinite(self.rate):
-            raise InputError("energy rate must be positive and finite", found=str(self.rate))
+            raise InputError("energy rate must be positive and finite", "out-of-range", found=str(self.rate))
         if self.charge not in ENERGY_CHARGES:
-            raise InputError("unknown energy charge", expected=", ".join(ENERGY_CHARGES), found=self.charge)
+            raise InputError("unknown energy charge", "unknown-name", expected=", ".join(ENERGY_CHARGES), found=self.charge)
         if self.stations and self.charge != "travel":
-            raise InputError("a store that is recharged on the way is charged for travel", expected="charge travel", found=self.charge)
+            message = "a store that is recharged on the way is charged for travel"
+            raise InputError(message, "contradiction", expected="charge travel", found=self.charge)
         if self.initial is not None:
             object.__setattr__(self, "initial", float(self.initial))
             if not 0 <= self.initial <= self.capacity:
-                raise InputError(
-                    "energy at departure must be within the capacity", expected=f"0 to {self.capacity:g}", found=str(self.initial)
-                )
+                message = "energy at departure must be within the capacity"
+                raise InputError(message, "out-of-range", expected=f"0 to {self.capacity:g}", found=str(self.initial))
 
     @property
     def at_departure(self) -> float:
@@ -143,7 +143,7 @@ class VehicleType:
     def __post_init__(self) -> None:
         if self.count is not None and not 1 <= self.count <= MOST_VEHICLES:
             wrong = "least 1" if self.count < 1 else f"most {MOST_VEHICLES}"
-            raise InputError(f"the number of vehicles must be at {wrong}", found=str(self.count))
+            raise InputError(f"the number of vehicles must be at {wrong}", "out-of-range", found=str(self.count))
         limits = ("capacity", "max_duration", "max_distance", "regular_duration")
         costs = ("fixed_cost", "unit_cost", "unit_duration_cost", "unit_overtime_cost")
         for name in (*limits, *costs, "speed"):
@@ -155,25 +155,27 @@ class VehicleType:
         for name in limits:
             value = getattr(self, name)
             if not value >= 0:
-                raise InputError(f"{name} of {self.name} must be a number and not negative", found=str(value))
+                raise InputError(f"{name} of {self.name} must be a number and not negative", "out-of-range", found=str(value))
         for value in self.further_capacity:
             if not value >= 0:
-                raise InputError(f"capacity of {self.name} must be a number and not negative in each load dimension", found=str(value))
+                message = f"capacity of {self.name} must be a number and not negative in each load dimension"
+                raise InputError(message, "out-of-range", found=str(value))
         for name in costs:
             value = getattr(self, name)
             if not value >= 0 or not math.isfinite(value):
-                raise InputError(f"{name} of {self.name} must be finite and not negative", found=str(value))
+                raise InputError(f"{name} of {self.name} must be finite and not negative", "out-of-range", found=str(value))
         if not 0 < self.speed < math.inf:
-            raise InputError(f"speed of {self.name} must be positive and finite", found=str(self.speed))
+            raise InputError(f"speed of {self.name} must be positive and finite", "out-of-range", found=str(self.speed))
         if len(self.shift) != 2 or not self.shift[0] <= self.shift[1] or self.shift[0] == math.inf or self.shift[1] == -math.inf:
             found = ", ".join(f"{v:g}" for v in self.shift)
-            raise InputError(f"the shift of {self.name} must have a begin and a later end", expected="two times", found=found)
+            message = f"the shift of {self.name} must have a begin and a later end"
+            raise InputError(message, "contradiction", expected="two times", found=found)
         if self.max_reloads is not None and self.max_reloads < 0:
-            raise InputError(f"max_reloads of {self.name} must not be negative", found=str(self.max_reloads))
+            raise InputError(f"max_reloads of {self.name} must not be negative", "out-of-range", found=str(self.max_reloads))
         if self.max_reloads is not None and not self.reloads:
-            raise InputError(f"max_reloads of {self.name} is given, but no depot where it may reload", expected="reloads")
+            raise InputError(f"max_reloads of {self.name} is given, but no depot where it may reload", "missing", expected="reloads")
         if self.committed and self.count is None:
-            raise InputError(f"{self.name} is committed, but without number", expected="a number of vehicles")
+            raise InputError(f"{self.name} is committed, but without number", "missing", expected="a number of vehicles")
         if self.risk is not None:
             object.__setattr__(self, "risk", checked_risk(self.risk, f"the risk of {self.name}"))
 
@@ -194,7 +196,7 @@ class VehicleType:
 def checked_risk(value: float, what: str) -> float:
     """``value``, if it is a probability up to which limits are stricter than those of the means."""
     if not 0.0 < float(value) <= 0.5:
-        raise InputError(f"{what} must be a probability above 0, and 1/2 at most", found=str(value))
+        raise InputError(f"{what} must be a probability above 0, and 1/2 at most", "out-of-range", found=str(value))
     return float(value)
 
 

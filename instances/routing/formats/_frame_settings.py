@@ -14,13 +14,14 @@ from ...clock import moment_of, span_of, unit_named
 from ...errors import InputError, UsageError
 from ...formats.table import delimiter_of, table_of
 from ...number_arrays import Floats
-from ...text import is_number, number, read_text, refuse, shown, whole
+from ...text import is_number, number, read_text, shown, whole
 from ..foreign_names import hint
 from ..frame_columns import pairs_of
 from ..frame_fleet import SHIFT, SPANS
 from ..frame_lists import LOADS, READ_FROM
 from ..routing_service import unit_of_distance
 from ..travel import METRICS
+from ._rows import refuse
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -60,9 +61,9 @@ def arguments(settings: Settings, folder: Path, n: int) -> dict[str, Any]:
         except InputError as error:
             if error.line or error.file is not None:
                 raise
-            raise InputError(f"--set {error.message}", expected=error.expected, found=error.found) from None
+            raise InputError(f"--set {error.message}", error.code, expected=error.expected, found=error.found) from None
     if "matrix" in settings and "metric" in settings:
-        raise InputError("metric stands beside a matrix", line=settings["metric"][0], expected="one of them")
+        raise InputError("metric stands beside a matrix", "contradiction", line=settings["metric"][0], expected="one of them")
     return read
 
 
@@ -76,7 +77,7 @@ def _argument(key: str, line: int | None, value: Any, folder: Path, n: int) -> A
         raise InputError(f"{key} takes a file", line=line, expected=f"{key}=FILE", found=text)
     file = Path(text) if line is None else folder / text
     if os.path.exists(file) and not file.is_file():  # noqa: PTH110 - a name may be too long; a file must not make the reader wait at a pipe
-        raise InputError(f"{key} {shown(text)} is no plain file", line=line)
+        raise InputError(f"{key} {shown(text)} is no plain file", "file", line=line)
     return _table(file, key, line, text) if key in TABLES else _matrix(file, key, line, text, n)
 
 
@@ -87,7 +88,7 @@ def named(find: Callable[[str], str], line: int | None, text: str) -> str:
     except UsageError as error:
         if line is None:
             raise
-        raise InputError(str(error), line=line) from None
+        raise InputError(str(error), error.code, line=line) from None
 
 
 def flag(cell: str, line: int | None, what: str) -> bool | None:
@@ -111,9 +112,9 @@ def _vehicles(text: str, line: int | None, what: str) -> int | None:
 def _limit(text: str, line: int | None, what: str) -> float:
     value = number(text, line or 0, what)
     if value < 0:
-        raise InputError(f"{what} is negative", line=line, expected="0 or more", found=text)
+        raise InputError(f"{what} is negative", "out-of-range", line=line, expected="0 or more", found=text)
     if value == 0 and what == "capacity":
-        raise InputError("capacity must be positive", line=line, expected="more than 0", found=text)
+        raise InputError("capacity must be positive", "out-of-range", line=line, expected="more than 0", found=text)
     return value
 
 
@@ -125,13 +126,13 @@ def _capacity(text: str, line: int | None, what: str) -> float | list[float]:
 def _duration(text: str, line: int | None, what: str) -> Any:
     span = span_of(text, line, what)
     if isinstance(span, float) and span < 0:
-        raise InputError(f"{what} is negative", line=line, expected="0 or more", found=text)
+        raise InputError(f"{what} is negative", "out-of-range", line=line, expected="0 or more", found=text)
     return span
 
 
 def _metric(text: str, line: int | None, what: str) -> str:
     if text not in METRICS:
-        raise InputError(f"metric {shown(text)} is unknown", line=line, expected=", ".join(METRICS))
+        raise InputError(f"metric {shown(text)} is unknown", "unknown-name", line=line, expected=", ".join(METRICS))
     return text
 
 
@@ -144,7 +145,7 @@ def _columns(text: str, line: int | None, what: str) -> dict[str, str]:
 
 def _word(cell: str, line: int | None, what: str) -> str:
     if not cell:
-        raise InputError(f"{what} is empty", line=line, expected="a name in every row")
+        raise InputError(f"{what} is empty", "missing", line=line, expected="a name in every row")
     return cell
 
 
@@ -182,7 +183,7 @@ def _text(file: Path, key: str, line: int | None, name: str) -> str:
     except InputError as error:
         if error.line is not None:
             raise
-        raise InputError(f"{key} {shown(name)} {error.message}", line=line, found=error.found) from None
+        raise InputError(f"{key} {shown(name)} {error.message}", error.code, line=line, found=error.found) from None
 
 
 def _matrix(file: Path, key: str, line: int | None, name: str, n: int) -> Floats | str:
@@ -192,7 +193,7 @@ def _matrix(file: Path, key: str, line: int | None, name: str, n: int) -> Floats
     lines = [(k, row) for k, row in enumerate(_text(file, key, line, name).split("\n"), start=1) if row.strip()]
     if len(lines) != n:
         at, count = lines[min(n, len(lines) - 1)][0], str(len(lines))
-        raise InputError(f"{key} has a wrong number of rows", file=file, line=at, expected=str(n), found=count)
+        raise InputError(f"{key} has a wrong number of rows", "wrong-shape", file=file, line=at, expected=str(n), found=count)
     matrix = np.empty((n, n))
     delimiter = delimiter_of(lines[0][1])
     for k, (at, row) in enumerate(lines):
@@ -202,7 +203,8 @@ def _matrix(file: Path, key: str, line: int | None, name: str, n: int) -> Floats
             message, expected = f"{key} holds something that is no finite number", f"a number{INFINITE.get(key, '')}"
             raise InputError(message, file=file, line=at, expected=expected, found=shown(bad))
         if len(cells) != n:
-            raise InputError("row of the matrix has a wrong length", file=file, line=at, expected=str(n), found=str(len(cells)))
+            message = "row of the matrix has a wrong length"
+            raise InputError(message, "wrong-shape", file=file, line=at, expected=str(n), found=str(len(cells)))
         matrix[k] = [float(cell) for cell in cells]
         try:
             refuse((matrix[k] < 0) & (np.arange(n) != k), [at] * n, f"{MATRICES[key]} is negative", matrix[k], "0 or more")
@@ -223,7 +225,8 @@ def _table(file: Path, key: str, line: int | None, name: str) -> pd.DataFrame:
         columns: dict[str, list[Any]] = {}
         strange = next((title for title in table.titles if title not in known and key != "fleet"), None)
         if strange is not None:
-            raise InputError(f"column {shown(strange)} is unknown{hint(strange, key, known)}", line=titles, expected=", ".join(known))
+            message = f"column {shown(strange)} is unknown{hint(strange, key, known)}"
+            raise InputError(message, "unknown-name", line=titles, expected=", ".join(known))
         for k, title in enumerate(table.titles):
             cells, read = [row[k] for row in table.rows], known.get(title)
             columns[title] = kept(cells) if read is None else [read(cell, at, title) for cell, at in zip(cells, table.at, strict=True)]
@@ -251,4 +254,4 @@ def in_file(error: InputError) -> InputError:
         text = re.sub(pattern, command, text)
     if text == error.expected:
         return error
-    return InputError(error.message, file=error.file, line=error.line, expected=text, found=error.found)
+    return InputError(error.message, error.code, file=error.file, line=error.line, expected=text, found=error.found)

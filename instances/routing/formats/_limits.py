@@ -17,17 +17,19 @@ ORIENTEERING = ("orienteering", "team-orienteering")
 def refuse_inexpressible(instance: object, format_name: str, expressible: Collection[str]) -> frozenset[str]:
     """All features of the instance; raises UsageError naming those that ``format_name`` has no place for."""
     if not isinstance(instance, RoutingInstance):
-        raise UsageError(f"{getattr(instance, 'name', 'this')} holds no routing data, so it cannot be written as {format_name}; use json")
+        message = f"{getattr(instance, 'name', 'this')} holds no routing data, so it cannot be written as {format_name}; use json"
+        raise UsageError(message, "unsupported")
     held = features(instance)
     missing = sorted((held | ({"objective"} if instance.objective else set())) - set(expressible))
     if missing:
-        raise UsageError(f"{instance.name} cannot be written as {format_name}, which has no place for {', '.join(missing)}; use json")
+        message = f"{instance.name} cannot be written as {format_name}, which has no place for {', '.join(missing)}; use json"
+        raise UsageError(message, "unsupported")
     return held
 
 
 def cannot(instance: RoutingInstance, format_name: str, why: str) -> UsageError:
     """The error for an instance that cannot be written, with the reason."""
-    return UsageError(f"{instance.name} cannot be written as {format_name}: {why}; use json")
+    return UsageError(f"{instance.name} cannot be written as {format_name}: {why}; use json", "unsupported")
 
 
 def refuse_where(instance: RoutingInstance, format_name: str, *faults: tuple[object, str]) -> None:

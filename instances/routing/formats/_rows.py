@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...errors import InputError
+from ...errors import Code, InputError
 from ...number_arrays import Floats
-from ...text import is_number, lines_of, numbers, refuse, shown
+from ...text import is_number, lines_of, numbers, shown
 
 
 def head(text: str, count: int) -> list[list[str]]:
@@ -44,7 +45,7 @@ class Rows:
     def next(self, what: str) -> tuple[int, str]:
         """The next line and its number; InputError at the end of the file."""
         if self.at >= len(self.lines):
-            raise InputError("ends early", line=self.lines[-1][0], expected=what, found="the end of the file")
+            raise InputError("ends early", "missing", line=self.lines[-1][0], expected=what, found="the end of the file")
         self.at += 1
         return self.lines[self.at - 1]
 
@@ -53,7 +54,7 @@ class Rows:
         line, text = self.next(expected)
         tokens = text.split()
         if len(tokens) != count:
-            raise InputError(f"{what} has a wrong length", line=line, expected=expected, found=f"{len(tokens)} values")
+            raise InputError(f"{what} has a wrong length", "wrong-shape", line=line, expected=expected, found=f"{len(tokens)} values")
         return line, tokens
 
     def values(self, what: str, names: Sequence[str]) -> tuple[int, list[float]]:
@@ -61,7 +62,8 @@ class Rows:
         line, text = self.next(what)
         values = numbers(text, line, what)
         if len(values) != len(names):
-            raise InputError(f"{what} has a wrong length", line=line, expected=", ".join(names), found=f"{len(values)} values")
+            message = f"{what} has a wrong length"
+            raise InputError(message, "wrong-shape", line=line, expected=", ".join(names), found=f"{len(values)} values")
         return line, values
 
     def keyed(self, key: str) -> tuple[int, str]:
@@ -69,7 +71,7 @@ class Rows:
         line, text = self.next(f"{key} and its value")
         tokens = text.split()
         if len(tokens) != 2 or tokens[0].lower() != key:
-            raise InputError(f"{key} is missing", line=line, expected=f"{key} and its value", found=shown(text))
+            raise InputError(f"{key} is missing", "missing", line=line, expected=f"{key} and its value", found=shown(text))
         return line, tokens[1]
 
     def table(self, what: str, names: Sequence[str], count: int | None = None) -> tuple[Floats, list[int]]:
@@ -77,7 +79,7 @@ class Rows:
         rest = self.lines[self.at :]
         if count is not None and len(rest) != count:
             line = rest[count][0] if len(rest) > count else self.lines[-1][0]
-            raise InputError(f"wrong number of rows: {what}", line=line, expected=str(count), found=str(len(rest)))
+            raise InputError(f"wrong number of rows: {what}", "wrong-shape", line=line, expected=str(count), found=str(len(rest)))
         rows = [self.values(what, names) for _ in rest]
         return np.array([row for _, row in rows], dtype=np.float64).reshape(len(rows), len(names)), [line for line, _ in rows]
 
@@ -88,6 +90,16 @@ class Rows:
             raise InputError("goes on after its end", line=line, expected="the end of the file", found=shown(text))
 
 
+def refuse(
+    bad: NDArray[np.bool_] | np.bool_, lines: Sequence[int] | NDArray[np.int64], message: str, found: Iterable[object], expected: str,
+    code: Code = "out-of-range",
+) -> None:  # fmt: skip
+    """Raise InputError for the first row that is ``bad``, with its line and what it holds."""
+    if np.any(bad):
+        k = int(np.argmax(bad))
+        raise InputError(message, code, line=int(lines[k]), expected=expected, found=str(list(found)[k]))
+
+
 def refuse_negative(lines: Sequence[int] | np.ndarray, **columns: Floats) -> None:
     """Raise InputError for the first negative number of each column, which is named by its keyword, and its line."""
     for name, values in columns.items():
@@ -96,11 +108,11 @@ def refuse_negative(lines: Sequence[int] | np.ndarray, **columns: Floats) -> Non
 
 def refuse_closed(lines: Sequence[int] | np.ndarray, windows: Floats) -> None:
     """Raise InputError for the first window, shape (rows, 2), that closes before it opens."""
-    refuse(windows[:, 0] > windows[:, 1], lines, "time window closes before it opens", windows, "ready time <= due date")
+    refuse(windows[:, 0] > windows[:, 1], lines, "time window closes before it opens", windows, "ready time <= due date", "contradiction")
 
 
 def refuse_other_size(name: str, what: str, sizes: Collection[int], count: int, line: int) -> None:
     """Raise InputError where the name of a published file stands for another number: not ``count``, but one of ``sizes``."""
     if count not in sizes:
         message = f"ends early or is changed: the name {name} stands for another number of {what}; rename it if this is meant"
-        raise InputError(message, line=line, expected=" or ".join(map(str, sizes)), found=str(count))
+        raise InputError(message, "wrong-shape", line=line, expected=" or ".join(map(str, sizes)), found=str(count))

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...number_arrays import Floats
-from ...text import lines_of, number, numbers, refuse, shown, whole
-from ._rows import refuse_negative
+from ...text import lines_of, number, numbers, shown, whole
+from ._rows import refuse, refuse_negative
 
 Lines = NDArray[np.int64]
 
@@ -49,16 +49,16 @@ class Specification:
         """Value of a header; InputError if it is missing and has no default."""
         if key in self.headers:
             if not self.headers[key][1]:
-                raise InputError(f"{key} has no value", line=self.headers[key][0])
+                raise InputError(f"{key} has no value", "missing", line=self.headers[key][0])
             return self.headers[key][1]
         if default is None:
-            raise InputError(f"header {key} is missing", line=self.end, expected=f"{key} : ...", found="the end of the file")
+            raise InputError(f"header {key} is missing", "missing", line=self.end, expected=f"{key} : ...", found="the end of the file")
         return default
 
     def section(self, name: str) -> Section:
         """A section; InputError if it is missing."""
         if name not in self.sections:
-            raise InputError(f"{name} is missing", line=self.end, expected=name, found="the end of the file")
+            raise InputError(f"{name} is missing", "missing", line=self.end, expected=name, found="the end of the file")
         return self.sections[name]
 
     def whole(self, key: str) -> int:
@@ -71,17 +71,20 @@ class Specification:
 
     def fault(self, key: str, why: str, expected: str, found: str | None = None) -> InputError:
         """The error that a header breaks a rule."""
-        return InputError(f"{key} {why}", line=self.line(key), expected=expected, found=self.value(key) if found is None else found)
+        held = self.value(key) if found is None else found
+        return InputError(f"{key} {why}", "out-of-range", line=self.line(key), expected=expected, found=held)
 
     def refuse_unknown(self, headers: Collection[str], sections: Collection[str], where: str = "") -> None:
         """Raise InputError for headers and sections that would be dropped because they are not understood."""
         for key, (line, _) in self.headers.items():
             if key not in headers:
-                raise InputError(f"header {shown(key)} is not supported{where}", line=line, expected=", ".join(sorted(headers)))
+                message = f"header {shown(key)} is not supported{where}"
+                raise InputError(message, "unsupported", line=line, expected=", ".join(sorted(headers)))
         for name, section in self.sections.items():
             if name not in sections:
                 remark = "; fixed edges make it another problem, with another optimum" if name == "FIXED_EDGES_SECTION" else ""
-                raise InputError(f"{name} is not supported{where}{remark}", line=section.line, expected=", ".join(sorted(sections)))
+                message = f"{name} is not supported{where}{remark}"
+                raise InputError(message, "unsupported", line=section.line, expected=", ".join(sorted(sections)))
 
 
 def scan(text: str) -> Specification:
@@ -104,12 +107,12 @@ def scan(text: str) -> Specification:
         elif match := _SECTION.match(line):
             name = match[1].upper()
             if name in sections:
-                raise InputError(f"{name} stands twice, first in line {sections[name].line}", line=at)
+                raise InputError(f"{name} stands twice, first in line {sections[name].line}", "duplicate", line=at)
             current = sections[name] = Section(name, at)
         elif match := _HEADER.match(line):
             key, value = match[1].upper(), match[2].strip()
             if key in headers and key != "COMMENT":
-                raise InputError(f"header {key} stands twice, first in line {headers[key][0]}", line=at)
+                raise InputError(f"header {key} stands twice, first in line {headers[key][0]}", "duplicate", line=at)
             headers[key] = (at, value)
             current = None
         else:
@@ -117,7 +120,7 @@ def scan(text: str) -> Specification:
             raise InputError("line is not understood", line=at, expected=place, found=shown(line))
     if not complete and text and not text.endswith("\n"):
         message = "ends early: the last line is not ended, and EOF is missing"
-        raise InputError(message, line=last, expected="EOF", found="the end of the file")
+        raise InputError(message, "missing", line=last, expected="EOF", found="the end of the file")
     return Specification(headers, sections, last, complete)
 
 
@@ -129,23 +132,24 @@ def node_table(spec: Specification, name: str, n: int, columns: tuple[str, ...])
         rows = rows[:-1]
     if len(rows) != n:
         line = rows[n][0] if len(rows) > n else (rows[-1][0] if rows else section.line)
-        raise InputError(f"{name} has a wrong number of rows", line=line, expected=f"{n} (DIMENSION)", found=str(len(rows)))
+        raise InputError(f"{name} has a wrong number of rows", "wrong-shape", line=line, expected=f"{n} (DIMENSION)", found=str(len(rows)))
     values = np.empty((n, 1 + len(columns)))
     for k, (line, row) in enumerate(rows):
         cells = numbers(row, line, name)
         if len(cells) != values.shape[1]:
             expected = "node, " + ", ".join(columns)
-            raise InputError(f"row of {name} has a wrong length", line=line, expected=expected, found=f"{len(cells)} values")
+            raise InputError(f"row of {name} has a wrong length", "wrong-shape", line=line, expected=expected, found=f"{len(cells)} values")
         values[k] = cells
     at = np.array([line for line, _ in rows], dtype=np.int64)
     nodes = values[:, 0]
-    refuse((nodes != np.floor(nodes)) | (nodes < 1) | (nodes > n), at, f"{name} names a node that does not exist", nodes, f"1 to {n}")
+    message = f"{name} names a node that does not exist"
+    refuse((nodes != np.floor(nodes)) | (nodes < 1) | (nodes > n), at, message, nodes, f"1 to {n}", "unknown-name")
     order = np.argsort(nodes, kind="stable")
     twice = np.nonzero(np.diff(nodes[order]) == 0)[0]
     if len(twice):
         first, second = order[twice[0]], order[twice[0] + 1]
         message = f"{name} names node {int(nodes[second])} twice, first in line {int(at[first])}"
-        raise InputError(message, line=int(at[second]), expected="different nodes")
+        raise InputError(message, "duplicate", line=int(at[second]), expected="different nodes")
     return values[order, 1:], at[order]
 
 
@@ -171,16 +175,16 @@ def node_list(spec: Specification, name: str, n: int) -> tuple[list[int], list[i
             return nodes, lines
         node = whole(token, line, f"node in {name}", least=1)
         if node > n:
-            raise InputError(f"{name} names a node that does not exist", line=line, expected=f"1 to {n}", found=token)
+            raise InputError(f"{name} names a node that does not exist", "unknown-name", line=line, expected=f"1 to {n}", found=token)
         if node in nodes:
-            raise InputError(f"{name} names node {node} twice", line=line, expected="different nodes")
+            raise InputError(f"{name} names node {node} twice", "duplicate", line=line, expected="different nodes")
         nodes.append(node)
         lines.append(line)
     ended = spec.complete or section is not list(spec.sections.values())[-1]
     if nodes and ended:
         return nodes, lines
     line, expected = lines[-1] if lines else section.line, "-1" if ended else "-1 or EOF"
-    raise InputError(f"{name} ends early", line=line, expected=expected, found="the end of the section")
+    raise InputError(f"{name} ends early", "missing", line=line, expected=expected, found="the end of the section")
 
 
 LAYOUTS = {
@@ -196,7 +200,7 @@ def edge_weights(spec: Specification, n: int) -> tuple[Floats, Lines]:
     layout = spec.value("EDGE_WEIGHT_FORMAT").upper()
     if layout not in LAYOUTS:
         line, expected = spec.line("EDGE_WEIGHT_FORMAT"), ", ".join(LAYOUTS)
-        raise InputError(f"EDGE_WEIGHT_FORMAT {shown(layout)} is not supported", line=line, expected=expected)
+        raise InputError(f"EDGE_WEIGHT_FORMAT {shown(layout)} is not supported", "unsupported", line=line, expected=expected)
     triangle = LAYOUTS[layout]
     size = n * n if triangle is None else n * (n + 1) // 2 - triangle[1] * n
     section = spec.section("EDGE_WEIGHT_SECTION")
@@ -211,7 +215,7 @@ def edge_weights(spec: Specification, n: int) -> tuple[Floats, Lines]:
         if counts:
             line = section.rows[min(int(np.searchsorted(np.cumsum(counts), size, side="right")), len(counts) - 1)][0]
         message = f"EDGE_WEIGHT_SECTION has a wrong number of values for {layout}"
-        raise InputError(message, line=line, expected=f"{size} (DIMENSION {n})", found=str(len(values)))
+        raise InputError(message, "wrong-shape", line=line, expected=f"{size} (DIMENSION {n})", found=str(len(values)))
     flat = np.array(values)
     at = np.repeat(np.array([line for line, _ in section.rows], dtype=np.int64), counts)
     if triangle is None:

@@ -45,7 +45,7 @@ def without(data: Mapping[str, Any], ignore: Any) -> tuple[dict[str, Any], tuple
     names = [name.strip() for name in ignore.split(",")] if isinstance(ignore, str) else [str(name) for name in ignore]
     strange = next((name for name in names if name not in IGNORED), None)
     if strange is not None:
-        raise InputError(f"ignore={strange} names nothing that may be left out", expected=", ".join(IGNORED))
+        raise InputError(f"ignore={strange} names nothing that may be left out", "unknown-name", expected=", ".join(IGNORED))
     rest, notes = {key: copy.deepcopy(value) if key in PARTS else value for key, value in data.items()}, []
     for name in names:
         where = [path for path, held in _parts(rest) if held.pop(name, None)]
@@ -57,28 +57,29 @@ def without(data: Mapping[str, Any], ignore: Any) -> tuple[dict[str, Any], tuple
 def on_the_globe(data: Mapping[str, Any], speed: Any) -> tuple[dict[str, Any], tuple[str, ...]]:
     """The document with matrices of great circles between its coordinates, in metres and in seconds at ``speed`` km an hour; and a note."""
     if "matrix" in data or "matrices" in data:
-        raise InputError("speed stands beside matrices, which tell the durations", expected="one of them")
+        raise InputError("speed stands beside matrices, which tell the durations", "contradiction", expected="one of them")
     try:
         fast = float(speed)
     except (TypeError, ValueError):
         fast = math.nan
     if not 0.0 < fast < math.inf:
-        raise InputError("speed must be positive and finite", expected="speed=50 (km an hour)", found=str(speed))
+        raise InputError("speed must be positive and finite", "out-of-range", expected="speed=50 (km an hour)", found=str(speed))
     located = {key: copy.deepcopy(value) if key in PARTS else value for key, value in data.items()}
     rows: dict[tuple[float, float], int] = {}
     for path, held in _parts(located):
         for key in ("start", "end", "location"):
             if f"{key}_index" in held:
-                raise InputError(f"{path}.{key}_index is a row of matrices that are not there", expected=f"{key}, longitude and latitude")
+                message = f"{path}.{key}_index is a row of matrices that are not there"
+                raise InputError(message, "missing", expected=f"{key}, longitude and latitude")
             at = location_of(held, key, path)
             if at is None:
                 continue
             if not (abs(at[0]) <= 180.0 and abs(at[1]) <= 90.0):
                 place = f"{at[0]:g}, {at[1]:g}"
-                raise InputError(f"{path}.{key} is out of range", expected="longitude and latitude in degrees", found=place)
+                raise InputError(f"{path}.{key} is out of range", "out-of-range", expected="longitude and latitude in degrees", found=place)
             held[f"{key}_index"] = rows.setdefault(at, len(rows))
     if not rows:
-        raise InputError("there are no coordinates", expected="start, end and location, longitude and latitude each")
+        raise InputError("there are no coordinates", "missing", expected="start, end and location, longitude and latitude each")
     metres = Travel("haversine-m", coordinates=np.array(list(rows))).distances
     one = {"durations": (metres * (3.6 / fast)).tolist(), "distances": metres.tolist()}
     profiles = {v["profile"] for _, v in _objects(located.get("vehicles"), "vehicles") if isinstance(v.get("profile"), str)}

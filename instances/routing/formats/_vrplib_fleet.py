@@ -22,11 +22,12 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError
+from ...errors import Code, InputError
 from ...number_arrays import Floats
-from ...text import an, numbers, plain, refuse, whole
+from ...text import an, numbers, plain, whole
 from ..sites import Group
 from ..vehicle_type import VehicleType
+from ._rows import refuse
 from ._tsplib import Lines, Specification, node_column, node_list, node_table
 
 MAX_RELOADS = "VEHICLES_MAX_RELOADS"
@@ -52,9 +53,10 @@ def depots_of(spec: Specification, n: int) -> list[int]:
     """Nodes of the depots, from 0, in the file's order."""
     nodes, lines = node_list(spec, "DEPOT_SECTION", n)
     if not nodes:
-        raise InputError("there is no depot", line=spec.sections["DEPOT_SECTION"].line, expected="at least one")
+        raise InputError("there is no depot", "missing", line=spec.sections["DEPOT_SECTION"].line, expected="at least one")
     if n <= len(nodes):
-        raise InputError("there is no customer", line=lines[-1], expected=f"DIMENSION of at least {len(nodes) + 1}", found=str(n))
+        message = "there is no customer"
+        raise InputError(message, "missing", line=lines[-1], expected=f"DIMENSION of at least {len(nodes) + 1}", found=str(n))
     return [node - 1 for node in nodes]
 
 
@@ -71,12 +73,12 @@ def fleet_of(spec: Specification, n: int, depots: list[int], longest: float, nam
         count = named() or n - len(depots)
     if len(depots) > 1 and DEPOTS not in spec.sections:
         message, line = f"there are {len(depots)} depots, and nothing says where vehicles start", spec.section("DEPOT_SECTION").line
-        raise InputError(message, line=line, expected=f"{DEPOTS}, one row a vehicle")
+        raise InputError(message, "missing", line=line, expected=f"{DEPOTS}, one row a vehicle")
     homes = np.full(count, depots[0])
     if DEPOTS in spec.sections:
         table, lines = node_table(spec, DEPOTS, count, ("depot",))
         known = np.isin(table[:, 0] - 1, depots)
-        refuse(~known, lines, f"{DEPOTS} names a node that is no depot", table[:, 0], ", ".join(str(d + 1) for d in depots))
+        refuse(~known, lines, f"{DEPOTS} names a node that is no depot", table[:, 0], ", ".join(str(d + 1) for d in depots), "unknown-name")
         homes = (table[:, 0] - 1).astype(np.int64)
     columns = {name: _quantity(spec, key, count, default) for key, (name, default) in QUANTITIES.items()}
     columns["max_duration"] = np.minimum(columns["max_duration"], longest)
@@ -100,14 +102,14 @@ def _kinds(spec: Specification, depots: list[int], longest: float) -> tuple[Vehi
     count = spec.whole(KINDS)
     other = next((key for key in (*spec.headers, *spec.sections) if key.startswith(("VEHICLES", "CAPACITY"))), None)
     if other is not None or len(depots) > 1:
-        raise InputError(f"{KINDS} has one depot and no {other or DEPOTS} beside it", line=spec.line(KINDS))
+        raise InputError(f"{KINDS} has one depot and no {other or DEPOTS} beside it", "contradiction", line=spec.line(KINDS))
     columns: dict[str, list[float]] = {}
     for name, what in BY_KIND.items():
         rows = spec.section(name).rows
         line = rows[0][0] if rows else spec.section(name).line
         values = [value for at, row in rows for value in numbers(row, at, name)]
         if len(values) != count:
-            raise InputError(f"{name} has a wrong length", line=line, expected=f"{count} ({KINDS})", found=str(len(values)))
+            raise InputError(f"{name} has a wrong length", "wrong-shape", line=line, expected=f"{count} ({KINDS})", found=str(len(values)))
         refuse(np.array(values) < 0, [line] * count, f"{name} holds a negative value", values, "0 or more")
         columns[what] = values
     line = spec.section("NUMBER_OF_VEHICLES").rows[0][0]
@@ -125,7 +127,7 @@ def _quantity(spec: Specification, key: str, count: int, default: float) -> Floa
     lines: Sequence[int] | Lines
     if section in spec.sections:
         if key in spec.headers:
-            raise InputError(f"{key} stands beside a {section}", line=spec.line(key), expected="one of them")
+            raise InputError(f"{key} stands beside a {section}", "contradiction", line=spec.line(key), expected="one of them")
         table, lines = node_table(spec, section, count, ("value",))
         values = table[:, 0]
         refuse(values < 0, lines, f"{section} holds a negative value", values, "0 or more")
@@ -170,7 +172,8 @@ def _reloads(spec: Specification, n: int, depots: list[int], count: int) -> list
         strange = next((node for node in nodes if node not in depots), None)
         if strange is not None:
             expected = ", ".join(str(d + 1) for d in depots)
-            raise InputError(f"{RELOADS} names a node that is no depot", line=line, expected=expected, found=str(strange + 1))
+            message = f"{RELOADS} names a node that is no depot"
+            raise InputError(message, "unknown-name", line=line, expected=expected, found=str(strange + 1))
     return [tuple(nodes) for nodes in rows]
 
 
@@ -185,9 +188,10 @@ def groups_of(spec: Specification, n: int, depots: list[int], prizes: Floats | N
         for node in nodes:
             if node in seen:
                 message = f"site {node + 1} is in two groups, the other in line {seen[node]}"
-                raise InputError(message, line=line, expected="one group a site")
+                raise InputError(message, "duplicate", line=line, expected="one group a site")
             if prizes is not None and prizes[node]:
-                raise InputError(f"site {node + 1} of a group has a prize of its own", line=line, expected="0", found=plain(prizes[node]))
+                message = f"site {node + 1} of a group has a prize of its own"
+                raise InputError(message, "contradiction", line=line, expected="0", found=plain(prizes[node]))
             seen[node] = line
     return [Group(tuple(nodes)) for nodes, _ in groups]
 
@@ -199,19 +203,21 @@ def _node_rows(
     rows = [(line, row) for line, row in spec.section(section).rows if row.split() != ["-1"]]
     if count is not None and len(rows) != count:
         line = spec.section(section).line
-        raise InputError(f"{section} has a wrong number of rows", line=line, expected=str(count), found=str(len(rows)))
+        raise InputError(f"{section} has a wrong number of rows", "wrong-shape", line=line, expected=str(count), found=str(len(rows)))
     listed: dict[int, tuple[list[int], int]] = {}
     barred = set(excluded)
     for line, row in rows:
         number, *nodes = (whole(word, line, section, least=1) for word in row.split())
         if number in listed or number > len(rows):
             expected = f"each of 1 to {len(rows)} once"
-            raise InputError(f"{section} has a row of a wrong number", line=line, expected=expected, found=str(number))
+            message = f"{section} has a row of a wrong number"
+            raise InputError(message, "duplicate" if number in listed else "unknown-name", line=line, expected=expected, found=str(number))
         twice = len(set(nodes)) < len(nodes)
         for node in nodes:
             if node > n or node - 1 in barred or (twice and nodes.count(node) > 1):
-                why = "that does not exist" if node > n else "that is a depot" if node - 1 in barred else "twice in a row"
-                raise InputError(f"{section} names a node {why}", line=line, found=str(node))
+                fault: tuple[str, Code] = ("that does not exist", "unknown-name") if node > n else ("that is a depot", "contradiction")
+                why, code = fault if node > n or node - 1 in barred else ("twice in a row", "duplicate")
+                raise InputError(f"{section} names a node {why}", code, line=line, found=str(node))
         listed[number] = [node - 1 for node in nodes], line
     ordered = [listed[k] for k in sorted(listed)]
     return [nodes for nodes, _ in ordered], [line for _, line in ordered]
@@ -222,5 +228,5 @@ def at_customers(spec: Specification, section: str, what: str, n: int, depots: l
     if section not in spec.sections:
         return None
     values, lines = node_column(spec, section, n, what)
-    refuse(np.isin(np.arange(n), depots) & (values != 0), lines, f"a depot has {an(what)}", values, "0")
+    refuse(np.isin(np.arange(n), depots) & (values != 0), lines, f"a depot has {an(what)}", values, "0", "contradiction")
     return values

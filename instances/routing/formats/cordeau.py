@@ -23,12 +23,12 @@ import numpy as np
 from ...errors import InputError
 from ...formats import Format, add_format
 from ...number_arrays import Floats
-from ...text import an, label, number, numbers, plain, refuse, shown, whole
+from ...text import an, label, number, numbers, plain, shown, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..travel import Travel
 from ._limits import finite, numbered, points_of, refuse_inexpressible, refuse_where
-from ._rows import Rows, head, refuse_closed, refuse_negative, widths
+from ._rows import Rows, head, refuse, refuse_closed, refuse_negative, widths
 
 HEADER = ("type", "m", "n", "t")
 TYPES = {0: "VRP", 1: "PVRP", 2: "MDVRP", 3: "SDVRP", 4: "VRPTW", 5: "PVRPTW", 6: "MDVRPTW", 7: "SDVRPTW"}
@@ -66,7 +66,8 @@ class Table:
             width = 7 + int(size) + 2 * windows if size in range(len(values)) else -1
             if len(values) != width:
                 shape = "number, x, y, service, demand, f, a, a numbers" + ", ready, due" * windows
-                raise InputError(f"row of {an(what)} has a wrong length", line=line, expected=shape, found=f"{len(values)} values")
+                message = f"row of {an(what)} has a wrong length"
+                raise InputError(message, "wrong-shape", line=line, expected=shape, found=f"{len(values)} values")
             if values[0] != k:
                 raise InputError(f"number of {an(what)} is out of order", line=line, expected=str(k), found=plain(values[0]))
             ready, due = values[-2:] if windows else (0.0, np.inf)
@@ -98,12 +99,12 @@ def read(text: str, path: Path) -> RoutingInstance:
     kind, vehicles, n, depots = (whole(plain(v), line, what, least=k) for v, what, k in zip(header, HEADER, (0, 1, 1, 1), strict=True))
     if kind not in PROBLEMS:
         expected = ", ".join(f"{k} ({TYPES[k]})" for k in sorted(PROBLEMS))
-        raise InputError(f"type {kind} ({TYPES.get(kind, 'unknown')}) is not supported", line=line, expected=expected)
+        raise InputError(f"type {kind} ({TYPES.get(kind, 'unknown')}) is not supported", "unsupported", line=line, expected=expected)
     several, windows = kind in (2, 6), kind in (4, 6)
     if depots > MOST_DEPOTS:
-        raise InputError("there are too many depots", line=line, expected=f"at most {MOST_DEPOTS}", found=str(depots))
+        raise InputError("there are too many depots", "too-large", line=line, expected=f"at most {MOST_DEPOTS}", found=str(depots))
     if not several and depots != 1:
-        raise InputError(f"type {kind} ({TYPES[kind]}) has one depot", line=line, expected="1", found=str(depots))
+        raise InputError(f"type {kind} ({TYPES[kind]}) has one depot", "contradiction", line=line, expected="1", found=str(depots))
     limits = [_limit(rows) for _ in range(min(depots, len(rows.lines)))]
     table = Table()
     if not several:
@@ -115,14 +116,15 @@ def read(text: str, path: Path) -> RoutingInstance:
     table.check("demand")
     columns, at = table.columns, table.at
     depot = np.arange(n + depots) >= n if several else np.arange(n + 1) < 1
-    refuse(depot & (columns[:, 3:5] != 0).any(axis=1), at, "the depot has a demand or a service time", columns[:, 3:5], "0")
+    message = "the depot has a demand or a service time"
+    refuse(depot & (columns[:, 3:5] != 0).any(axis=1), at, message, columns[:, 3:5], "0", "contradiction")
     every = [2.0**k for k in range(depots)]
     visits = [(frequency, sorted(combinations)) for frequency, combinations in zip(table.frequency, table.combinations, strict=True)]
     refuse(
         ~depot & np.array([each != (1.0, every) for each in visits]), at,
         "customers that some depots alone may serve, or that are visited more than once, are not supported",
         [f"f {plain(frequency)}, list {' '.join(map(plain, combinations))}" for frequency, combinations in visits],
-        f"f 1, list {' '.join(map(plain, every))}",
+        f"f 1, list {' '.join(map(plain, every))}", "unsupported",
     )  # fmt: skip
     sites = Sites.of(
         [plain(v) for v in columns[:, 0].tolist()], depot=depot, service=columns[:, 3], demand=columns[:, 4], ready=columns[:, 5],
@@ -146,9 +148,9 @@ def _limit(rows: Rows) -> tuple[float, float]:
     line, tokens = rows.tokens("line of limits", "longest duration and capacity", 2)
     longest, load = number(tokens[0], line, "longest duration"), number(tokens[1], line, "capacity")
     if longest < 0:
-        raise InputError("longest duration is negative", line=line, expected="0 (none) or more", found=shown(tokens[0]))
+        raise InputError("longest duration is negative", "out-of-range", line=line, expected="0 (none) or more", found=shown(tokens[0]))
     if load <= 0:
-        raise InputError("capacity must be positive", line=line, expected="more than 0", found=shown(tokens[1]))
+        raise InputError("capacity must be positive", "out-of-range", line=line, expected="more than 0", found=shown(tokens[1]))
     return longest or math.inf, load
 
 

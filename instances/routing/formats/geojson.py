@@ -50,10 +50,10 @@ def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> Ro
         raise InputError("is no GeoJSON of sites", expected='"type": "FeatureCollection"', found=kind_of(data))
     for key in data:
         if key not in (*SETTINGS, *REMARKS):
-            raise InputError(f"member {shown(key)} is unknown{did_you_mean(key, SETTINGS)}", expected=", ".join(SETTINGS))
+            raise InputError(f"member {shown(key)} is unknown{did_you_mean(key, SETTINGS)}", "unknown-name", expected=", ".join(SETTINGS))
     rows = [_site(feature, f"features[{k}]") for k, feature in enumerate(array(data.get("features"), "features"))]
     if not rows:
-        raise InputError("holds no sites", expected="features with points")
+        raise InputError("holds no sites", "missing", expected="features with points")
     given: dict[str, Any] = {"name": path.stem} | {key: _setting(data[key], key) for key in SETTINGS if key in data}
     given |= arguments(of_set(settings or {}), path.parent, len(rows))
     try:
@@ -105,23 +105,24 @@ def _site(feature: Any, path: str) -> dict[str, Any]:
         raise InputError(f"{path} must be a feature", expected="an object", found=kind_of(feature))
     if not isinstance(feature.get("geometry"), dict):
         found = "no geometry" if "geometry" not in feature else f"geometry {kind_of(feature['geometry'])}"
-        raise InputError(f"{path} is without a place", expected="a geometry of type Point", found=found)
+        raise InputError(f"{path} is without a place", "missing", expected="a geometry of type Point", found=found)
     properties = feature.get("properties") or {}
     if not isinstance(properties, dict):
         raise InputError(f"{path}.properties must be an object", found=kind_of(properties))
     what, place = feature["geometry"].get("type"), feature["geometry"].get("coordinates")
     if what == "LineString" and properties.get("kind") == "route":
-        raise InputError("is a solution file, not an instance")
+        raise InputError("is a solution file, not an instance", "foreign")
     if what != "Point":
         raise InputError(f"{path}.geometry is no point", expected="Point", found=kind_of(what))
     if not isinstance(place, list) or len(place) not in (2, 3) or any(isinstance(v, bool) or not isinstance(v, int | float) for v in place):
         raise InputError(f"{path}.geometry.coordinates must be longitude and latitude", found=kind_of(place))
     if {"lat", "lon"} & (properties.keys() | feature.keys()):
-        raise InputError(f"{path} tells its place twice", expected="the geometry alone", found="lat or lon beside it")
+        raise InputError(f"{path} tells its place twice", "duplicate", expected="the geometry alone", found="lat or lon beside it")
     own = {"id": feature["id"]} if "id" in feature and "id" not in properties else {}
     beside = {key: value for key, value in feature.items() if key not in FEATURE}  # what others put there may be meant to count
     if twice := next((key for key in beside if key in properties), None):
-        raise InputError(f"{path} tells {shown(twice)} twice", expected="one of them", found="a member of the feature, and a property")
+        message = f"{path} tells {shown(twice)} twice"
+        raise InputError(message, "duplicate", expected="one of them", found="a member of the feature, and a property")
     return {**own, **beside, **properties, "lon": place[0], "lat": place[1]}
 
 

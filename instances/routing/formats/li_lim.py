@@ -19,13 +19,13 @@ import numpy as np
 
 from ...errors import InputError
 from ...formats import Format, add_format
-from ...text import label, plain, refuse, whole
+from ...text import label, plain, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..sites import Shipment
 from ..travel import Travel
 from ._limits import finite, numbered, points_of, refuse_inexpressible, refuse_where
-from ._rows import Rows, head, refuse_closed, refuse_negative, widths
+from ._rows import Rows, head, refuse, refuse_closed, refuse_negative, widths
 
 COLUMNS = ("number", "x", "y", "demand", "ready time", "due date", "service time", "pickup", "delivery")
 PROBLEMS = ("pdptw", "min-cost-vrp")
@@ -42,19 +42,20 @@ def read(text: str, path: Path) -> RoutingInstance:
     line, (vehicles, capacity, speed) = rows.values("first line", ("number of vehicles", "capacity", "speed"))
     count = whole(plain(vehicles), line, "number of vehicles", least=1)
     if capacity <= 0:
-        raise InputError("capacity must be positive", line=line, expected="more than 0", found=plain(capacity))
+        raise InputError("capacity must be positive", "out-of-range", line=line, expected="more than 0", found=plain(capacity))
     if speed not in (0.0, 1.0):
-        raise InputError("speed is not supported", line=line, expected="0 or 1", found=plain(speed))
+        raise InputError("speed is not supported", "unsupported", line=line, expected="0 or 1", found=plain(speed))
     table, at = rows.table("customer table", COLUMNS)
     n = len(table)
     if n < 3:
-        raise InputError("ends early", line=rows.lines[-1][0], expected="a depot and at least one pair", found=f"{n} rows")
-    refuse(table[:, 0] != np.arange(n), at, "numbers must run 0, 1, 2, ...", table[:, 0], "one more than in the row above, from 0")
+        raise InputError("ends early", "missing", line=rows.lines[-1][0], expected="a depot and at least one pair", found=f"{n} rows")
+    message = "numbers must run 0, 1, 2, ..."
+    refuse(table[:, 0] != np.arange(n), at, message, table[:, 0], "one more than in the row above, from 0", "malformed")
     demand, ready, due, service = table[:, 3:7].T
     refuse_negative(at, service_time=service)
     refuse_closed(at, table[:, 4:6])
     at_depot = (np.arange(n) == 0) & (table[:, [3, 6, 7, 8]] != 0).any(axis=1)
-    refuse(at_depot, at, "the depot has a demand, a service time or a partner", table[:, [3, 6, 7, 8]], "0")
+    refuse(at_depot, at, "the depot has a demand, a service time or a partner", table[:, [3, 6, 7, 8]], "0", "contradiction")
     xy, pairs, fleet = table[:, 1:3], pairs_of(demand, table[:, 7:], at), (VehicleType(count, capacity),)
     sites = Sites.of(range(n), ready=ready, due=due, service=service, coordinates=xy, shipments=pairs)
     name, travel = label(path.stem), Travel("euclidean", xy)
@@ -71,17 +72,18 @@ def pairs_of(demand: np.ndarray, partners: np.ndarray, at: Sequence[int], first:
     n = len(demand)
     loads, index = demand.reshape(n, -1), np.arange(n)
     one = (partners == 0).sum(axis=1) == 1
-    refuse(~one & (index > 0), at, "a customer needs one partner: a pickup its delivery, a delivery its pickup", partners, "one of two")
+    message = "a customer needs one partner: a pickup its delivery, a delivery its pickup"
+    refuse(~one & (index > 0), at, message, partners, "one of two", "contradiction")
     strange = ((partners != np.floor(partners)) | (partners < 0) | (partners >= n + first)).any(axis=1)
-    refuse(strange, at, "partner does not exist", partners, f"{first + 1} to {n - 1 + first}")
+    refuse(strange, at, "partner does not exist", partners, f"{first + 1} to {n - 1 + first}", "unknown-name")
     pickup = partners[:, 0] == 0
     other = np.maximum(partners.max(axis=1).astype(np.int64) - first, 0)
     back = (other[other] != index) | (pickup[other] == pickup)
-    refuse(back & (index > 0), at, "partner names another one", other + first, "a pair that names each other")
+    refuse(back & (index > 0), at, "partner names another one", other + first, "a pair that names each other", "contradiction")
     wrong = (loads < 0).any(axis=1) | ~(loads > 0).any(axis=1)
     refuse(wrong & pickup & (index > 0), at, "demand of a pickup must be positive", demand, "more than 0")
     unlike = (loads != -loads[other]).any(axis=1)
-    refuse(unlike & (index > 0), at, "a delivery is not as much as its pickup", demand, "the same, negative")
+    refuse(unlike & (index > 0), at, "a delivery is not as much as its pickup", demand, "the same, negative", "contradiction")
     return [Shipment(int(k), int(other[k]), tuple(loads[k].tolist())) for k in index[1:] if pickup[k]]
 
 

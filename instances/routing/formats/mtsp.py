@@ -15,11 +15,11 @@ from pathlib import Path
 
 from ...errors import InputError
 from ...formats import Format, add_format
-from ...text import is_number, label, plain, refuse, shown, whole
+from ...text import is_number, label, plain, shown, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import METRICS, Travel
 from ._limits import numbered, refuse_inexpressible, refuse_where
-from ._rows import Rows, head, widths
+from ._rows import Rows, head, refuse, widths
 
 PROBLEMS = ("min-makespan-vrp", "min-cost-vrp")
 TYPES = tuple(name for name, metric in METRICS.items() if metric.file_rounding is not None)
@@ -40,14 +40,16 @@ def read(text: str, path: Path) -> RoutingInstance:
     line, tokens = rows.tokens("first line", "name, type and number of salesmen", 3)
     metric = tokens[1].upper()
     if metric not in TYPES:
-        raise InputError(f"type {shown(tokens[1])} is not supported", line=line, expected=", ".join(TYPES), found=shown(tokens[1]))
+        message = f"type {shown(tokens[1])} is not supported"
+        raise InputError(message, "unsupported", line=line, expected=", ".join(TYPES), found=shown(tokens[1]))
     count = whole(tokens[2], line, "number of salesmen", least=1)
     table, at = rows.table("city", ("id", "x", "y"))
     for k, (where, number) in enumerate(zip(at, table[:, 0].tolist(), strict=True), start=1):
         if number != k:
             raise InputError("cities must be numbered 1, 2, 3, ...", line=where, expected=str(k), found=plain(number))
     if len(table) < 2:
-        raise InputError("ends early", line=rows.lines[-1][0], expected="a depot and at least one city", found=f"{len(table)} cities")
+        message = "ends early"
+        raise InputError(message, "missing", line=rows.lines[-1][0], expected="a depot and at least one city", found=f"{len(table)} cities")
     own = table[:, 1:]
     if metric == "GEO":
         refuse((abs(own) > (90, 180)).any(axis=1), at, "latitude or longitude out of range", own, "within 90 and 180 degrees")

@@ -55,7 +55,7 @@ def read_chao(text: str, path: Path) -> RoutingInstance:
     count = whole(m_token, at_m, "number of paths", least=1)
     limit = number(t_token, at_t, "tmax")
     if limit < 0:
-        raise InputError("tmax is negative", line=at_t, expected="0 or more", found=t_token)
+        raise InputError("tmax is negative", "out-of-range", line=at_t, expected="0 or more", found=t_token)
     points, lines = rows.table("point", POINT, n)
     refuse_negative(lines, score=points[:, 2])
     return _instance(label(path.stem), "chao", points, n - 1, count, limit, ("team-orienteering", "orienteering")[: 2 if count == 1 else 1])
@@ -66,7 +66,7 @@ def read_tsiligirides(text: str, path: Path) -> RoutingInstance:
     rows = Rows.of(text)
     line, (limit, paths) = rows.values("first line", ("Tmax", "number of paths"))
     if limit < 0:
-        raise InputError("Tmax is negative", line=line, expected="0 or more", found=plain(limit))
+        raise InputError("Tmax is negative", "out-of-range", line=line, expected="0 or more", found=plain(limit))
     count = whole(plain(paths), line, "number of paths", least=1)
     points, lines = rows.table("point", POINT)
     name = label(path.stem)
@@ -74,7 +74,8 @@ def read_tsiligirides(text: str, path: Path) -> RoutingInstance:
     refuse_other_size(name, "points", (size,), len(points), lines[-1] if lines else line)
     refuse_negative(lines, score=points[:, 2])
     if (n := len(points)) < 3:
-        raise InputError("ends early", line=rows.lines[-1][0], expected="a start, an end and a point between", found=f"{n} points")
+        message = "ends early"
+        raise InputError(message, "missing", line=rows.lines[-1][0], expected="a start, an end and a point between", found=f"{n} points")
     return _instance(name, "tsiligirides", points, 1, count, limit, ORIENTEERING if count == 1 else ORIENTEERING[1:])
 
 

@@ -20,7 +20,7 @@ from ...errors import InputError
 from ...formats import Format, add_format
 from ...formats.table import Table, settings_of, table_of, titles_of, written
 from ...number_arrays import Floats
-from ...text import is_number, number, plain, refuse, shown
+from ...text import is_number, number, plain, shown
 from ..fleet import equal_fleet
 from ..foreign_names import ours
 from ..frame_columns import COLUMNS, columns_of, known, mapped, own_title
@@ -31,6 +31,7 @@ from ..travel import EXPLICIT, GEOGRAPHIC, convention_named
 from ._frame_settings import KEYS as SETTINGS
 from ._frame_settings import arguments, flag, in_file, kept, named, of_set
 from ._limits import refuse_inexpressible, refuse_where
+from ._rows import refuse
 
 WRITTEN = ("demand", "ready", "due", "service", "reward")
 LIMITS = {"capacity": "capacity", "max-duration": "max_duration", "max-distance": "max_distance", "fixed-cost": "fixed_cost",
@@ -78,9 +79,9 @@ def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> Ro
     except InputError as error:
         raise in_file(error).at(line=start + 1) from None
     if "depot" in titles and not frame[titles["depot"]].eq(True).any():
-        raise InputError("no row is marked as depot", line=at[-1], expected="at least one true in the column depot")
+        raise InputError("no row is marked as depot", "missing", line=at[-1], expected="at least one true in the column depot")
     if n == (frame[titles["depot"]].eq(True).sum() if "depot" in titles else 1):
-        raise InputError("there is no customer", line=at[-1], expected="a row that is no depot")
+        raise InputError("there is no customer", "missing", line=at[-1], expected="a row that is no depot")
     try:
         instance = instance_from_frame(frame, **given, name=keys["name"][1] if "name" in keys else path.stem, source="csv")
     except InputError as error:
@@ -88,7 +89,8 @@ def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> Ro
     if "problem" in keys:
         line, problem = keys["problem"]
         if problem not in instance.problems:
-            raise InputError(f"the data do not allow the problem {shown(problem)}", line=line, expected=", ".join(instance.problems))
+            message = f"the data do not allow the problem {shown(problem)}"
+            raise InputError(message, "contradiction", line=line, expected=", ".join(instance.problems))
         instance = replace(instance, problem=problem)
     refuse_unreachable(instance, at)
     return instance
@@ -124,16 +126,17 @@ def _refuse_closed(opens: list[str], due: Floats, at: list[int]) -> None:
     """Raise InputError where a window in numbers closes before it opens."""
     ready = np.array([float(cell) if is_number(cell) else -math.inf for cell in opens])
     window = np.column_stack([np.where(np.isfinite(ready), ready, 0.0), due])
-    refuse(window[:, 0] > due, at, "time window closes before it opens", window, "ready <= due")
+    refuse(window[:, 0] > due, at, "time window closes before it opens", window, "ready <= due", "contradiction")
 
 
 def _ids(cells: list[str], at: list[int]) -> list[str]:
     first: dict[str, int] = {}
     for k, cell in enumerate(cells):
         if not cell or not cell.isprintable():
-            raise InputError("id is empty or cannot be printed", line=at[k], expected="a name", found=ascii(cell))
+            message = "id is empty or cannot be printed"
+            raise InputError(message, "malformed" if cell else "missing", line=at[k], expected="a name", found=ascii(cell))
         if cell in first:
-            raise InputError(f"id {shown(cell)} stands already in line {first[cell]}", line=at[k], expected="different ids")
+            raise InputError(f"id {shown(cell)} stands already in line {first[cell]}", "duplicate", line=at[k], expected="different ids")
         first[cell] = at[k]
     return cells
 

@@ -19,14 +19,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import InputError, UsageError
+from ...errors import Code, InputError, UsageError
 from ...formats import Format, add_format
-from ...text import label, number, numbers, plain, refuse, shown, whole
+from ...text import label, number, numbers, plain, shown, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..travel import Travel
 from ._limits import finite, numbered, refuse_inexpressible
-from ._rows import Rows, refuse_closed, refuse_negative, refuse_other_size
+from ._rows import Rows, refuse, refuse_closed, refuse_negative, refuse_other_size
 
 _MARK = re.compile(r"^[ \t]*VEHICLE[ \t]*\n\s*NUMBER[ \t]+CAPACITY", re.I | re.M)
 _SOLOMON = re.compile(r"(?:R|C|RC)[12]\d\d\Z", re.I)
@@ -49,37 +49,41 @@ def read(text: str, path: Path) -> RoutingInstance:
     line, vehicles = rows.next("number and capacity of the vehicles")
     tokens = vehicles.split()
     if len(tokens) != 2:
-        raise InputError("vehicle line has a wrong length", line=line, expected="number and capacity", found=f"{len(tokens)} values")
+        message = "vehicle line has a wrong length"
+        raise InputError(message, "wrong-shape", line=line, expected="number and capacity", found=f"{len(tokens)} values")
     count = whole(tokens[0], line, "number of vehicles", least=1)
     capacity = number(tokens[1], line, "capacity")
     if capacity <= 0:
-        raise InputError("capacity must be positive", line=line, expected="more than 0", found=tokens[1])
+        raise InputError("capacity must be positive", "out-of-range", line=line, expected="more than 0", found=tokens[1])
     _heading(rows, "CUSTOMER")
     line, titles = rows.next("the titles of the columns")
     if not titles.upper().startswith("CUST"):
-        raise InputError("the titles of the columns are missing", line=line, expected="CUST NO. XCOORD. ...", found=shown(titles))
+        message = "the titles of the columns are missing"
+        raise InputError(message, "missing", line=line, expected="CUST NO. XCOORD. ...", found=shown(titles))
     customers: list[list[float]] = []
     at: list[int] = []
     for line, row in rows.lines[rows.at :]:
         values = numbers(row, line, "customer table")
         if len(values) != len(COLUMNS):
-            raise InputError("row of the customer table has a wrong length", line=line, expected="7 values", found=f"{len(values)} values")
+            message = "row of the customer table has a wrong length"
+            raise InputError(message, "wrong-shape", line=line, expected="7 values", found=f"{len(values)} values")
         if values[0] != len(customers):
             known = at[int(values[0])] if values[0] in range(len(customers)) else None
             message = f"number {values[0]:g} stands already in line {known}" if known else "customer numbers must run 0, 1, 2, ..."
-            raise InputError(message, line=line, expected=str(len(customers)), found=f"{values[0]:g}")
+            code: Code = "duplicate" if known else "malformed"
+            raise InputError(message, code, line=line, expected=str(len(customers)), found=f"{values[0]:g}")
         customers.append(values)
         at.append(line)
     _refuse_cut(text, name, at)
     n = len(customers)
     if n < 2:
-        raise InputError("ends early", line=rows.lines[-1][0], expected="a depot and at least one customer", found=f"{n} rows")
+        raise InputError("ends early", "missing", line=rows.lines[-1][0], expected="a depot and at least one customer", found=f"{n} rows")
     table = np.array(customers, dtype=np.float64)
     xy, (demand, ready, due, service) = table[:, 1:3], table[:, 3:].T
     refuse_negative(at, demand=demand, service_time=service)
     refuse_closed(at, table[:, 4:6])
     at_depot = (np.arange(n) == 0) & ((demand != 0) | (service != 0))
-    refuse(at_depot, at, "the depot has a demand or a service time", customers, "0")
+    refuse(at_depot, at, "the depot has a demand or a service time", customers, "0", "contradiction")
     sites = Sites.of(range(n), demand=demand, ready=ready, due=due, service=service, coordinates=xy)
     travel, fleet = Travel("euclidean", xy), (VehicleType(count, capacity),)
     instance = RoutingInstance(name, "solomon", sites, travel, fleet, problem=PROBLEMS[0], problems=PROBLEMS)
@@ -91,7 +95,7 @@ def _heading(rows: Rows, *words: str) -> None:
     """Raise InputError unless the next line begins with ``words``."""
     line, text = rows.next(" ".join(words))
     if text.upper().split()[: len(words)] != list(words):
-        raise InputError("heading is missing", line=line, expected=" ".join(words), found=shown(text))
+        raise InputError("heading is missing", "missing", line=line, expected=" ".join(words), found=shown(text))
 
 
 def _refuse_cut(text: str, name: str, at: list[int]) -> None:
@@ -123,9 +127,9 @@ def write(instance: RoutingInstance) -> str:
         (not numbered(instance, 0), "sites must be numbered 0, 1, 2, ... from the depot"),
     ):
         if wrong:
-            raise UsageError(f"{instance.name} cannot be written as solomon: {why}")
+            raise UsageError(f"{instance.name} cannot be written as solomon: {why}", "unsupported")
     if not name or name.upper() == "VEHICLE" or len(instance.name.splitlines()) != 1:
-        raise UsageError(f"{instance.name!r} cannot be the name of a solomon file")
+        raise UsageError(f"{instance.name!r} cannot be the name of a solomon file", "unsupported")
     assert travel.coordinates is not None
     table = zip(sites.ids, *travel.coordinates.T, sites.demand, sites.ready, sites.due, sites.service, strict=True)
     rows = [" ".join(f"{(c if isinstance(c, str) else plain(c)):>12}" for c in row) for row in table]

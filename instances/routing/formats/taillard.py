@@ -14,12 +14,12 @@ import numpy as np
 
 from ...errors import InputError
 from ...formats import Format, add_format
-from ...text import label, plain, refuse, whole
+from ...text import label, plain, whole
 from ..features import features
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import Travel
 from ._limits import numbered, refuse_inexpressible, refuse_where
-from ._rows import Rows, head, refuse_negative, widths
+from ._rows import Rows, head, refuse, refuse_negative, widths
 
 POINT = ("number", "x", "y", "demand")
 VEHICLE = ("capacity", "fixed cost", "unit cost", "least number", "largest number")
@@ -40,19 +40,19 @@ def read(text: str, path: Path) -> RoutingInstance:
     n = whole(plain(count), line, "number of customers", least=1)
     points = [rows.values("point", POINT) for _ in range(min(n + 1, len(rows.lines)))]
     at, table = [line for line, _ in points], np.array([values for _, values in points])
-    refuse(table[:, 0] != np.arange(len(table)), at, "points are numbered from 0 on", table[:, 0], "the next number")
+    refuse(table[:, 0] != np.arange(len(table)), at, "points are numbered from 0 on", table[:, 0], "the next number", "malformed")
     refuse_negative(at, demand=table[:, 3])
     line, (kinds,) = rows.values("number of vehicle types", ("number of vehicle types",))
     types, lines = rows.table("vehicle type", VEHICLE, whole(plain(kinds), line, "number of vehicle types", least=1))
     refuse(types[:, 0] <= 0, lines, "capacity must be positive", types[:, 0], "more than 0")
     refuse((types[:, 1:3] < 0).any(axis=1), lines, "a cost is negative", types[:, 1:3], "0 or more")
-    refuse(types[:, 3] != 0, lines, "a least number of vehicles of one type is not supported", types[:, 3], "0")
+    refuse(types[:, 3] != 0, lines, "a least number of vehicles of one type is not supported", types[:, 3], "0", "unsupported")
     fleet = tuple(
         VehicleType(whole(plain(row[4]), at_line, "largest number", least=1), row[0], fixed_cost=row[1], unit_cost=row[2], name=f"type {k}")
         for k, (row, at_line) in enumerate(zip(types.tolist(), lines, strict=True), start=1)
     )
     if table[0, 3] != 0:
-        raise InputError("the depot has a demand", line=at[0], expected="0", found=plain(table[0, 3]))
+        raise InputError("the depot has a demand", "contradiction", line=at[0], expected="0", found=plain(table[0, 3]))
     sites = Sites.of(range(n + 1), demand=table[:, 3], coordinates=table[:, 1:3])
     travel = Travel("euclidean", coordinates=table[:, 1:3])
     return RoutingInstance(label(path.stem), "taillard", sites, travel, fleet, problem=PROBLEMS[0], problems=PROBLEMS)

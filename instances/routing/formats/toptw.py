@@ -20,11 +20,11 @@ import numpy as np
 
 from ...errors import InputError
 from ...formats import Format, add_format
-from ...text import label, numbers, plain, refuse, whole
+from ...text import label, numbers, plain, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import Travel
 from ._limits import ORIENTEERING, finite, numbered, points_of, refuse_inexpressible, refuse_where
-from ._rows import Rows, head, widths
+from ._rows import Rows, head, refuse, widths
 from .cordeau import Table
 
 PROBLEMS = ("team-orienteering", "orienteering")
@@ -47,7 +47,7 @@ def read(text: str, path: Path) -> RoutingInstance:
     n = whole(plain(header[2]), line, "number of points", least=1)
     line, unused = rows.next("a second line of two numbers")
     if len(numbers(unused, line, "second line")) != 2:
-        raise InputError("second line has a wrong length", line=line, expected="D Q", found=f"{len(unused.split())} values")
+        raise InputError("second line has a wrong length", "wrong-shape", line=line, expected="D Q", found=f"{len(unused.split())} values")
     table = Table()
     table.read(rows, "depot", 0, 1, windows=True)
     table.read(rows, "point", 1, n, windows=True)
@@ -55,7 +55,7 @@ def read(text: str, path: Path) -> RoutingInstance:
     table.check("profit")
     columns, at = table.columns, table.at
     at_depot = (np.arange(n + 1) == 0) & (columns[:, 3:5] != 0).any(axis=1)
-    refuse(at_depot, at, "the depot has a profit or a service time", columns[:, 3:5], "0")
+    refuse(at_depot, at, "the depot has a profit or a service time", columns[:, 3:5], "0", "contradiction")
     sites = Sites.of(
         range(n + 1), service=columns[:, 3], reward=columns[:, 4], ready=columns[:, 5], due=columns[:, 6], required=False,
         coordinates=columns[:, 1:3],

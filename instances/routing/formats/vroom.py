@@ -87,7 +87,7 @@ def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> Ro
     if not isinstance(data, dict):
         raise InputError("must hold one object", found=kind_of(data))
     if "routes" in data and "vehicles" not in data:
-        raise InputError("is a solution file, not an instance")
+        raise InputError("is a solution file, not an instance", "foreign")
     fields(data, "the document", DOCUMENT, ("vehicles",))
     for key, apply in (("ignore", without), ("speed", on_the_globe)):
         if settings.get(key) is not None:
@@ -97,14 +97,14 @@ def read(text: str, path: Path, settings: Mapping[str, Any] | None = None) -> Ro
     size = next(iter(matrices.values()))["durations"].shape[0]
     vehicles = [_vehicle(item, f"vehicles[{k}]", matrices, size) for k, item in enumerate(array(data["vehicles"], "vehicles"))]
     if not vehicles:
-        raise InputError("vehicles is empty", expected="at least one vehicle")
+        raise InputError("vehicles is empty", "missing", expected="at least one vehicle")
     _refuse_equal([v.id for v in vehicles], "vehicles")
     sites, tasks, shipments = _depots(vehicles), *_tasks(data, size)
     dimensions = {len(v.kind.capacity) for v in vehicles} | {len(s.delivery or s.pickup) for s in tasks if s.delivery or s.pickup}
     dimensions |= {len(load) for *_, load in shipments if load}
     if len(dimensions) > 1:
         lengths = ", ".join(map(str, sorted(dimensions)))
-        raise InputError("loads and capacities have different lengths", expected="the same everywhere", found=lengths)
+        raise InputError("loads and capacities have different lengths", "wrong-shape", expected="the same everywhere", found=lengths)
     instance = _instance(label(path.stem), [*sites, *tasks], shipments, vehicles, matrices, max(1, *dimensions))
     located = settings.get("speed") is not None and instance.sites.coordinates is not None
     return replace(instance, notes=notes, sites=replace(instance.sites, geographic=located))
@@ -137,14 +137,14 @@ def _matrices(data: Mapping[str, Any]) -> dict[str, dict[str, Floats]]:
     """Durations of each profile, and distances and costs where there are any, all of one size."""
     if "matrix" in data:
         if "matrices" in data:
-            raise InputError("matrix stands beside matrices", expected="one of them")
+            raise InputError("matrix stands beside matrices", "contradiction", expected="one of them")
         size = len(array(data["matrix"], "matrix"))
         matrices = {"car": {"durations": square(data["matrix"], "matrix", size)}}
     else:
         profiles = data.get("matrices")
         if not isinstance(profiles, dict) or not profiles:
             expected = "matrices of durations, or --set speed=50 (km an hour) for great circles between the coordinates"
-            raise InputError("matrices are missing, and no server is asked for travel times", expected=expected)
+            raise InputError("matrices are missing, and no server is asked for travel times", "missing", expected=expected)
         size, matrices = -1, {}
         for profile, item in profiles.items():
             where = f"matrices.{label(profile)}"
@@ -155,9 +155,9 @@ def _matrices(data: Mapping[str, Any]) -> dict[str, dict[str, Floats]]:
         for key, matrix in item.items():
             if (matrix < 0).any():
                 message = f"{key} of profile {label(profile)} hold a negative number"
-                raise InputError(message, expected="0 or more", found=f"{matrix.min():g}")
+                raise InputError(message, "out-of-range", expected="0 or more", found=f"{matrix.min():g}")
     if size < 1:
-        raise InputError("matrices are empty", expected="a row for each location")
+        raise InputError("matrices are empty", "missing", expected="a row for each location")
     return matrices
 
 
@@ -167,23 +167,24 @@ def _known(data: Any, path: str, known: Collection[str], required: Collection[st
     for key, nothing in LACKING.items():
         if key in data and data[key] != nothing:
             cure = f", or --set ignore={key} to plan without" if key in IGNORED else ""
-            raise InputError(f"{path}.{key} is not supported", expected=f"no {key}{cure}")
+            raise InputError(f"{path}.{key} is not supported", "unsupported", expected=f"no {key}{cure}")
     return data  # type: ignore[no-any-return]
 
 
 def _place(data: Mapping[str, Any], key: str, path: str, size: int) -> int:
     if key not in data:
-        raise InputError(f"{path} lacks the key {key!r}", expected="a row of the matrices: no server is asked for travel times")
+        raise InputError(f"{path} lacks the key {key!r}", "missing", expected="a row of the matrices: no server is asked for travel times")
     place = integer(data[key], f"{path}.{key}", 0)
     if place >= size:
-        raise InputError(f"{path}.{key} is no row of the matrices", expected=f"0 to {size - 1}", found=str(place))
+        raise InputError(f"{path}.{key} is no row of the matrices", "unknown-name", expected=f"0 to {size - 1}", found=str(place))
     return place
 
 
 def _window(data: Any, path: str) -> tuple[float, float]:
     opens, closes = (float(integer(v, f"{path}[{k}]", 0)) for k, v in enumerate(array(data, path, 2)))
     if opens > closes:
-        raise InputError(f"{path} closes before it opens", expected="a begin and a later end", found=f"{opens:g}, {closes:g}")
+        message = f"{path} closes before it opens"
+        raise InputError(message, "contradiction", expected="a begin and a later end", found=f"{opens:g}, {closes:g}")
     return opens, closes
 
 
@@ -198,7 +199,7 @@ def _skills(data: Mapping[str, Any], path: str) -> frozenset[str]:
 def _priority(data: Mapping[str, Any], path: str) -> int:
     value = integer(data.get("priority", 0), f"{path}.priority", 0)
     if value > 100:
-        raise InputError(f"{path}.priority is too large", expected="0 to 100", found=str(value))
+        raise InputError(f"{path}.priority is too large", "out-of-range", expected="0 to 100", found=str(value))
     return value
 
 
@@ -207,7 +208,7 @@ def _vehicle(item: Any, path: str, matrices: Mapping[str, Mapping[str, Floats]],
     profile = data.get("profile", "car")
     if not isinstance(profile, str) or profile not in matrices:
         expected = ", ".join(label(name) for name in matrices)
-        raise InputError(f"{path}.profile has no matrices", expected=expected, found=kind_of(profile))
+        raise InputError(f"{path}.profile has no matrices", "unknown-name", expected=expected, found=kind_of(profile))
     ends: dict[str, int | None] = {}
     places: dict[int, tuple[float, float]] = {}
     for key in ("start", "end"):
@@ -215,24 +216,24 @@ def _vehicle(item: Any, path: str, matrices: Mapping[str, Mapping[str, Floats]],
         if place is not None and (at := location_of(data, key, path)) is not None:
             places[place] = at
     if ends["start"] is None and ends["end"] is None:
-        raise InputError(f"{path} neither starts nor ends anywhere", expected="start_index or end_index")
+        raise InputError(f"{path} neither starts nor ends anywhere", "missing", expected="start_index or end_index")
     costs = _known(data.get("costs", {}), f"{path}.costs", COSTS)
     fixed, per_hour, per_km = (
         real(costs.get(key, default), f"{path}.costs.{key}") for key, default in (("fixed", 0), ("per_hour", 3600), ("per_km", 0))
     )
     own = matrices[profile]
     if "costs" in own and {"per_hour", "per_km"} & costs.keys():
-        raise InputError(f"{path}.costs stand beside costs of profile {label(profile)}", expected="one of them")
+        raise InputError(f"{path}.costs stand beside costs of profile {label(profile)}", "contradiction", expected="one of them")
     if per_km and "distances" not in own:
-        raise InputError(f"{path}.costs.per_km needs distances of profile {label(profile)}")
+        raise InputError(f"{path}.costs.per_km needs distances of profile {label(profile)}", "missing")
     speed = real(data.get("speed_factor", 1), f"{path}.speed_factor")
     if not 0 < speed <= 5:
-        raise InputError(f"{path}.speed_factor is out of range", expected="above 0, at most 5", found=f"{speed:g}")
+        raise InputError(f"{path}.speed_factor is out of range", "out-of-range", expected="above 0, at most 5", found=f"{speed:g}")
     limits = ("max_travel_time", "max_distance")
     travel_time, distance = (float(integer(data[key], f"{path}.{key}", 0)) if key in data else math.inf for key in limits)
     if math.isfinite(distance) and (per_hour or not per_km or "costs" in own):
         message = f"{path}.max_distance is not supported where costs are not by distance alone"
-        raise InputError(message, expected="costs per_km, and per_hour 0")
+        raise InputError(message, "unsupported", expected="costs per_km, and per_hour 0")
     number, capacity, skills = integer(data["id"], f"{path}.id", 0), tuple(_amounts(data, "capacity", path)), _skills(data, path)
     shift = _window(data["time_window"], f"{path}.time_window") if "time_window" in data else (-math.inf, math.inf)
     kind = _Kind(profile, ends["start"], ends["end"], capacity, skills, shift, speed, travel_time, distance, fixed, per_hour, per_km)
@@ -257,11 +258,12 @@ def _task(data: Mapping[str, Any], name: str, path: str, size: int) -> _Site:
     place = _place(data, "location_index", path, size)
     listed = array(data.get("time_windows", []), f"{path}.time_windows")
     if "time_windows" in data and not listed:
-        raise InputError(f"{path}.time_windows is empty", expected="at least one window")
+        raise InputError(f"{path}.time_windows is empty", "missing", expected="at least one window")
     windows = [_window(w, f"{path}.time_windows[{k}]") for k, w in enumerate(listed)]
     for k, (before, after) in enumerate(itertools.pairwise(windows), start=1):
         if after[0] <= before[1]:
-            raise InputError(f"{path}.time_windows[{k}] begins before the one before it ends", expected="windows in order and apart")
+            message = f"{path}.time_windows[{k}] begins before the one before it ends"
+            raise InputError(message, "contradiction", expected="windows in order and apart")
     service = float(integer(data.get("service", 0), f"{path}.service", 0))
     return _Site(name, place, service=service, windows=windows, location=location_of(data, "location", path))
 
@@ -277,7 +279,7 @@ def _tasks(data: Mapping[str, Any], size: int) -> tuple[list[_Site], list[tuple[
         amounts = [_amounts(job, key, path) for key in ("delivery", "pickup")]
         if all(amounts) and len(amounts[0]) != len(amounts[1]):
             message = f"{path} delivers and picks up different numbers of loads"
-            raise InputError(message, expected=str(len(amounts[0])), found=str(len(amounts[1])))
+            raise InputError(message, "wrong-shape", expected=str(len(amounts[0])), found=str(len(amounts[1])))
         sites.append(replace(site, delivery=amounts[0], pickup=amounts[1], skills=_skills(job, path), priority=_priority(job, path)))
     for k, item in enumerate(array(data.get("shipments", []), "shipments")):
         path = f"shipments[{k}]"
@@ -290,7 +292,7 @@ def _tasks(data: Mapping[str, Any], size: int) -> tuple[list[_Site], list[tuple[
         sites += ends
         shipments.append((ends[0].id, ends[1].id, _amounts(shipment, "amount", path)))
     if not sites:
-        raise InputError("there is nothing to do", expected="jobs or shipments")
+        raise InputError("there is nothing to do", "missing", expected="jobs or shipments")
     _refuse_equal([site.id for site in sites], "tasks")
     return sites, shipments
 
@@ -299,7 +301,7 @@ def _refuse_equal(ids: Sequence[object], what: str) -> None:
     seen: set[object] = set()
     for each in ids:
         if each in seen:
-            raise InputError(f"two {what} have the id {each}", expected="different ids")
+            raise InputError(f"two {what} have the id {each}", "duplicate", expected="different ids")
         seen.add(each)
 
 

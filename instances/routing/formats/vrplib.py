@@ -39,12 +39,12 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...formats import Format, add_format
 from ...number_arrays import Floats
-from ...text import label, number, refuse, shown
+from ...text import label, number, shown
 from ..fleet import with_problems
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
 from ..travel import EXPLICIT, METRICS, Travel
-from ._rows import refuse_closed, refuse_negative
+from ._rows import refuse, refuse_closed, refuse_negative
 from ._tsplib import FLEET_IN_NAME, SET_X, Lines, Specification, edge_weights, node_column, node_list, node_table, scan
 from ._tsplib_writer import EXACT_2D, always_open, write
 from ._vrplib_fleet import RICH_HEADERS, RICH_SECTIONS, at_customers, depots_of, fleet_of, groups_of, is_rich, skills_of
@@ -99,12 +99,12 @@ def read(text: str, path: Path) -> RoutingInstance:
     if "LINEHAUL_SECTION" in spec.sections and "DEMAND_SECTION" not in spec.sections:
         spec.sections["DEMAND_SECTION"] = spec.sections.pop("LINEHAUL_SECTION")
     if "NODE_SEQUENCE_SECTION" in spec.sections:
-        raise InputError("is a solution file, not an instance", line=spec.sections["NODE_SEQUENCE_SECTION"].line)
+        raise InputError("is a solution file, not an instance", "foreign", line=spec.sections["NODE_SEQUENCE_SECTION"].line)
     kind = spec.value("TYPE").upper().split()[0] if "TYPE" in spec.headers else _meant(spec)
     if kind == "TOUR":
-        raise InputError("is a solution file, not an instance", line=spec.line("TYPE"))
+        raise InputError("is a solution file, not an instance", "foreign", line=spec.line("TYPE"))
     if kind not in PROBLEMS:
-        raise InputError(f"TYPE {shown(kind)} is not supported", line=spec.line("TYPE"), expected=", ".join(PROBLEMS))
+        raise InputError(f"TYPE {shown(kind)} is not supported", "unsupported", line=spec.line("TYPE"), expected=", ".join(PROBLEMS))
     headers, sections = zip(*KEYWORDS.values(), strict=True)
     spec.refuse_unknown(frozenset().union(*headers), frozenset().union(*sections))
     spec.refuse_unknown(*KEYWORDS[kind], f" in a file of TYPE {kind}")
@@ -142,7 +142,7 @@ def read(text: str, path: Path) -> RoutingInstance:
     sites = Sites.of(ids, depot=at_depot, coordinates=xy, groups=groups, skills=skills_of(spec, n, depots), **columns)
     if is_rich(spec, depots) or prizes is not None or kind in RICH:
         if sites.dimensions > 1:
-            raise InputError("several loads beside prizes, several depots or vehicles that differ are not supported",
+            raise InputError("several loads beside prizes, several depots or vehicles that differ are not supported", "unsupported",
                              line=spec.sections["DEMAND_SECTION"].line, expected="a DEMAND_SECTION of one column")  # fmt: skip
         return _rich(spec, (name, label(path.stem)), sites, travel, depots, notes, lines, kind == BACKHAULS)
     count = _fleet(spec, name, label(path.stem), notes) if not is_tsp or "VEHICLES" in spec.headers else 1
@@ -204,7 +204,8 @@ def _travel(spec: Specification, n: int, kind: str) -> tuple[Floats | None, Trav
     metric = spec.value("EDGE_WEIGHT_TYPE").upper()
     line = spec.line("EDGE_WEIGHT_TYPE")
     if metric not in EDGE_WEIGHT_TYPES:
-        raise InputError(f"EDGE_WEIGHT_TYPE {shown(metric)} is not supported", line=line, expected=", ".join(EDGE_WEIGHT_TYPES))
+        message = f"EDGE_WEIGHT_TYPE {shown(metric)} is not supported"
+        raise InputError(message, "unsupported", line=line, expected=", ".join(EDGE_WEIGHT_TYPES))
     coordinates, where = None, None
     for section in ("DISPLAY_DATA_SECTION", "NODE_COORD_SECTION"):
         if section in spec.sections:
@@ -214,13 +215,15 @@ def _travel(spec: Specification, n: int, kind: str) -> tuple[Floats | None, Trav
         if kind == "TSP" and not np.array_equal(matrix, matrix.T):
             i, j = (int(k[0]) for k in np.nonzero(matrix != matrix.T))
             message = f"a TSP is symmetric, but the distance from {i + 1} to {j + 1} differs from the one back; TYPE ATSP allows that"
-            raise InputError(message, line=int(at[i, j]), expected=str(matrix[j, i]), found=str(matrix[i, j]))
+            raise InputError(message, "contradiction", line=int(at[i, j]), expected=str(matrix[j, i]), found=str(matrix[i, j]))
         return coordinates, Travel(EXPLICIT, matrix=matrix)
     if "EDGE_WEIGHT_SECTION" in spec.sections:
-        raise InputError(f"EDGE_WEIGHT_TYPE {metric} has no EDGE_WEIGHT_SECTION", line=spec.sections["EDGE_WEIGHT_SECTION"].line)
+        message = f"EDGE_WEIGHT_TYPE {metric} has no EDGE_WEIGHT_SECTION"
+        raise InputError(message, "contradiction", line=spec.sections["EDGE_WEIGHT_SECTION"].line)
     if spec.value("EDGE_WEIGHT_FORMAT", "FUNCTION").upper() != "FUNCTION":
         line, layout = spec.line("EDGE_WEIGHT_FORMAT"), spec.value("EDGE_WEIGHT_FORMAT")
-        raise InputError(f"EDGE_WEIGHT_TYPE {metric} has another EDGE_WEIGHT_FORMAT", line=line, expected="FUNCTION", found=layout)
+        message = f"EDGE_WEIGHT_TYPE {metric} has another EDGE_WEIGHT_FORMAT"
+        raise InputError(message, "contradiction", line=line, expected="FUNCTION", found=layout)
     own, where = node_table(spec, "NODE_COORD_SECTION", n, ("x", "y"))
     if metric == "GEO":
         refuse((np.abs(own) > (90, 180)).any(axis=1), where, "latitude or longitude out of range", own, "within 90 and 180 degrees")
@@ -247,9 +250,9 @@ def _depot(spec: Specification, n: int) -> int:
     nodes, lines = node_list(spec, "DEPOT_SECTION", n)
     if len(nodes) != 1:
         line = lines[-1] if lines else spec.sections["DEPOT_SECTION"].line
-        raise InputError("the number of depots is not supported", line=line, expected="one depot", found=str(len(nodes)))
+        raise InputError("the number of depots is not supported", "unsupported", line=line, expected="one depot", found=str(len(nodes)))
     if n < 2:
-        raise InputError("there is no customer", line=spec.line("DIMENSION"), expected="DIMENSION of at least 2", found=str(n))
+        raise InputError("there is no customer", "missing", line=spec.line("DIMENSION"), expected="DIMENSION of at least 2", found=str(n))
     return nodes[0] - 1
 
 
@@ -266,7 +269,7 @@ def _sites(spec: Specification, at_depot: NDArray[np.bool_], kind: str) -> tuple
         demand, lines = _demands(spec, n)
         columns["demand"], shown_demand = demand, demand[:, 0] if demand.shape[1] == 1 else demand
         refuse((demand < 0).any(axis=1), lines, "demand is negative", shown_demand, "0 or more")
-        refuse(at_depot & (demand != 0).any(axis=1), lines, "the depot has a demand", shown_demand, "0")
+        refuse(at_depot & (demand != 0).any(axis=1), lines, "the depot has a demand", shown_demand, "0", "contradiction")
         if not spec.sections.keys() & {"CAPACITY_SECTION", "CAPACITIES"} and kind not in RICH:
             spec.value("CAPACITY")
     services = _services(spec, at_depot)
@@ -274,7 +277,8 @@ def _sites(spec: Specification, at_depot: NDArray[np.bool_], kind: str) -> tuple
         columns["service"], lines = services[0], lines if services[1] is None else services[1]
     if kind in ("VRPTW", "CVRPTW", "MDVRPTW", "PCVRPTW") or "TIME_WINDOW_SECTION" in spec.sections:
         if kind == "CVRP":
-            raise InputError("TYPE CVRP has no TIME_WINDOW_SECTION; TYPE VRPTW has", line=spec.sections["TIME_WINDOW_SECTION"].line)
+            message = "TYPE CVRP has no TIME_WINDOW_SECTION; TYPE VRPTW has"
+            raise InputError(message, "contradiction", line=spec.sections["TIME_WINDOW_SECTION"].line)
         windows, lines = _windows(spec, n)
         columns["ready"], columns["due"] = windows.T
     return columns, None if lines is None else lines.tolist()
@@ -291,7 +295,8 @@ def _services(spec: Specification, at_depot: NDArray[np.bool_]) -> tuple[Floats,
     """Service times, and their lines where they stand in a section; None where there are none."""
     if "SERVICE_TIME" in spec.headers:
         if "SERVICE_TIME_SECTION" in spec.sections:
-            raise InputError("SERVICE_TIME stands beside a SERVICE_TIME_SECTION", line=spec.line("SERVICE_TIME"), expected="one of them")
+            message = "SERVICE_TIME stands beside a SERVICE_TIME_SECTION"
+            raise InputError(message, "contradiction", line=spec.line("SERVICE_TIME"), expected="one of them")
         every = spec.number("SERVICE_TIME")
         if every < 0:
             raise spec.fault("SERVICE_TIME", "is negative", "0 or more", str(every))
@@ -299,7 +304,7 @@ def _services(spec: Specification, at_depot: NDArray[np.bool_]) -> tuple[Floats,
     if "SERVICE_TIME_SECTION" not in spec.sections:
         return None
     service, lines = node_column(spec, "SERVICE_TIME_SECTION", len(at_depot), "service time")
-    refuse(at_depot & (service != 0), lines, "the depot has a service time", service, "0")
+    refuse(at_depot & (service != 0), lines, "the depot has a service time", service, "0", "contradiction")
     return service, lines
 
 
@@ -315,11 +320,13 @@ def _pickups(spec: Specification, travel: Travel, depot: int) -> tuple[Columns, 
     n = len(travel)
     table, lines = node_table(spec, PICKUPS, n, ("0", "ready time", "due date", "service time", "pickup", "delivery"))
     unused, ready, due, service, pickup, delivery = table.T
-    refuse(unused != 0, lines, "second column is not supported", unused, "0, as pickups and deliveries stand in the last columns")
+    message = "second column is not supported"
+    refuse(unused != 0, lines, message, unused, "0, as pickups and deliveries stand in the last columns", "unsupported")
     refuse_closed(lines, table[:, 1:3])
     refuse_negative(lines, service_time=service, pickup=pickup, delivery=delivery)
     loads = table[:, 3:]
-    refuse((np.arange(n) == depot) & (loads != 0).any(axis=1), lines, "the depot has a service time, a pickup or a delivery", loads, "0")
+    message = "the depot has a service time, a pickup or a delivery"
+    refuse((np.arange(n) == depot) & (loads != 0).any(axis=1), lines, message, loads, "0", "contradiction")
     spec.value("CAPACITY")
     if always_open(travel, ready, due, service):
         due = np.full(n, math.inf)
@@ -334,7 +341,7 @@ def _pairs(spec: Specification, n: int, depot: int) -> tuple[Columns, list[int]]
     table, lines = node_table(spec, PICKUPS, n, columns)
     blank = np.column_stack([np.zeros((n, 2)), np.full(n, math.inf), np.zeros(n)])
     held, partners = blank if short else table[:, :4], table[:, -2:]
-    refuse(np.asarray(depot != 0), lines, "the depot must be node 1", [depot + 1], "1")
+    refuse(np.asarray(depot != 0), lines, "the depot must be node 1", [depot + 1], "1", "unsupported")
     refuse_negative(lines, service_time=held[:, 3])
     refuse_closed(lines, held[:, 1:3])
 
@@ -343,7 +350,8 @@ def _pairs(spec: Specification, n: int, depot: int) -> tuple[Columns, list[int]]
         if elsewhere is None:
             return own
         if not short:
-            refuse((elsewhere[:, : own.shape[1]] != own).any(axis=1), lines, f"row differs from {section}", own, "the same values")
+            message = f"row differs from {section}"
+            refuse((elsewhere[:, : own.shape[1]] != own).any(axis=1), lines, message, own, "the same values", "contradiction")
         return elsewhere
 
     services = _services(spec, at_depot)
@@ -351,7 +359,7 @@ def _pairs(spec: Specification, n: int, depot: int) -> tuple[Columns, list[int]]
     window = merged("TIME_WINDOW_SECTION", held[:, 1:3], _windows(spec, n)[0] if "TIME_WINDOW_SECTION" in spec.sections else None)
     service = merged("SERVICE_TIME", held[:, 3:], None if services is None else services[0][:, None])
     loads = np.column_stack([demand, service, partners])
-    refuse(at_depot & (loads != 0).any(axis=1), lines, "the depot has a demand, a service time or a partner", loads, "0")
+    refuse(at_depot & (loads != 0).any(axis=1), lines, "the depot has a demand, a service time or a partner", loads, "0", "contradiction")
     spec.value("CAPACITY")
     shipments, (ready, due) = pairs_of(demand, partners, lines.tolist(), first=1), window.T
     loads = np.zeros((n, max((len(shipment.load) for shipment in shipments), default=1)))
@@ -365,7 +373,7 @@ def _capacities(spec: Specification, dimensions: int) -> tuple[float, ...]:
     tokens, line = spec.value("CAPACITY").replace(",", " ").split(), spec.line("CAPACITY")
     if len(tokens) != dimensions:
         message, expected = "CAPACITY has another number of loads than the demands", f"{dimensions} numbers"
-        raise InputError(message, line=line, expected=expected, found=str(len(tokens)))
+        raise InputError(message, "wrong-shape", line=line, expected=expected, found=str(len(tokens)))
     values = [number(token, line, "CAPACITY") for token in tokens]
     if min(values) <= 0:
         raise spec.fault("CAPACITY", "must be positive", "more than 0")
@@ -392,7 +400,8 @@ def _fleet(spec: Specification, name: str, stem: str, notes: list[str]) -> int |
         if match := FLEET_IN_NAME.search(text):
             count = int(match[1])
             if count < 1:
-                raise InputError(f"the name {text} stands for a fleet of no vehicles", line=spec.headers.get("NAME", (None, ""))[0])
+                message = f"the name {text} stands for a fleet of no vehicles"
+                raise InputError(message, "out-of-range", line=spec.headers.get("NAME", (None, ""))[0])
             notes.append(f"at most {count} vehicles: the fleet is named only in the file's name {text}, and read as an upper limit")
             return count
     return None

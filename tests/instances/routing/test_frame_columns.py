@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from coded import coded
 from file_cases import check_refused, refused
 
 from waybound.instances.errors import InputError
@@ -94,14 +95,16 @@ def test_words_have_commas_between() -> None:
     assert (
         words_of("cold, tall", "skills") == ["cold", "tall"] and words_of(["cold"], "skills") == ["cold"] and words_of(None, "skills") == []
     )
-    check_refused(InputError, "must hold words", words_of, 3, "skills")
+    with pytest.raises(InputError, check=coded("malformed")):
+        words_of(3, "skills")
 
 
 @pytest.mark.parametrize("other", ["demands", "Demand", "DEMANDS"])
 def test_two_columns_that_mean_the_same_are_refused_unless_one_is_granted(other: str) -> None:
     frame = SITES.assign(**{other: 1})
-    with pytest.raises(InputError, match=f"columns 'demand' and '{other}' both tell demand; expected one of them, or extra="):
+    with pytest.raises(InputError, match=f"columns 'demand' and '{other}' both tell demand; expected one of them, or extra=") as caught:
         columns_of(frame, None, ())
+    assert caught.value.code == "ambiguous"
     assert columns_of(frame, None, [other]).extra == (other,)
     assert columns_of(frame, {"demand": other}, ()).titles["demand"] == other
 

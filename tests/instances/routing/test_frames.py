@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import scipy.sparse as sp
+from coded import coded
 from file_cases import check_refused, refused
 
 import waybound as wb
@@ -225,7 +226,8 @@ def test_a_metric_may_be_named_and_a_unit_of_distance() -> None:
 def test_a_speed_of_one_is_a_speed() -> None:
     made = instance_from_frame(SHOPS.iloc[:, :3].assign(service=5.0), speed=1.0, time_unit="h")
     assert made.travel.duration(0, 1) == made.travel.distance(0, 1)
-    check_refused(InputError, "speeds are told twice", instance_from_frame, SHOPS, speed=1.0, time_unit="h", fleet=[{"speed": 40}])
+    with pytest.raises(InputError, check=coded("duplicate")):
+        instance_from_frame(SHOPS, speed=1.0, time_unit="h", fleet=[{"speed": 40}])
 
 
 def test_infinite_distances_are_moves_that_cannot_be_made() -> None:

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from coded import coded
 
-from waybound.instances.errors import InputError, UsageError
+from waybound.instances.errors import Code, InputError, UsageError
 from waybound.instances.instance import Instance, digest
 from waybound.instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
@@ -91,9 +92,15 @@ def test_a_vehicle_refuses_what_makes_no_sense(changes: dict[str, Any], message:
         VehicleType(**changes)
 
 
-@pytest.mark.parametrize("changes", [{"capacity": -1}, {"capacity": math.inf}, {"rate": 0}, {"rate": math.nan}, {"charge": "solar"}])
-def test_an_energy_store_refuses_what_makes_no_sense(changes: dict[str, Any]) -> None:
-    with pytest.raises(InputError, match="energy"):
+@pytest.mark.parametrize(
+    ("changes", "code"),
+    [
+        ({"capacity": -1}, "out-of-range"), ({"capacity": math.inf}, "out-of-range"), ({"rate": 0}, "out-of-range"),
+        ({"rate": math.nan}, "out-of-range"), ({"charge": "solar"}, "unknown-name"),
+    ],
+)  # fmt: skip
+def test_an_energy_store_refuses_what_makes_no_sense(changes: dict[str, Any], code: Code) -> None:
+    with pytest.raises(InputError, check=coded(code)):
         Energy(**{"capacity": 1.0, **changes})
 
 

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from coded import coded
 from file_cases import Change, Differences, Read, Refusal, check_fault, check_refused, check_unwritable, with_line_of
 
 from waybound.instances.errors import InputError, UsageError
@@ -118,6 +119,10 @@ def test_windows_that_close_before_they_open_are_refused(refusal: Refusal) -> No
     assert error.line == 4
 
 
+def test_a_claim_of_more_depots_than_anyone_has_is_too_large(refusal: Refusal) -> None:
+    assert refusal(with_line(1, "2 3 3 2000000000")).code == "too-large"
+
+
 @pytest.mark.parametrize("text", [MDVRP, VRPTW])
 def test_what_is_read_is_written_again(text: str, differences: Differences) -> None:
     made = read(text, Path("file.txt"))
@@ -181,7 +186,8 @@ def test_without_windows_a_site_is_always_open() -> None:
     "row", ["1 5 6 7 8 1", "1 5 6 7 8 1 2 1", "1 5 6 7 8 1 -1", "1 5 6 7 8 1 0.5", "1 5 6 7 8 1 1 1 9", "1 5 6 7 8 1 1e300 1"]
 )
 def test_a_row_that_is_as_long_as_it_says_alone_is_read(row: str) -> None:
-    check_refused(InputError, "row of a site has a wrong length", Table().read, Rows.of(row), "site", 1, 1, windows=False)
+    with pytest.raises(InputError, check=coded("wrong-shape")):
+        Table().read(Rows.of(row), "site", 1, 1, windows=False)
 
 
 def test_a_table_without_rows_keeps_its_columns() -> None:

@@ -9,10 +9,11 @@ from typing import Any
 
 import pandas as pd
 import pytest
+from coded import coded
 from file_cases import check_refused, refused
 
 from waybound.instances.clock import moment_of, span_of
-from waybound.instances.errors import InputError, UsageError
+from waybound.instances.errors import Code, InputError, UsageError, WayboundError
 from waybound.instances.routing.formats._frame_settings import KEYS, arguments, flag, in_file, kept, of_set
 
 
@@ -102,6 +103,15 @@ def test_a_setting_of_the_command_line_has_no_line(given: dict[str, Any]) -> Non
     assert caught.value.line is None
 
 
+@pytest.mark.parametrize(
+    ("key", "text", "code"), [("fleet", ".", "file"), ("max-duration", "-1", "out-of-range"), ("distance-unit", "league", "unknown-name")]
+)
+def test_a_code_is_kept_where_its_place_is_added(key: str, text: str, code: Code) -> None:
+    for settings in ({key: (4, text)}, of_set({key: text})):
+        with pytest.raises(WayboundError, check=coded(code)):
+            arguments(settings, Path(), 2)
+
+
 def test_a_unit_of_the_command_line_has_no_line() -> None:
     check_refused(UsageError, "unknown unit of time 'week'", arguments, of_set({"time-unit": "week"}), Path(), 2)
 
@@ -117,7 +127,8 @@ def test_a_unit_of_the_command_line_has_no_line() -> None:
     ],
 )  # fmt: skip
 def test_a_cure_is_told_as_the_command_line_writes_it(python: Any, command: str) -> None:
-    assert in_file(InputError("wrong", expected=python, line=3)).expected == command
+    told = in_file(InputError("wrong", "unknown-name", expected=python, line=3))
+    assert (told.expected, told.code) == (command, "unknown-name")
     assert in_file(InputError("wrong")).expected is None
 
 

@@ -35,8 +35,9 @@ def test_sites_distances_a_depot_and_equal_vehicles_need_no_place() -> None:
     ],
 )
 def test_what_has_no_place_is_refused_by_name(made: RoutingInstance, names: str) -> None:
-    with pytest.raises(UsageError, match=f"tiny cannot be written as scroll, which has no place for {names}; use json"):
+    with pytest.raises(UsageError, match=f"tiny cannot be written as scroll, which has no place for {names}; use json") as caught:
         refuse_inexpressible(made, "scroll", {"capacity", "time-windows"})
+    assert caught.value.code == "unsupported"
     refuse_inexpressible(made, "scroll", names.split(", "))
 
 

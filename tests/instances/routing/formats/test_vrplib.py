@@ -440,7 +440,7 @@ def test_every_cut_of_a_tsp_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_tour_file_is_named_as_what_it_is(refusal: Refusal) -> None:
-    assert refusal("NAME: t\nTYPE: TOUR\nDIMENSION: 2\nTOUR_SECTION\n1\n2\n-1\n").message == "is a solution file, not an instance"
+    assert refusal("NAME: t\nTYPE: TOUR\nDIMENSION: 2\nTOUR_SECTION\n1\n2\n-1\n").code == "foreign"
 
 
 def test_recognition_needs_a_keyword_at_the_start_of_a_line() -> None:
