@@ -64,7 +64,7 @@ def first_sheet(path: str | PathLike[str], data: bytes) -> pd.DataFrame:
         raise InputError(f"is no workbook: {in_words(error)}", file=path) from None
     found = sheets.get("visits", next(iter(sheets.values()), None))
     if found is None:
-        raise InputError("holds no sheet", file=path)
+        raise InputError("holds no sheet", "missing", file=path)
     try:
         return _ordered(found)
     except InputError as error:

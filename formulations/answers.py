@@ -84,7 +84,7 @@ def read_answer(problem: Problem, path: str | PathLike[str], form: str | None = 
     except InputError as error:
         raise error.at(file=path) from None
     except UsageError as error:
-        raise UsageError(f"{path}: {error}") from None
+        raise UsageError(f"{path}: {error}", error.code) from None
 
 
 def _of_solver(problem: Problem, solved: SolverFile, form: str | None) -> ReadAnswer:
@@ -97,7 +97,7 @@ def answer_in_json(problem: Problem, data: Mapping[str, Any]) -> ReadAnswer:
     if "answer" not in data:
         return ReadAnswer(problem.answer_from_json(data))
     if data["answer"] is None:
-        raise InputError("the file holds no answer", expected='an "answer" that is not null')
+        raise InputError("the file holds no answer", "missing", expected='an "answer" that is not null')
     notes = tuple(
         f"made for another {what}: {printable(data[key], 80)}, here {own}"
         for key, what, own in (
@@ -124,7 +124,7 @@ def check_answer_path(problem: Problem, path: str | PathLike[str]) -> None:
     try:
         problem.check_answer_suffix(Path(path).suffix.lower())
     except UsageError as error:
-        raise UsageError(f"{path}: {error}") from None
+        raise UsageError(f"{path}: {error}", error.code) from None
 
 
 def write_answer(solution: Solution, path: str | PathLike[str]) -> None:

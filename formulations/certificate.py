@@ -155,7 +155,7 @@ class Certificate:
         from .certificate_files import write_certificate
 
         if Path(path).suffix.lower() != ".json":
-            raise UsageError(f"{path}: a certificate is written as .json")
+            raise UsageError(f"{path}: a certificate is written as .json", "unknown-name")
         write_certificate(self, path)
 
     def __repr__(self) -> str:
@@ -299,7 +299,7 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
     ):  # fmt: skip
         if data.get(key) != own:
             raise InputError(
-                f"the certificate is for another instance: its {key} differs", expected=own, found=printable(data.get(key), 80)
+                f"the certificate is for another instance: its {key} differs", "foreign", expected=own, found=printable(data.get(key), 80)
             )
     evidence = stated_evidence(data)
     made = certify(problem, evaluation, evidence)

@@ -92,7 +92,7 @@ def _unpacked(packed: bytes) -> bytes:
     except zlib.error as error:
         raise InputError(f"is no gzip file: {error}") from None
     if len(data) > MOST_BYTES:
-        raise InputError("is too large once it is unpacked", expected=f"at most {MOST_BYTES} bytes")
+        raise InputError("is too large once it is unpacked", "too-large", expected=f"at most {MOST_BYTES} bytes")
     if not reader.eof or reader.unused_data:
         raise InputError("is no gzip file", found="an end before the end" if not reader.eof else "something after its end")
     return data

@@ -98,7 +98,7 @@ def default_form(problem: Asked) -> str:
     if exact:
         return exact[0]
     if usable:
-        raise UsageError(f"no form of {problem.problem} is exact; name one of {', '.join(usable)}")
+        raise UsageError(f"no form of {problem.problem} is exact; name one of {', '.join(usable)}", "missing")
     name, lacking = nearest_form(problem)
     raise UnsupportedError("no form" if name else "a program", lacking, nearest=name)
 

@@ -145,9 +145,8 @@ def check_levels(problem: Problem, data: Any, evaluation: Evaluation | None, of_
             raise InputError("the certificate's levels are malformed", expected="objects with given, bound and evidence")
         given = tuple(real(value, "level") for value in entry["given"])
         if len(given) != level:
-            raise InputError(
-                "the certificate's levels are malformed", expected=f"{level} values before level {level + 1}", found=str(len(given))
-            )
+            expected = f"{level} values before level {level + 1}"
+            raise InputError("the certificate's levels are malformed", "wrong-shape", expected=expected, found=str(len(given)))
         concerned = evaluation is None or all(evaluation.same_at(k, value) for k, value in enumerate(given))
         if evaluation is not None and of_answer and not concerned:
             raise CheckFailedError(

@@ -142,7 +142,7 @@ class Problem(ABC):
 
     def check_statement(self, statement: Any) -> None:
         """Raise InputError unless ``statement``, plain JSON, says something of an answer that holds or does not."""
-        raise InputError(f"nothing can be stated of answers to {self.problem} problems", found=shown(str(statement)))
+        raise InputError(f"nothing can be stated of answers to {self.problem} problems", "unsupported", found=shown(str(statement)))
 
     def restricted(self, decisions: Sequence[Decision]) -> Problem:
         """The same problem for fewer answers: for all those at least of which each statement holds, or does not, as decided.
@@ -210,11 +210,11 @@ class Problem(ABC):
 
     def answer_routes(self, answer: Any) -> list[Any]:
         """The routes of an answer by the ids of sites; raises UsageError in families without routes."""
-        raise UsageError(f"answers to {self.problem} problems have no routes; to_frame() tells what they have")
+        raise UsageError(f"answers to {self.problem} problems have no routes; to_frame() tells what they have", "unsupported")
 
     def answer_to_networkx(self, answer: Any) -> Any:
         """An answer as a networkx graph; raises UsageError in families that have none."""
-        raise UsageError(f"answers to {self.problem} problems are no graphs; to_frame() tells what they are")
+        raise UsageError(f"answers to {self.problem} problems are no graphs; to_frame() tells what they are", "unsupported")
 
     def to_instance(self) -> Instance:
         """The data of this problem as an instance that files can hold, and of which ``read`` makes the same problem.
@@ -224,7 +224,7 @@ class Problem(ABC):
         UsageError
             If there is no file for what the problem holds.
         """
-        raise UsageError(f"{type(self).__name__} problems have no file format, so that {self.name} cannot be saved")
+        raise UsageError(f"{type(self).__name__} problems have no file format, so that {self.name} cannot be saved", "unsupported")
 
     def save(self, path: str | PathLike[str], format: str | None = None) -> None:  # noqa: A002
         """Write the problem to a file, whole or not at all; ``wb.read(path)`` makes the same problem of it.
@@ -251,12 +251,14 @@ class Problem(ABC):
         """Raise UsageError unless solution files of ``suffix`` can hold an answer to this problem."""
         known = (".json", *self.answer_suffixes, *(s for s in (".csv", ".xlsx") if s not in self.answer_suffixes))
         if suffix not in known:
-            raise UsageError(f"answers to {self.problem} problems are written as {', '.join(known)}, not under the suffix {suffix!r}")
+            raise UsageError(
+                f"answers to {self.problem} problems are written as {', '.join(known)}, not under the suffix {suffix!r}", "unknown-name"
+            )
 
     def answer_from_frame(self, frame: pd.DataFrame) -> Any:
         """The answer in a table as ``answer_to_frame`` makes it; raises UsageError in families that do not read it back."""
         able = " or ".join((".json", *self.answer_suffixes))
-        raise UsageError(f"answers to {self.problem} problems are not read from such tables; use {able}")
+        raise UsageError(f"answers to {self.problem} problems are not read from such tables; use {able}", "unsupported")
 
     def foreign_answer(self, data: Mapping[str, Any]) -> Any | None:
         """The answer in a JSON document of another tool, None where it is no such document; raises InputError where it is broken."""
@@ -306,10 +308,12 @@ def refuse_settings(name: str, settings: Mapping[str, Any], known: tuple[str, ..
     for key, value in settings.items():
         if key == "convention":
             if value not in (None, "exact"):
-                raise UsageError(f"{name} problems have no distances to round: the convention can only be exact, not {value!r}")
+                raise UsageError(
+                    f"{name} problems have no distances to round: the convention can only be exact, not {value!r}", "unsupported"
+                )
         elif key not in known:
             takes = ", ".join(known) + did_you_mean(key, known) if known else "none"
-            raise UsageError(f"{name} has no setting {key!r}; it takes {takes}")
+            raise UsageError(f"{name} has no setting {key!r}; it takes {takes}", "unknown-name")
 
 
 def problem_from_instance(instance: Instance, problem: str | None = None, **settings: Any) -> Problem:

@@ -32,19 +32,19 @@ def indices_of(given: Iterable[Any], names: Mapping[str, int], thing: str) -> li
     for item in every:
         if isinstance(item, str):
             if item not in names:
-                raise UsageError(f"there is no {thing} {printable(item, 80)!r}")
+                raise UsageError(f"there is no {thing} {printable(item, 80)!r}", "unknown-name")
             continue
         try:
             if isinstance(item, bool):
                 raise TypeError
             numbers.append(whole(item))
         except TypeError:
-            raise UsageError(f"{an(thing)} is given by its name or its index, not by {printable(repr(item), 80)}") from None
+            raise UsageError(f"{an(thing)} is given by its name or its index, not by {printable(repr(item), 80)}", "malformed") from None
     named = [names.get(str(number), -1) for number in numbers]
     counts = all(0 <= number < len(names) for number in numbers)
     if not counts and -1 in named:
-        raise UsageError(f"there is no {thing} {numbers[named.index(-1)]}")
+        raise UsageError(f"there is no {thing} {numbers[named.index(-1)]}", "unknown-name")
     if counts and -1 not in named and named != numbers:
-        raise UsageError(f"whole numbers could be names or indices of {thing}s here, which differ; give names as text")
+        raise UsageError(f"whole numbers could be names or indices of {thing}s here, which differ; give names as text", "ambiguous")
     meant = iter(numbers if counts else named)
     return [names[item] if isinstance(item, str) else next(meant) for item in every]

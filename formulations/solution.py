@@ -166,7 +166,7 @@ class Solution:
         frames = self.problem.answer_frames(self.answer)
         if of not in frames:
             names = (*frames, "left-out")
-            raise UsageError(f"there is no table of {of!r}; choose from {', '.join(names)}{did_you_mean(of, names)}")
+            raise UsageError(f"there is no table of {of!r}; choose from {', '.join(names)}{did_you_mean(of, names)}", "unknown-name")
         return frames[of]
 
     @property

@@ -41,7 +41,7 @@ def answer_of_solver(problem: Problem, read: SolverFile, form: str | None = None
             broken = broken or (f"its form {name}, and no answer to {problem.name}: ", fault)
     told = broken or other
     if told is None:
-        raise InputError(f"is a solution of {read.solver}, and no form writes {problem.name} down")
+        raise InputError(f"is a solution of {read.solver}, and no form writes {problem.name} down", "unsupported")
     start, worst = told
     why, expected, found = (worst.message, worst.expected, worst.found) if isinstance(worst, InputError) else (str(worst), None, None)
-    raise InputError(f"is a solution of {start}{why}", expected=expected, found=found)
+    raise InputError(f"is a solution of {start}{why}", worst.code if broken else "foreign", expected=expected, found=found)

@@ -20,7 +20,7 @@ def real(value: Any, what: str) -> float:
     """A finite number; raises InputError for anything else."""
     figure = _figure(value, what)
     if not math.isfinite(figure):
-        raise InputError(f"the certificate's {what} is not a finite number", found=str(figure))
+        raise InputError(f"the certificate's {what} is not a finite number", "out-of-range", found=str(figure))
     return figure
 
 
@@ -37,11 +37,13 @@ def stated_evidence(data: Mapping[str, Any]) -> list[Evidence]:
     """The evidence in a certificate file; raises InputError where it is malformed."""
     entries = data.get("evidence", [])
     if isinstance(entries, Mapping):
-        raise InputError("the certificate's evidence stands in a file beside it, so it must be read by its path")
+        raise InputError("the certificate's evidence stands in a file beside it, so it must be read by its path", "missing")
     if not isinstance(entries, list):
         raise InputError("the certificate's evidence is not a list")
     if len(entries) > MOST_EVIDENCE:
-        raise InputError("the certificate holds too much evidence", expected=f"at most {MOST_EVIDENCE} entries", found=str(len(entries)))
+        raise InputError(
+            "the certificate holds too much evidence", "too-large", expected=f"at most {MOST_EVIDENCE} entries", found=str(len(entries))
+        )
     found = []
     for entry in entries:
         if not isinstance(entry, Mapping) or not {"kind", "source", "value", "data"} <= entry.keys():
@@ -144,5 +146,5 @@ def stated_guarantee(data: Mapping[str, Any]) -> Guarantee | None:
         raise InputError("the certificate's guarantee is malformed", expected="an object with ratio, statement, assumptions and source")
     ratio = math.inf if parts.get("ratio") is None else real(parts["ratio"], "guarantee's ratio")
     if ratio < 1.0:
-        raise InputError("the certificate's guarantee is malformed", expected="a ratio of at least 1", found=f"{ratio:g}")
+        raise InputError("the certificate's guarantee is malformed", "out-of-range", expected="a ratio of at least 1", found=f"{ratio:g}")
     return Guarantee(ratio, str(statement), tuple(assumptions), str(source))

@@ -75,12 +75,12 @@ def _target(path: str | PathLike[str]) -> Path | None:
         mode = Path(path).stat().st_mode  # not of target: /dev/stdout leads to a pipe, which has no path
     except (FileNotFoundError, NotADirectoryError):
         if not target.parent.is_dir():
-            raise InputError(f"cannot be written: there is no folder {target.parent}", file=path) from None
+            raise InputError(f"cannot be written: there is no folder {target.parent}", "file", file=path) from None
         return target
     except OSError as error:
         raise _unwritable(path, error) from error
     if stat.S_ISDIR(mode):
-        raise InputError("is a directory, not a file to write to", file=path)
+        raise InputError("is a directory, not a file to write to", "file", file=path)
     return target if stat.S_ISREG(mode) else None
 
 
@@ -97,7 +97,7 @@ def _private(path: str, flags: int) -> int:
 
 
 def _unwritable(path: str | PathLike[str], error: OSError) -> InputError:
-    return InputError(f"cannot be written: {error.strerror or error}", file=path)
+    return InputError(f"cannot be written: {error.strerror or error}", "file", file=path)
 
 
 def _mode(target: Path) -> int:

@@ -53,7 +53,9 @@ def bundled_names() -> list[str]:
 def bundled_path(name: str) -> Path:
     """File of a bundled instance; UsageError for a name that does not exist."""
     if name not in RECIPES:
-        raise UsageError(f"no bundled instance is named {name!r}; choose from {', '.join(RECIPES)}{did_you_mean(name, RECIPES)}")
+        raise UsageError(
+            f"no bundled instance is named {name!r}; choose from {', '.join(RECIPES)}{did_you_mean(name, RECIPES)}", "unknown-name"
+        )
     return Path(__file__).parent / "data" / RECIPES[name].file
 
 
@@ -62,5 +64,5 @@ def regenerate(name: str) -> Instance:
     bundled_path(name)
     recipe = RECIPES[name]
     if recipe.source:
-        raise UsageError(f"{name} was not generated: {recipe.source}")
+        raise UsageError(f"{name} was not generated: {recipe.source}", "unsupported")
     return generate(recipe.kind, recipe.seed, **recipe.settings, name=name)

@@ -131,7 +131,7 @@ def unit_named(name: object) -> str:
     text = str(name)
     if text in SECONDS or text in ALIASES:
         return ALIASES.get(text, text)
-    raise UsageError(f"unknown unit of time {text!r}; choose from {', '.join(SECONDS)}{did_you_mean(text, ALIASES)}")
+    raise UsageError(f"unknown unit of time {text!r}; choose from {', '.join(SECONDS)}{did_you_mean(text, ALIASES)}", "unknown-name")
 
 
 def moment_of(cell: str, line: int | None, what: str) -> Any:
@@ -200,7 +200,8 @@ class Times:
             if _is_moment(value) and value is not pd.NaT:
                 moment = pd.Timestamp(value)
                 if self._first is not None and (moment.tzinfo is None) != (self._first.tzinfo is None):
-                    raise InputError("some timestamps have a time zone and others none", expected="all or none: tz_localize or tz_convert")
+                    raise InputError("some timestamps have a time zone and others none", "contradiction",
+                                     expected="all or none: tz_localize or tz_convert")  # fmt: skip
                 self._first = moment if self._first is None or moment < self._first else self._first
 
     @property
@@ -270,8 +271,8 @@ class Times:
 
     def _seconds(self, what: str, found: str) -> float:
         if self.unit is None:
-            raise InputError(f"{what} holds {found}: say in which unit of time the problem counts", expected="time_unit='min', or s, h, d",
-                             found="no time_unit")  # fmt: skip
+            raise InputError(f"{what} holds {found}: say in which unit of time the problem counts", "missing",
+                             expected="time_unit='min', or s, h, d", found="no time_unit")  # fmt: skip
         return SECONDS[self.unit]
 
 

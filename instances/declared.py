@@ -107,7 +107,7 @@ class Declared:
         """Raise InputError where there are too few or too many entries: before anything of their size is allocated."""
         for axis in self.axes:
             if self.counts.get(axis.name, axis.least) < axis.least:
-                raise InputError(f"there are no {axis.key}", expected="one at least")
+                raise InputError(f"there are no {axis.key}", "missing", expected="one at least")
 
     def arrange(self) -> None:
         """Change fields before they are checked."""
@@ -227,13 +227,13 @@ class Declared:
         known = ", ".join(cls.problem_names)
         if cls.lists_problems and len(cls.problem_names) == 1 and {problem, *problems} != set(cls.problem_names):
             found = ", ".join(dict.fromkeys((problem, *data.get("problems", ()))))
-            raise InputError(f"{cls.content} allow one problem", expected=known, found=found)
+            raise InputError(f"{cls.content} allow one problem", "unknown-name", expected=known, found=found)
         for k, name in enumerate(problems):
             if name not in cls.problem_names:
-                raise InputError(f"problems[{k}] is no problem of {cls.content}", expected=known, found=name)
+                raise InputError(f"problems[{k}] is no problem of {cls.content}", "unknown-name", expected=known, found=name)
         if problem not in problems:
             fault = "problem must be one of problems" if cls.lists_problems else f"problem is none of {cls.content}"
-            raise InputError(fault, expected=", ".join(problems), found=problem)
+            raise InputError(fault, "unknown-name", expected=", ".join(problems), found=problem)
         return problem, problems
 
     @classmethod

@@ -33,7 +33,8 @@ def parse_json(text: str) -> Any:
     """
 
     def constant(name: str) -> Any:
-        raise InputError("JSON has no such number", line=_line_of(text, name), expected="a finite number, or null for infinity", found=name)
+        finite = "a finite number, or null for infinity"
+        raise InputError("JSON has no such number", "out-of-range", line=_line_of(text, name), expected=finite, found=name)
 
     def whole(digits: str) -> float:
         return int(digits) if len(digits) <= 300 else float(digits)
@@ -43,7 +44,7 @@ def parse_json(text: str) -> Any:
         if len(keys) != len(items):
             seen: set[str] = set()
             key = next(k for k, _ in items if k in seen or seen.add(k))  # type: ignore[func-returns-value]
-            raise InputError(f"key {shown(key)} stands twice in one object", line=_line_of(text, json.dumps(key)))
+            raise InputError(f"key {shown(key)} stands twice in one object", "duplicate", line=_line_of(text, json.dumps(key)))
         return keys
 
     try:
@@ -54,9 +55,9 @@ def parse_json(text: str) -> Any:
             f"is no JSON: {error.msg}", line=error.lineno, found=shown(found) if found else "the end of the file or line"
         ) from None
     except RecursionError:
-        raise InputError("is nested too deeply") from None
+        raise InputError("is nested too deeply", "too-large") from None
     if _deeper(data, DEEPEST):
-        raise InputError("is nested too deeply", expected=f"at most {DEEPEST} levels")
+        raise InputError("is nested too deeply", "too-large", expected=f"at most {DEEPEST} levels")
     return data
 
 
@@ -86,10 +87,10 @@ def fields(data: Any, path: str, known: Collection[str], required: Collection[st
         raise InputError(f"{path} must be an object", found=kind_of(data))
     for key in data:
         if key not in known:
-            raise InputError(f"{path} has an unknown key {shown(key)}{did_you_mean(key, known)}", expected=", ".join(known))
+            raise InputError(f"{path} has an unknown key {shown(key)}{did_you_mean(key, known)}", "unknown-name", expected=", ".join(known))
     for key in required:
         if key not in data:
-            raise InputError(f"{path} lacks the key {key!r}")
+            raise InputError(f"{path} lacks the key {key!r}", "missing")
     return data
 
 
@@ -112,7 +113,7 @@ def array(data: Any, path: str, length: int | None = None) -> Sequence[Any]:
     if not isinstance(data, list):
         raise InputError(f"{path} must be a list", found=kind_of(data))
     if length is not None and len(data) != length:
-        raise InputError(f"{path} has a wrong length", expected=str(length), found=str(len(data)))
+        raise InputError(f"{path} has a wrong length", "wrong-shape", expected=str(length), found=str(len(data)))
     return data
 
 
@@ -127,7 +128,7 @@ def real(data: Any, path: str, *, null: float | None = None) -> float:
     except OverflowError:
         value = math.inf
     if not math.isfinite(value):
-        raise InputError(f"{path} must be a finite number", found=shown(str(data)))
+        raise InputError(f"{path} must be a finite number", "out-of-range", found=shown(str(data)))
     return value
 
 
@@ -135,7 +136,9 @@ def integer(data: Any, path: str, least: int, most: int | None = None) -> int:
     """A whole number of at least ``least``, and at most ``most`` where that is given."""
     if isinstance(data, bool) or not isinstance(data, int) or not least <= data < (10**18 if most is None else most + 1):
         expected = f"{least} or more" if most is None else f"{least} to {most}"
-        raise InputError(f"{path} must be a whole number", expected=expected, found=kind_of(data))
+        raise InputError(
+            f"{path} must be a whole number", "out-of-range" if type(data) is int else "malformed", expected=expected, found=kind_of(data)
+        )
     return data
 
 
@@ -189,7 +192,7 @@ def positions(data: Mapping[str, Any], path: str, count: int, keys: Sequence[str
     there = [key for key in keys if key in data]
     if there and there != list(keys)[: max(2, len(there))]:
         expected = ", or ".join(f"{', '.join(keys[: n - 1])} and {keys[n - 1]}" for n in range(2, len(keys) + 1))
-        raise InputError(f"{path} has {' and '.join(there)} alone", expected=expected)
+        raise InputError(f"{path} has {' and '.join(there)} alone", "missing", expected=expected)
     return np.column_stack([reals(data[key], f"{path}.{key}", count) for key in there]) if there else None
 
 

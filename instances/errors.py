@@ -93,7 +93,7 @@ class InputError(WayboundError):
 class UsageError(WayboundError):
     """An option, a name or a combination of them that does not exist."""
 
-    code = "contradiction"
+    code: Code = "contradiction"
     exit_code = 2
 
 

@@ -19,12 +19,14 @@ def columns_of(what: str, frame: Any, known: Sequence[str], needed: Sequence[str
     titles = [str(column) for column in frame.columns]
     for title in titles:
         if title not in known:
-            raise InputError(f"column {title!r} of {what} is unknown", expected=", ".join(known))
+            raise InputError(f"column {title!r} of {what} is unknown", "unknown-name", expected=", ".join(known))
         if titles.count(title) > 1:
-            raise InputError(f"column {title!r} of {what} stands twice")
+            raise InputError(f"column {title!r} of {what} stands twice", "duplicate")
     for title in needed:
         if title not in titles:
-            raise InputError(f"{what} lacks the column {title!r}", expected=", ".join(known), found=", ".join(titles) or "no columns")
+            raise InputError(
+                f"{what} lacks the column {title!r}", "missing", expected=", ".join(known), found=", ".join(titles) or "no columns"
+            )
     return {title: frame.iloc[:, k] for k, title in enumerate(titles)}
 
 

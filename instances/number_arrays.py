@@ -29,21 +29,22 @@ def whole_numbers(what: str, values: ArrayLike, expected: str | None = None) -> 
     except ValueError:  # lists of different lengths
         raise InputError(f"{what} must be a list of whole numbers", expected=expected, found="lists of different lengths") from None
     if array.ndim != 1:
-        raise InputError(f"{what} must be a list of whole numbers", expected=expected, found=f"shape {array.shape}")
+        raise InputError(f"{what} must be a list of whole numbers", "wrong-shape", expected=expected, found=f"shape {array.shape}")
     if array.size == 0:
         return np.zeros(0, dtype=np.int64)
     if array.dtype.kind == "O" and all(isinstance(v, int) and not isinstance(v, bool) for v in array.tolist()):
-        raise InputError(f"{what} holds a number that is too large", expected=f"at most {LARGEST_NUMBER}")
+        raise InputError(f"{what} holds a number that is too large", "out-of-range", expected=f"at most {LARGEST_NUMBER}")
     if array.dtype.kind not in "iuf":
         raise InputError(f"{what} must be a list of whole numbers", expected=expected, found=repr(array.tolist()[0])[:40])
     if array.dtype.kind == "f" and not (np.isfinite(array).all() and (array == np.floor(array)).all()):
         wrong = ~np.isfinite(array) | (array != np.floor(array))
-        raise InputError(f"{what} must be a list of whole numbers", expected=expected, found=str(array[int(np.argmax(wrong))]))
+        raise InputError(
+            f"{what} must be a list of whole numbers", "out-of-range", expected=expected, found=str(array[int(np.argmax(wrong))])
+        )
     beyond = (array > LARGEST_NUMBER) | (array < -LARGEST_NUMBER)
     if beyond.any():
-        raise InputError(
-            f"{what} holds a number that is too large", expected=f"at most {LARGEST_NUMBER}", found=str(array[int(np.argmax(beyond))])
-        )
+        found = str(array[int(np.argmax(beyond))])
+        raise InputError(f"{what} holds a number that is too large", "out-of-range", expected=f"at most {LARGEST_NUMBER}", found=found)
     return array.astype(np.int64)
 
 
@@ -125,14 +126,16 @@ def frozen(values: NDArray[T]) -> NDArray[T]:
 def size(what: str, value: Any) -> int:
     """One number of things, from 0."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 0 <= value <= LARGEST_NUMBER:
-        raise InputError(f"{what} must be a whole number from 0 to {LARGEST_NUMBER}", found=repr(value)[:40])
+        raise InputError(f"{what} must be a whole number from 0 to {LARGEST_NUMBER}", "out-of-range", found=repr(value)[:40])
     return int(value)
 
 
 def refuse_unused(what: str, count: int, used: int, users: str) -> None:
     """Raise InputError if more than ``MOST_UNUSED`` of ``count`` things are without a user: nothing of that size is allocated."""
     if count - used > MOST_UNUSED:
-        raise InputError(f"there are {count} {what}, but only {used} {users}", expected=f"at most {MOST_UNUSED} more {what} than {users}")
+        raise InputError(
+            f"there are {count} {what}, but only {used} {users}", "too-large", expected=f"at most {MOST_UNUSED} more {what} than {users}"
+        )
 
 
 def _placed(what: str, k: int) -> str:
@@ -145,7 +148,7 @@ def refuse_outside(what: str, values: NDArray[Any], count: int, thing: str) -> N
     if values.size and not (values.min() >= 0 and values.max() < count):
         k = int(np.argmax((values < 0) | (values >= count)))
         expected = f"0 to {count - 1}" if count else f"none, for there is no {thing}"
-        raise InputError(f"{_placed(what, k)} does not exist", expected=expected, found=str(values[k]))
+        raise InputError(f"{_placed(what, k)} does not exist", "unknown-name", expected=expected, found=str(values[k]))
 
 
 def refuse_negative(what: str, values: Floats) -> None:
@@ -153,7 +156,7 @@ def refuse_negative(what: str, values: Floats) -> None:
     wrong = ~(values >= 0) | np.isinf(values)
     if wrong.any():
         k = int(np.argmax(wrong))
-        raise InputError(f"{_placed(what, k)} must be finite and not negative", found=str(values[k]))
+        raise InputError(f"{_placed(what, k)} must be finite and not negative", "out-of-range", found=str(values[k]))
 
 
 def refuse_overflow(what: str, values: NDArray[Any]) -> None:
@@ -162,9 +165,8 @@ def refuse_overflow(what: str, values: NDArray[Any]) -> None:
         with np.errstate(over="ignore"):
             total = float(values.sum(dtype=np.float64))
         if not math.isfinite(total * 1.5):  # for sums in another order, and bounds above them
-            raise InputError(
-                f"{what} add up to more than a floating-point number can hold", expected="a sum below 1e308", found=f"{total:g}"
-            )
+            raise InputError(f"{what} add up to more than a floating-point number can hold", "out-of-range",
+                             expected="a sum below 1e308", found=f"{total:g}")  # fmt: skip
 
 
 def check_csr(indptr: Indices, columns: Indices, count: int, row: str, column: str, entries: str) -> None:
@@ -202,14 +204,14 @@ def names(what: str, values: Iterable[object] | None, count: int) -> tuple[str, 
         raise InputError(f"the names of {_several(what)} must be a list", found=repr(values)[:40])
     labels = tuple(str(g) for g in values)
     if len(labels) != count:
-        raise InputError(f"there must be one name for each {what}", expected=str(count), found=str(len(labels)))
+        raise InputError(f"there must be one name for each {what}", "wrong-shape", expected=str(count), found=str(len(labels)))
     for name in labels:
         if not name or not name.isprintable() or name != name.strip():
             raise InputError(f"the name of each {what} must be printable, not empty, without blanks at its ends", found=ascii(name)[:40])
     if len(set(labels)) != count:
         seen: set[str] = set()
         twice = next(n for n in labels if n in seen or seen.add(n))  # type: ignore[func-returns-value]
-        raise InputError(f"two {_several(what)} have the name {twice!r}", expected="different names")
+        raise InputError(f"two {_several(what)} have the name {twice!r}", "duplicate", expected="different names")
     return labels
 
 
@@ -227,9 +229,13 @@ def positions(what: str, points: ArrayLike | None, count: int, known: Sequence[s
     places = reals(f"{what} positions", points)
     if places.ndim != 2 or len(places) != count or not 2 <= places.shape[1] <= dimensions:
         several = "two" if dimensions == 2 else "two or three"
-        raise InputError(f"{what} positions must be {several} numbers each", expected=f"({count}, 2)", found=str(places.shape))
+        raise InputError(
+            f"{what} positions must be {several} numbers each", "wrong-shape", expected=f"({count}, 2)", found=str(places.shape)
+        )
     wrong = ~np.isfinite(places).all(axis=1)
     if wrong.any():
         k = int(np.argmax(wrong))
-        raise InputError(f"the position of {what} {k + 1 if known is None else known[k]} must be finite", found=str(places[k]))
+        raise InputError(
+            f"the position of {what} {k + 1 if known is None else known[k]} must be finite", "out-of-range", found=str(places[k])
+        )
     return frozen(places.copy())

@@ -115,7 +115,9 @@ class Numbers(Part):
             what = instance.noun_of(key, self.what)
             whose = what.format(owner) if "{}" in what else f"{what} of {owner}"
             limits = f"from {self.low:g} to {self.high:g}" if self.low > -self.high else f"a number of at most {self.high:g}"
-            raise InputError(f"{whose} must be {limits}{', or infinite' if absent == math.inf else ''}", found=str(value[tuple(at)]))
+            raise InputError(
+                f"{whose} must be {limits}{', or infinite' if absent == math.inf else ''}", "out-of-range", found=str(value[tuple(at)])
+            )
 
     def read(self, data: Any, path: str, counts: Mapping[str, int]) -> NDArray[np.float64]:
         shape = [None if axis is None else counts.get(axis) for axis in self.axes]
@@ -146,7 +148,7 @@ class Wholes(Part):
         if self.refers:
             arrays.refuse_outside(self.what, value, instance.counts[self.refers], self.refers)
         if self.high is not None and (wrong := (value < 0) | (value > self.high)).any():
-            raise InputError(f"{key} must be from 0 to {self.high}", found=str(value[int(np.argmax(wrong))]))
+            raise InputError(f"{key} must be from 0 to {self.high}", "out-of-range", found=str(value[int(np.argmax(wrong))]))
 
     def read(self, data: Any, path: str, counts: Mapping[str, int]) -> NDArray[np.int64]:
         return document.wholes(data, path, counts.get(self.axes[0] or ""))
@@ -164,7 +166,7 @@ class Flags(Part):
     def converted(self, key: str, value: Any, counts: dict[str, int]) -> NDArray[np.bool_]:
         array, axis = np.asarray(value), self.axes[0] or ""
         if array.dtype != bool or array.shape != (counts.get(axis, len(array)),):
-            raise InputError(f"{key} must have one truth value {an(axis)}")
+            raise InputError(f"{key} must have one truth value {an(axis)}", "wrong-shape" if array.dtype == bool else "malformed")
         return arrays.frozen(array)
 
     def read(self, data: Any, path: str, counts: Mapping[str, int]) -> NDArray[np.bool_]:
@@ -186,8 +188,10 @@ class Whole(Part):
         high = counts[self.high] - 1 if isinstance(self.high, str) else self.high
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or not self.low <= value <= high:
             if isinstance(self.high, str):
-                raise InputError(f"the {key} must be {an(self.high)}", expected=f"{self.low} to {high}", found=shown(str(value)))
-            raise InputError(f"{key} must be a whole number from {self.low} to {high}", found=str(value)[:40])
+                raise InputError(
+                    f"the {key} must be {an(self.high)}", "unknown-name", expected=f"{self.low} to {high}", found=shown(str(value))
+                )
+            raise InputError(f"{key} must be a whole number from {self.low} to {high}", "out-of-range", found=str(value)[:40])
         return int(value)
 
     def read(self, data: Any, path: str, counts: Mapping[str, int]) -> int:
@@ -215,12 +219,12 @@ class Choice(Part):
 
     def converted(self, key: str, value: Any, counts: dict[str, int]) -> str:
         if value not in self.choices:
-            raise InputError(f"unknown {key} {value!r}", expected=", ".join(self.choices))
+            raise InputError(f"unknown {key} {value!r}", "unknown-name", expected=", ".join(self.choices))
         return str(value)
 
     def read(self, data: Any, path: str, counts: Mapping[str, int]) -> str:
         if document.string(data, path) not in self.choices:
-            raise InputError(f"{path} is unknown", expected=", ".join(self.choices), found=data)
+            raise InputError(f"{path} is unknown", "unknown-name", expected=", ".join(self.choices), found=data)
         return str(data)
 
 
@@ -230,7 +234,7 @@ def _matrix(key: str, value: Any) -> NDArray[np.float64]:
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{key} must be a matrix of numbers, all rows of one length") from None
     if array.ndim != 2:
-        raise InputError(f"{key} must be a matrix of numbers, all rows of one length", found=f"shape {array.shape}")
+        raise InputError(f"{key} must be a matrix of numbers, all rows of one length", "wrong-shape", found=f"shape {array.shape}")
     return array
 
 
@@ -239,7 +243,7 @@ def fit_shape(axes: tuple[str | None, ...], array: NDArray[Any], counts: dict[st
     shape = tuple(None if axis is None else counts.get(axis) for axis in axes)
     if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape, strict=True)):
         if len(shape) == 1:
-            raise InputError(f"there must be one {each} {an(axes[0] or '')}", expected=str(shape[0]), found=str(array.shape))
+            raise InputError(f"there must be one {each} {an(axes[0] or '')}", "wrong-shape", expected=str(shape[0]), found=str(array.shape))
         expected = " x ".join("any" if n is None else str(n) for n in shape)
-        raise InputError(f"{key} has another shape", expected=expected, found=str(array.shape))
+        raise InputError(f"{key} has another shape", "wrong-shape", expected=expected, found=str(array.shape))
     counts.update({axis: n for axis, n in zip(axes, array.shape, strict=True) if axis is not None})

@@ -33,7 +33,7 @@ def read_instance(
     except InputError as error:
         raise error.at(file=path) from None
     except UsageError as error:  # a name inside the file that does not exist
-        raise InputError(str(error), file=path) from None
+        raise InputError(str(error), error.code, file=path) from None
 
 
 def recognise(text: str, path: str | PathLike[str] = "input", problem: str | None = None) -> Format:
@@ -44,9 +44,11 @@ def recognise(text: str, path: str | PathLike[str] = "input", problem: str | Non
         return able[0]
     if recognising:
         choices = "; ".join(f"{entry.name} ({', '.join(entry.problems) or 'as the file says'})" for entry in recognising)
-        raise UsageError(f"{path}: the content allows more than one format; choose with --format, or --problem, from {choices}")
+        raise UsageError(
+            f"{path}: the content allows more than one format; choose with --format, or --problem, from {choices}", "ambiguous"
+        )
     if re.search(r"^\s*route\s*#?\s*\d+\s*:|^\s*TOUR_SECTION", text, re.I | re.M):
-        raise InputError("is a solution file, not an instance", file=path)
+        raise InputError("is a solution file, not an instance", "foreign", file=path)
     first = next(line for line in text.split("\n") if line.strip())
     near = ((entry.name, entry.lacks(text)) for entry in FORMATS.values() if entry.lacks is not None)
     name, lacking = next(((name, lacking) for name, lacking in near if lacking), ("", ", ".join(FORMATS.names())))

@@ -104,7 +104,9 @@ class Registry(Generic[T]):
     def __getitem__(self, name: str) -> T:
         self._discover()
         if name not in self._entries:
-            raise UsageError(f"unknown {self.what} {name!r}; choose from {', '.join(self.names())}{did_you_mean(name, self._entries)}")
+            raise UsageError(
+                f"unknown {self.what} {name!r}; choose from {', '.join(self.names())}{did_you_mean(name, self._entries)}", "unknown-name"
+            )
         return self._entries[name]
 
     def __contains__(self, name: object) -> bool:

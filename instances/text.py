@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InputError
+from .errors import Code, InputError
 from .printable import printable
 
 Floats = NDArray[np.float64]
@@ -34,21 +34,21 @@ def read_bytes(path: str | PathLike[str]) -> bytes:
     file = Path(path)
     try:
         if file.is_dir():
-            raise InputError("is a directory", file=path, expected="a file")
+            raise InputError("is a directory", "file", file=path, expected="a file")
         if not file.exists():
-            raise InputError("no such file", file=path)
+            raise InputError("no such file", "file", file=path)
         if not (file.is_file() or file.is_fifo()):
-            raise InputError("is a device", file=path, expected="a file")
+            raise InputError("is a device", "file", file=path, expected="a file")
         with file.open("rb") as stream:
             data = bytearray()
             while len(data) <= LARGEST_FILE and (block := stream.read(1 << 16)):  # one large read() would allocate its limit
                 data += block
     except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror or error}", file=path) from error
+        raise InputError(f"cannot be read: {error.strerror or error}", "file", file=path) from error
     except ValueError as error:  # a NUL in the path
-        raise InputError(f"cannot be read: {error}", file=repr(str(path))) from error
+        raise InputError(f"cannot be read: {error}", "file", file=repr(str(path))) from error
     if len(data) > LARGEST_FILE:
-        raise InputError("is too large", file=path, expected=f"at most {LARGEST_FILE} bytes")
+        raise InputError("is too large", "too-large", file=path, expected=f"at most {LARGEST_FILE} bytes")
     return bytes(data)
 
 
@@ -65,7 +65,7 @@ def decode(data: bytes, path: str | PathLike[str] | None = None) -> str:
             found=f"byte 0x{data[error.start]:02x} at offset {error.start}",
         ) from None  # fmt: skip
     if not text.strip():
-        raise InputError("is empty", file=path, expected="text")
+        raise InputError("is empty", "missing", file=path, expected="text")
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
@@ -124,18 +124,24 @@ def whole(token: str, line: int, what: str, *, least: int) -> int:
     token = token.strip()
     text = token[:-2] if token.endswith(".0") else token
     if not _WHOLE.match(text) or int(text) < least:
-        raise InputError(f"{what} must be a whole number", line=line, expected=f"{least} or more", found=shown(token))
+        code: Code = "out-of-range" if _WHOLE.match(text) else "malformed"
+        raise InputError(f"{what} must be a whole number", code, line=line, expected=f"{least} or more", found=shown(token))
     return int(text)
 
 
 def refuse(
-    bad: NDArray[np.bool_] | np.bool_, lines: Sequence[int] | NDArray[np.int64], message: str, found: Iterable[object], expected: str
+    bad: NDArray[np.bool_] | np.bool_,
+    lines: Sequence[int] | NDArray[np.int64],
+    message: str,
+    found: Iterable[object],
+    expected: str,
+    code: Code = "out-of-range",
 ) -> None:
     """Raise InputError for the first row that is ``bad``, with its line and what it holds."""
     if np.any(bad):
         k = int(np.argmax(bad))
         values = list(found)
-        raise InputError(message, line=int(lines[k]), expected=expected, found=str(values[k]))
+        raise InputError(message, code, line=int(lines[k]), expected=expected, found=str(values[k]))
 
 
 def plain(value: float) -> str:

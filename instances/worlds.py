@@ -79,7 +79,7 @@ def setting_values(who: str, settings: Mapping[str, Setting], values: Mapping[st
     named = {key.replace("_", "-"): value for key, value in values.items()}
     for key in named:
         if key not in settings:
-            raise UsageError(f"{who} has no setting {key!r}; it takes {', '.join(settings)}{did_you_mean(key, settings)}")
+            raise UsageError(f"{who} has no setting {key!r}; it takes {', '.join(settings)}{did_you_mean(key, settings)}", "unknown-name")
     return {key: setting.value(key, named[key]) if key in named else setting.default for key, setting in settings.items()}
 
 
@@ -87,7 +87,7 @@ def make_world(kind: str, seed: int, **settings: Any) -> World:
     """A world of ``WORLDS`` at its start; the same seed and settings give the same world. Values may be text, as on the command line."""
     recipe = WORLDS[kind]
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-        raise UsageError(f"the seed must be a whole number of at least 0, not {seed!r}")
+        raise UsageError(f"the seed must be a whole number of at least 0, not {seed!r}", "out-of-range")
     return recipe.make(np.random.Generator(np.random.PCG64(int(seed))), setting_values(kind, recipe.settings, settings))
 
 

@@ -20,7 +20,7 @@ def write_instance(instance: Instance, path: str | PathLike[str], format: str | 
     """
     chosen = FORMATS[format] if format is not None else format_of_suffix(path, instance.kind)
     if chosen.write is None:
-        raise UsageError(f"{chosen.name} files are read only; write one of {', '.join(_writable())}")
+        raise UsageError(f"{chosen.name} files are read only; write one of {', '.join(_writable())}", "unsupported")
     atomic_write(path, chosen.write(instance))
 
 
@@ -33,7 +33,9 @@ def format_of_suffix(path: str | PathLike[str], kind: str = "routing") -> Format
             return entry
     known = ", ".join(sorted({s for entry in able for s in entry.suffixes}))
     names = ", ".join(entry.name for entry in able)
-    raise UsageError(f"{path}: the suffix stands for no format of {an(kind)} instance; use one of {known}, or name a format of {names}")
+    raise UsageError(
+        f"{path}: the suffix stands for no format of {an(kind)} instance; use one of {known}, or name a format of {names}", "unknown-name"
+    )
 
 
 def _writable() -> list[str]:

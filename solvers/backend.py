@@ -280,7 +280,7 @@ class Backend(ABC):
 
     def __init__(self, variant: str = "") -> None:
         if variant and not self.variants:
-            raise UsageError(f"solver {self.name} has no variants, so {self.name}:{variant} does not exist")
+            raise UsageError(f"solver {self.name} has no variants, so {self.name}:{variant} does not exist", "unknown-name")
         self.variant = variant
 
     @property
@@ -366,7 +366,7 @@ def solver_named(name: str) -> Backend:
     base, colon, variant = name.partition(":")
     kind = BACKENDS[base]
     if colon and not variant:
-        raise UsageError(f"{name!r} names no solver within {base}; write {base} or {base}:NAME")
+        raise UsageError(f"{name!r} names no solver within {base}; write {base} or {base}:NAME", "unknown-name")
     if not kind.installed():
         raise MissingPackageError(f"solver {base} needs the package {kind.package}: pip install {kind.package}")
     return kind(variant) if variant else kind()

@@ -118,7 +118,7 @@ def _payload(work: Any, options: Options) -> bytes:
     try:
         return pickle.dumps((work, options))
     except (pickle.PicklingError, TypeError, AttributeError) as fault:
-        raise UsageError(f"this problem cannot be sent to a process of its own: {fault}") from None
+        raise UsageError(f"this problem cannot be sent to a process of its own: {fault}", "unsupported") from None
 
 
 class _Child:
@@ -177,10 +177,10 @@ class _Child:
             assert isinstance(result, RawResult)
             return result
         elif message.kind == "refused":
-            name, text = message.value
+            name, text, code = message.value
             kind = getattr(errors, name, WayboundError)
             fault = kind.__new__(kind)
-            fault.args = (text,)
+            fault.args, fault.code = (text,), code
             raise fault
         elif message.kind == "memory":
             return self._from_incumbents(f"the memory limit of {self.options.memory_limit:g} MB was reached", "memory")
@@ -295,7 +295,7 @@ def serve(descriptor: int) -> None:
             result = replace(result, statistics={**result.statistics, "memory_limit": "not enforced on this system"})
         relay.send("done", result)
     except WayboundError as fault:
-        relay.send("refused", (type(fault).__name__, str(fault)))
+        relay.send("refused", (type(fault).__name__, str(fault), fault.code))
     except MemoryError:
         relay.send("memory")
     except Exception as fault:

@@ -43,12 +43,12 @@ def own_options(
         if common and name in common:
             raise UsageError(f"{label}: set {common[name]} by its own option, not by {name}")
         if name not in known:
-            raise UsageError(f"{label} has no {word} {name!r}{_hint(name, known)}")
+            raise UsageError(f"{label} has no {word} {name!r}{_hint(name, known)}", "unknown-name")
         kind = type(known[name])
         try:
             made[name] = value if known[name] is None else _converted(value, kind)
         except (KeyError, TypeError, ValueError, OverflowError):
-            raise UsageError(f"{label}: {word} {name} takes {an(WORDS.get(kind, kind.__name__))}, not {value!r}") from None
+            raise UsageError(f"{label}: {word} {name} takes {an(WORDS.get(kind, kind.__name__))}, not {value!r}", "malformed") from None
     return made
 
 

@@ -66,7 +66,7 @@ def check_branching_tree(problem: Any, data: Mapping[str, Any]) -> float:
     path: list[tuple[Any, bool]] = []
     for node in nodes:
         if not waiting:
-            raise InputError("the branching tree has more nodes than its branchings lead to", found=f"{len(nodes)} nodes")
+            raise InputError("the branching tree has more nodes than its branchings lead to", "wrong-shape", found=f"{len(nodes)} nodes")
         depth, statement, holds, bound = waiting.pop()
         del path[max(0, depth - 1) :]
         if depth:
@@ -79,12 +79,12 @@ def check_branching_tree(problem: Any, data: Mapping[str, Any]) -> float:
             found = worst(found, bound)
             continue
         if depth == DEEPEST:
-            raise InputError("the branching tree is too deep", expected=f"at most {DEEPEST} branchings on a way")
+            raise InputError("the branching tree is too deep", "too-large", expected=f"at most {DEEPEST} branchings on a way")
         problem.check_statement(node["branch"])
         waiting.append((depth + 1, node["branch"], False, bound))
         waiting.append((depth + 1, node["branch"], True, bound))
     if waiting:
-        raise InputError("the branching tree lacks nodes", expected=f"{len(waiting)} subtrees more")
+        raise InputError("the branching tree lacks nodes", "missing", expected=f"{len(waiting)} subtrees more")
     return found
 
 

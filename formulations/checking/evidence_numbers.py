@@ -30,9 +30,9 @@ def numbers(data: Mapping[str, Any], key: str, length: int) -> Floats:
     if isinstance(values, Mapping):
         return _sparse(values, key, length)
     if not isinstance(values, list | tuple):
-        raise InputError(f"evidence lacks the list {key!r}", expected=f"{length} numbers", found=type(values).__name__)
+        raise InputError(f"evidence lacks the list {key!r}", "missing", expected=f"{length} numbers", found=type(values).__name__)
     if len(values) != length:
-        raise InputError(f"evidence list {key!r} has the wrong length", expected=str(length), found=str(len(values)))
+        raise InputError(f"evidence list {key!r} has the wrong length", "wrong-shape", expected=str(length), found=str(len(values)))
     return _array(values, key)
 
 
@@ -41,7 +41,7 @@ def _sparse(given: Mapping[str, Any], key: str, length: int) -> Floats:
     if given.keys() != {"at", "values"} or not isinstance(at, list) or not isinstance(values, list) or len(at) != len(values):
         raise InputError(f"evidence {key!r} is malformed", expected="lists at and values of one length")
     if not all(type(k) is int and 0 <= k < length for k in at) or len(set(at)) != len(at):
-        raise InputError(f"evidence {key!r} names a position that does not exist, or twice", expected=f"0 to {length - 1}")
+        raise InputError(f"evidence {key!r} names a position that does not exist, or twice", "unknown-name", expected=f"0 to {length - 1}")
     made = np.zeros(length)
     made[at] = _array(values, key)
     return made
@@ -63,5 +63,5 @@ def _finite(value: object, key: str) -> float:
     except OverflowError:
         made = math.inf
     if not math.isfinite(made):
-        raise InputError(f"evidence {key!r} must hold finite numbers", found=str(made))
+        raise InputError(f"evidence {key!r} must hold finite numbers", "out-of-range", found=str(made))
     return made

@@ -75,7 +75,7 @@ class Compiled:
         try:
             (step,) = CONTINUOUS_RELAXATION.apply(self.program)
         except Irreducible as fault:
-            raise UsageError(str(fault)) from None
+            raise UsageError(str(fault), "unsupported") from None
         exactness, links = self.exactness.then(step.exactness), (*self.links, step.link)
         return replace(self, program=step.program, exactness=exactness, links=links)
 

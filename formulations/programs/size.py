@@ -46,6 +46,8 @@ class ProgramSize:
 class TooLargeError(UsageError):
     """A program that the memory at hand does not hold."""
 
+    code = "too-large"
+
 
 def _count(number: float) -> str:
     """A number to two digits, as more are not known: ``2,100,000``."""

@@ -67,7 +67,7 @@ def _value(token: str, line: int, name: str) -> float:
 
 def _put(file: SolverFile, name: str, token: str, line: int) -> None:
     if name in file.values:
-        raise InputError(f"variable {shown(name)} stands twice", line=line)
+        raise InputError(f"variable {shown(name)} stands twice", "duplicate", line=line)
     file.values[name] = _value(token, line, name)
 
 
@@ -88,11 +88,11 @@ def _highs(text: str) -> SolverFile:
         elif words[0] == "Objective" and len(words) == 2:
             file.stated = _value(words[1], line, "Objective")
         elif row in ("None", "Infeasible"):
-            raise InputError("holds no solution", line=line, found=shown(row))
+            raise InputError("holds no solution", "missing", line=line, found=shown(row))
     if not inside:
-        raise InputError("holds no solution", expected="# Columns")
+        raise InputError("holds no solution", "missing", expected="# Columns")
     if len(file.values) != abs(count):
-        raise InputError("is cut off", expected=f"{abs(count)} variables", found=str(len(file.values)))
+        raise InputError("is cut off", "missing", expected=f"{abs(count)} variables", found=str(len(file.values)))
     file.columns = count if count > 0 else None
     return file
 
@@ -103,19 +103,19 @@ def _highs_old(text: str) -> SolverFile:
     n = int(rows[0][1].split()[0])
     at = next((k for k, (_, row) in enumerate(rows) if row == "Columns"), None)
     if at is None or (rows[1][1].split() or [""])[0] != "T":
-        raise InputError("holds no solution", line=rows[min(1, len(rows) - 1)][0])
+        raise InputError("holds no solution", "missing", line=rows[min(1, len(rows) - 1)][0])
     file = SolverFile("HiGHS", columns=n, numbered=True)
     for k, (line, row) in enumerate(rows[at + 1 : at + 1 + n]):
         _put(file, f"x{k}", row, line)
     if len(file.values) != n:
-        raise InputError("is cut off", expected=f"{n} variables", found=str(len(file.values)))
+        raise InputError("is cut off", "missing", expected=f"{n} variables", found=str(len(file.values)))
     return file
 
 
 def _highs_table(text: str) -> SolverFile:
     file, place = SolverFile("HiGHS"), None
     if (status := re.search(r"^Model status:.*$", text, re.MULTILINE)) and _NONE.search(status[0]):
-        raise InputError("holds no solution", line=text.count("\n", 0, status.start()) + 1, found=shown(status[0]))
+        raise InputError("holds no solution", "missing", line=text.count("\n", 0, status.start()) + 1, found=shown(status[0]))
     for line, row in lines_of(text):
         words = row.split()
         if row == "Rows":
@@ -142,7 +142,7 @@ def _scip(text: str) -> SolverFile:
             file.stated = _value(words[-1], line, "objective")
         elif row.lower().startswith(("solution status:", "no solution")):
             if _NONE.search(row):
-                raise InputError("holds no solution", line=line, found=shown(row))
+                raise InputError("holds no solution", "missing", line=line, found=shown(row))
         elif len(words) in (2, 3) and (len(words) == 2 or words[2].startswith("(obj:")):
             _put(file, words[0], words[1], line)
         else:
@@ -156,7 +156,7 @@ def _cbc(text: str) -> SolverFile:
         words = row.split()
         if "objective value" in row and file.stated is None and not file.values:
             if _NONE.search(row):
-                raise InputError("holds no solution", line=line, found=shown(row))
+                raise InputError("holds no solution", "missing", line=line, found=shown(row))
             file.stated = _value(words[-1], line, "objective")
             continue
         words = words[1:] if words[0] == "**" else words  # a value beyond its bounds: the judge sees it
@@ -181,7 +181,7 @@ def _glpk(text: str) -> SolverFile:
                     "line is not understood", line=line, expected="s, kind, rows, columns, status, objective", found=shown(row)
                 )
             if not set(words[4:-1]) <= {"o", "f"}:
-                raise InputError("holds no solution", line=line, found=shown(row))
+                raise InputError("holds no solution", "missing", line=line, found=shown(row))
             place, file.columns, file.stated = places[words[1]], int(words[3]), _value(words[-1], line, "objective")
         elif words[0] == "j" and len(words) > place and words[1].isdigit():
             _put(file, f"x{int(words[1]) - 1}", words[place], line)
@@ -190,7 +190,7 @@ def _glpk(text: str) -> SolverFile:
         elif words[0] not in ("c", "i"):
             raise InputError("line is not understood", line=line, expected="c, s, i, j or e", found=shown(row))
     if not ended:
-        raise InputError("is cut off", expected="e o f")
+        raise InputError("is cut off", "missing", expected="e o f")
     return file
 
 
@@ -200,7 +200,7 @@ def _glpk_printed(text: str) -> SolverFile:
     for line, row in lines_of(text):
         words = row.split()
         if words[0] == "Status:" and _NONE.search(row):
-            raise InputError("holds no solution", line=line, found=shown(row))
+            raise InputError("holds no solution", "missing", line=line, found=shown(row))
         if words[0] == "Objective:" and "=" in words:
             file.stated = _value(words[words.index("=") + 1], line, "objective")
         elif words[0] == "Columns:" and words[1].isdigit():
@@ -217,7 +217,7 @@ def _glpk_printed(text: str) -> SolverFile:
                 _put(file, name, words[0], line)
                 name = ""
     if file.columns is None or len(file.values) != file.columns:
-        raise InputError("is cut off", expected=f"{file.columns} variables", found=str(len(file.values)))
+        raise InputError("is cut off", "missing", expected=f"{file.columns} variables", found=str(len(file.values)))
     return file
 
 
@@ -256,7 +256,7 @@ def of_mathopt(result: object) -> SolverFile:
     """The first solution in a ``SolveResultProto``."""
     held = [s.primal_solution for s in result.solutions if s.HasField("primal_solution")]  # type: ignore[attr-defined]
     if not held:
-        raise InputError("the result of MathOpt holds no solution")
+        raise InputError("the result of MathOpt holds no solution", "missing")
     values = held[0].variable_values
     numbers = zip(values.ids, values.values, strict=True)
     return SolverFile("MathOpt", {f"x{k}": float(v) for k, v in numbers}, float(held[0].objective_value), numbered=True)
@@ -294,14 +294,15 @@ def vector_of(program: Program, read: SolverFile) -> Floats:
     """
     n = program.num_variables
     if read.columns is not None and read.columns != n:
-        raise InputError("has another number of variables", expected=str(n), found=str(read.columns))
+        raise InputError("has another number of variables", "wrong-shape", expected=str(n), found=str(read.columns))
     x = np.zeros(n)
     for column, value in _named(program, read).items():
         x[column] = value
     if read.stated is not None and not _agrees(program, x, read.stated):
         here = f"{program.value(x):.10g}"
         raise InputError(
-            f"has the objective {here} by its values", expected="the objective that it states", found=f"{read.stated:.10g}",
+            f"has the objective {here} by its values", "contradiction",
+            expected="the objective that it states", found=f"{read.stated:.10g}",
         )  # fmt: skip
     return x
 
@@ -323,11 +324,11 @@ def _named(program: Program, read: SolverFile) -> Mapping[int, float]:
     places = {name: int(position[1]) for name in values if (position := _POSITION.match(name))}
     if len(places) == len(values) and all(k < n for k in places.values()):
         if len(set(places.values())) < len(places):
-            raise InputError("names two variables of one number", found=", ".join(list(values)[:3]))
+            raise InputError("names two variables of one number", "duplicate", found=", ".join(list(values)[:3]))
         return {places[name]: value for name, value in values.items()}
     strange = next(name for name in values if name not in columns)
     hint = did_you_mean(strange, list(columns)[:2000])
-    raise InputError(f"names a variable that does not exist{hint}", expected=", ".join(list(columns)[:3]) + ", ...",
+    raise InputError(f"names a variable that does not exist{hint}", "unknown-name", expected=", ".join(list(columns)[:3]) + ", ...",
                      found=shown(strange))  # fmt: skip
 
 

@@ -53,7 +53,7 @@ def solved_model(model: Any) -> SolverFile | None:
         return of_mathopt(model.to_proto())
     if module == "pyscipopt" and hasattr(model, "getBestSol"):
         if not model.getStage():  # freed, or never filled: SCIP ends the process where it is asked for more
-            raise InputError("the model holds no solution; was it solved?", found="a model of SCIP without a problem")
+            raise InputError("the model holds no solution; was it solved?", "missing", found="a model of SCIP without a problem")
         best = model.getBestSol() if model.getNSols() else None
         values = {v.name: None if best is None else model.getSolVal(best, v) for v in model.getVars()}
         columns = sum(name.casefold() not in MADE_UP for name in values)
@@ -77,7 +77,7 @@ def vector_in_file(program: Program, path: str | PathLike[str]) -> Floats:
 def _valued(values: Mapping[str, Any]) -> dict[str, float]:
     unknown = next((name for name, value in values.items() if value is None), None)
     if unknown is not None:
-        raise InputError("the model holds no solution; was it solved?", found=f"variable {unknown} without a value")
+        raise InputError("the model holds no solution; was it solved?", "missing", found=f"variable {unknown} without a value")
     numbers: dict[str, float] = {}
     for name, value in values.items():
         try:
@@ -85,7 +85,7 @@ def _valued(values: Mapping[str, Any]) -> dict[str, float]:
         except (TypeError, ValueError):
             raise InputError(f"the value of variable {name} must be a number", found=shown(str(value))) from None
         if not math.isfinite(numbers[name]):
-            raise InputError(f"the value of variable {name} is not finite", found=str(value))
+            raise InputError(f"the value of variable {name} is not finite", "out-of-range", found=str(value))
     return numbers
 
 
@@ -93,9 +93,13 @@ def _vector(program: Program, values: Any) -> Floats:
     try:
         x = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
-        raise UsageError(f"a solution is a file, values by name, a vector or a solved model, not {type(values).__name__}") from None
+        raise UsageError(
+            f"a solution is a file, values by name, a vector or a solved model, not {type(values).__name__}", "malformed"
+        ) from None
     if x.shape != (program.num_variables,):
-        raise InputError("the vector has another size than the model", expected=f"({program.num_variables},)", found=str(x.shape))
+        raise InputError(
+            "the vector has another size than the model", "wrong-shape", expected=f"({program.num_variables},)", found=str(x.shape)
+        )
     if not np.isfinite(x).all():
-        raise InputError("the vector holds a value that is not finite")
+        raise InputError("the vector holds a value that is not finite", "out-of-range")
     return x

@@ -23,7 +23,7 @@ def refuse_numbers(program: Program) -> None:
     coefficients of one product, for each solver reads but one of them; circuits over nodes, arcs or columns that are none.
     """
     if program.indices.size and (program.indices.min() < 0 or program.indices.max() >= program.num_variables):
-        raise InputError("a row names a column that does not exist", expected=f"0 to {program.num_variables - 1}")
+        raise InputError("a row names a column that does not exist", "unknown-name", expected=f"0 to {program.num_variables - 1}")
     _refuse_infinite(program.cost, "cost of variable", program.variable_name)
     _refuse_infinite(program.data, "coefficient of", lambda k: _entry_name(program, k))
     for values, wrong, what, name in (
@@ -33,17 +33,17 @@ def refuse_numbers(program: Program) -> None:
         (program.row_upper, -np.inf, "right side of row", program.row_name),
     ):
         if np.isnan(values).any():
-            raise InputError(f"{what} {name(int(np.argmax(np.isnan(values))))} is not a number")
+            raise InputError(f"{what} {name(int(np.argmax(np.isnan(values))))} is not a number", "out-of-range")
         if (values == wrong).any():
-            raise InputError(f"{what} {name(int(np.argmax(values == wrong)))} leaves no number", found=str(wrong))
+            raise InputError(f"{what} {name(int(np.argmax(values == wrong)))} leaves no number", "out-of-range", found=str(wrong))
     if not np.isfinite(program.offset):
-        raise InputError("the constant of the objective is not a finite number", found=str(program.offset))
+        raise InputError("the constant of the objective is not a finite number", "out-of-range", found=str(program.offset))
     if program.quadratic is not None:
         _refuse_infinite(np.asarray(program.quadratic.data, dtype=np.float64), "quadratic coefficient number", str)
         skew = abs(program.quadratic - program.quadratic.T)
         if skew.nnz and skew.max() > SYMMETRIC * abs(program.quadratic).max():
-            i, j = sorted(np.unravel_index(int(skew.argmax()), skew.shape))
-            raise InputError(f"the quadratic part is not symmetric: {program.variable_name(int(i))} times {program.variable_name(int(j))}")
+            one, other = (program.variable_name(int(k)) for k in sorted(np.unravel_index(int(skew.argmax()), skew.shape)))
+            raise InputError(f"the quadratic part is not symmetric: {one} times {other}", "contradiction")
     for block in program.cones:
         _refuse_infinite(np.concatenate([block.data, block.offset]), f"entry of cones {block.name}, number", str)
     for graph in program.circuits:
@@ -58,7 +58,7 @@ def _refuse_infinite(values: Floats, what: str, name: Callable[[int], str]) -> N
         doubtful = not np.isfinite(values.sum())
     if doubtful and not np.isfinite(values).all():
         k = int(np.argmax(~np.isfinite(values)))
-        raise InputError(f"{what} {name(k)} is not a finite number", found=str(values[k]))
+        raise InputError(f"{what} {name(k)} is not a finite number", "out-of-range", found=str(values[k]))
 
 
 def _entry_name(program: Program, k: int) -> str:

@@ -41,7 +41,7 @@ class Table:
         for title in titles:
             if title not in self.titles:
                 found = ", ".join(self.titles)
-                raise InputError(f"column {title} is missing", line=line, expected=", ".join(expected), found=found)
+                raise InputError(f"column {title} is missing", "missing", line=line, expected=", ".join(expected), found=found)
         return [self.column(title) or [] for title in titles]
 
     def numbers(self, title: str, rows: Iterable[int] | None = None) -> Floats:
@@ -80,20 +80,20 @@ def settings_of(
             for key, values in (choices or {}).items():
                 at, value = settings.get(key, (0, ""))
                 if key in settings and value not in values:
-                    raise InputError(f"{key} {shown(value)} is unknown", line=at, expected=", ".join(values))
+                    raise InputError(f"{key} {shown(value)} is unknown", "unknown-name", line=at, expected=", ".join(values))
             return settings, k
         key, colon, value = line.strip().lstrip("#").partition(":")
         key = key.strip().lower().replace("_", "-")
         if not colon:
             continue  # a remark
         if key not in known:
-            raise InputError(f"setting {shown(key)} is unknown", line=k + 1, expected=", ".join(known))
+            raise InputError(f"setting {shown(key)} is unknown", "unknown-name", line=k + 1, expected=", ".join(known))
         if key in settings:
-            raise InputError(f"setting {key} stands twice, first in line {settings[key][0]}", line=k + 1)
+            raise InputError(f"setting {key} stands twice, first in line {settings[key][0]}", "duplicate", line=k + 1)
         if not value.strip():
-            raise InputError(f"setting {key} has no value", line=k + 1)
+            raise InputError(f"setting {key} has no value", "missing", line=k + 1)
         settings[key] = k + 1, value.strip()
-    raise InputError("holds no table", expected=f"a line of titles out of {', '.join(columns)}", found="the end of the file")
+    raise InputError("holds no table", "missing", expected=f"a line of titles out of {', '.join(columns)}", found="the end of the file")
 
 
 def name_of(settings: Settings, path: Path) -> str:
@@ -124,12 +124,16 @@ def table_of(text: str, start: int, columns: Collection[str] | Callable[[str], s
         if not table.titles:
             table.titles.extend(_titles(cells, line, columns))
         elif len(cells) != len(table.titles):
-            raise InputError("row has a wrong length", line=line, expected=f"{len(table.titles)} values", found=f"{len(cells)} values")
+            raise InputError(
+                "row has a wrong length", "wrong-shape", line=line, expected=f"{len(table.titles)} values", found=f"{len(cells)} values"
+            )
         else:
             table.rows.append(cells)
             table.at.append(line)
     if not table.rows:
-        raise InputError(f"holds no {what}", line=start + 1, expected="at least one row below the titles", found="the end of the file")
+        raise InputError(
+            f"holds no {what}", "missing", line=start + 1, expected="at least one row below the titles", found="the end of the file"
+        )
     return table
 
 
@@ -137,11 +141,11 @@ def _titles(cells: list[str], line: int, columns: Collection[str] | Callable[[st
     titles = [columns(cell) if callable(columns) else cell.lower() for cell in cells]
     for k, title in enumerate(titles):
         if not title:
-            raise InputError(f"column {k + 1} has no title", line=line)
+            raise InputError(f"column {k + 1} has no title", "missing", line=line)
         if not callable(columns) and title not in columns:
-            raise InputError(f"column {shown(title)} is unknown", line=line, expected=", ".join(columns))
+            raise InputError(f"column {shown(title)} is unknown", "unknown-name", line=line, expected=", ".join(columns))
         if title in titles[:k]:
-            raise InputError(f"column {title} stands twice", line=line)
+            raise InputError(f"column {title} stands twice", "duplicate", line=line)
     return titles
 
 

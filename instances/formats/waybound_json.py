@@ -30,15 +30,15 @@ def read(text: str, path: Path) -> Instance:
         raise InputError("must hold one object", found=kind_of(data))
     if "waybound" not in data:
         if "answer" in data or "routes" in data:
-            raise InputError("is a solution file, not an instance")
+            raise InputError("is a solution file, not an instance", "foreign")
         raise InputError("is JSON, but no waybound instance", expected='the key "waybound" with the version of the schema')
     version = integer(data["waybound"], "waybound", 1)
     if version != VERSION:
-        raise InputError("schema version is not supported", expected=str(VERSION), found=str(version))
+        raise InputError("schema version is not supported", "unsupported", expected=str(VERSION), found=str(version))
     fields(data, "the document", tuple(data), ("kind",))
     kind = string(data["kind"], "kind")
     if kind not in KINDS:
-        raise InputError("kind is unknown", expected=", ".join(KINDS.names()), found=kind)
+        raise InputError("kind is unknown", "unknown-name", expected=", ".join(KINDS.names()), found=kind)
     instance = _decoded(kind, {key: value for key, value in data.items() if key not in ("waybound", "kind", "settings")})
     return with_settings(instance, _settings(data["settings"])) if "settings" in data else instance
 
@@ -66,7 +66,7 @@ def _settings(data: Any) -> dict[str, Any]:
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
     if instance.kind not in KINDS:
-        raise UsageError(f"{instance.name} is of kind {instance.kind}, which has no JSON form")
+        raise UsageError(f"{instance.name} is of kind {instance.kind}, which has no JSON form", "unsupported")
     settings = settings_of(instance)
     more = {"settings": settings} if settings else {}
     return dump_json({"waybound": VERSION, "kind": instance.kind, **KINDS[instance.kind].encode(instance), **more})

@@ -45,7 +45,7 @@ class Generator:
         strange = next((key for key in named if key not in self.settings), None)
         if strange is not None:
             known = f"{', '.join(self.settings)}{did_you_mean(strange, self.settings)}"
-            raise UsageError(f"{self.name} has no setting {strange!r}; it takes {known}")
+            raise UsageError(f"{self.name} has no setting {strange!r}; it takes {known}", "unknown-name")
         return {key: setting.value(key, named[key]) if key in named else setting.default for key, setting in self.settings.items()}
 
 

@@ -41,25 +41,25 @@ class Setting:
         if given is None or (self.default is None and text.lower() in ("none", "unlimited")):
             if self.default is None:
                 return None
-            raise UsageError(f"{name} must have a value")
+            raise UsageError(f"{name} must have a value", "missing")
         if kind is bool:
             flags = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
             if text.lower() not in flags:
-                raise UsageError(f"{name} must be true or false, not {given!r}")
+                raise UsageError(f"{name} must be true or false, not {given!r}", "malformed")
             return flags[text.lower()]
         if kind is str:
             if self.choices:
                 for choice in self.choices:
                     if text.lower() == choice.lower():
                         return choice
-                raise UsageError(f"{name} must be one of {', '.join(self.choices)}, not {given!r}")
+                raise UsageError(f"{name} must be one of {', '.join(self.choices)}, not {given!r}", "unknown-name")
             if not text or not text.isprintable() or len(text) > 100:
-                raise UsageError(f"{name} must be printable, of 1 to 100 characters, not {given!r}")
+                raise UsageError(f"{name} must be printable, of 1 to 100 characters, not {given!r}", "malformed")
             return text
         try:
             number: float = int(text) if kind is int else float(text)
         except ValueError:
-            raise UsageError(f"{name} must be a {'whole ' if kind is int else ''}number, not {given!r}") from None
+            raise UsageError(f"{name} must be a {'whole ' if kind is int else ''}number, not {given!r}", "malformed") from None
         if not self.least <= number <= self.most or not math.isfinite(number):
-            raise UsageError(f"{name} must lie between {self.least:g} and {self.most:g}, not {given!r}")
+            raise UsageError(f"{name} must lie between {self.least:g} and {self.most:g}, not {given!r}", "out-of-range")
         return number

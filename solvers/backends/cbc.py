@@ -305,7 +305,9 @@ def _check_extra(cbc: str, extra: dict[str, Any]) -> None:
         fault = re.search(r"Possible options for \S+ are:([^;>]*)|is illegal for|out of range|valid range", said)
         if fault:
             choices = f"; choose from {fault[1].strip()}" if fault[1] else ""
-            raise UsageError(f"pulp: {value!r} is no value for CBC's parameter {name}{choices}")
+            raise UsageError(
+                f"pulp: {value!r} is no value for CBC's parameter {name}{choices}", "unknown-name" if fault[1] else "out-of-range"
+            )
 
 
 def _say(cbc: str, *words: str) -> str:

@@ -100,11 +100,11 @@ def _configure(parameters: Any, options: Options) -> None:
     known = {n: getattr(parameters, n) for n in dir(parameters) if not n.startswith(("_", "clear_", "has_", "Has", "Clear"))}
     for name, value in own_options("cpsat", options.extra, known, COMMON_PARAMETERS, "parameter").items():
         if name in UNSOUND:
-            raise UsageError(f"cpsat: with {name} set otherwise, what CP-SAT calls optimal need not be")
+            raise UsageError(f"cpsat: with {name} set otherwise, what CP-SAT calls optimal need not be", "unsupported")
         try:
             setattr(parameters, name, value)
         except (TypeError, ValueError):
-            raise UsageError(f"cpsat: {value!r} is no value for parameter {name}") from None
+            raise UsageError(f"cpsat: {value!r} is no value for parameter {name}", "out-of-range") from None
 
 
 def _fill(proto: Any, counted: IntegerProgram) -> None:

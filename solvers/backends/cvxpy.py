@@ -59,7 +59,7 @@ class CVXPY(ProgramBackend):
         self.solver = variant.upper()
         self.engine = {"CLARABEL": "Clarabel", "SCS": "SCS", "ECOS": "ECOS"}.get(self.solver, "HiGHS")  # or where there are integers
         if self.solver and self.solver not in PROGRAMS:
-            raise UsageError(f"waybound uses {', '.join(PROGRAMS)} through CVXPY, not {variant!r}")
+            raise UsageError(f"waybound uses {', '.join(PROGRAMS)} through CVXPY, not {variant!r}", "unknown-name")
         if self.solver:
             self.programs, self.library = PROGRAMS[self.solver], LIBRARIES[self.solver]
 

@@ -149,7 +149,7 @@ def named_options(label: str, own: Mapping[str, Any]) -> dict[str, Any]:
     model.setOptionValue("output_flag", False)
     for name, value in typed.items():
         if model.setOptionValue(name, value) != highspy.HighsStatus.kOk:
-            raise UsageError(f"{label}: {value!r} is no value for option {name}")
+            raise UsageError(f"{label}: {value!r} is no value for option {name}", "out-of-range")
     return typed
 
 

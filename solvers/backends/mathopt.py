@@ -18,7 +18,7 @@ from ...formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Floats
 from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
 from ...formulations.programs.reductions.reduction import Irreducible, Reduction, Step
 from ...formulations.programs.reductions.whole_numbers import WHOLE_VARIABLES
-from ...instances.errors import UsageError
+from ...instances.errors import Code, UsageError
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
 from ..program_backend import FEASIBLE_TOLERANCE, ProgramBackend
@@ -97,7 +97,7 @@ class MathOpt(ProgramBackend):
         super().__init__(variant)
         chosen = {"scip": "gscip", "cpsat": "cp-sat", "cp_sat": "cp-sat"}.get(variant.lower(), variant.lower())
         if chosen and chosen not in PROGRAMS:
-            raise UsageError(f"mathopt has no solver {variant!r}; it has {', '.join(PROGRAMS)}")
+            raise UsageError(f"mathopt has no solver {variant!r}; it has {', '.join(PROGRAMS)}", "unknown-name")
         self.solver = chosen
         self.engine = ENGINES.get(chosen, "SCIP")  # without a name it is SCIP that takes programs with integers
         if chosen:
@@ -152,7 +152,7 @@ def _parameters(solver: str, program: Program, options: Options) -> Any:
         elif program.is_integer:
             parameters.node_limit = int(options.iterations)
         elif solver == "gscip":
-            raise UsageError("SCIP has no limit on the iterations of a continuous program; use a time limit")
+            raise UsageError("SCIP has no limit on the iterations of a continuous program; use a time limit", "unsupported")
         else:
             parameters.iteration_limit = int(options.iterations)
     _OWN[solver](parameters, options.extra)
@@ -192,7 +192,7 @@ def _fields(message: str) -> Callable[[Any, dict[str, Any]], None]:
             try:
                 setattr(target, name, value)
             except (TypeError, ValueError, AttributeError):
-                raise UsageError(f"{label}: {value!r} is no value for parameter {name}") from None
+                raise UsageError(f"{label}: {value!r} is no value for parameter {name}", "out-of-range") from None
 
     return put
 
@@ -239,7 +239,8 @@ class _Run:
                 raise
             text = str(inner)
             if "error setting" in text or "SetBoolParam" in text or "Param(scip_" in text:
-                raise UsageError(f"mathopt:{self.solver} refuses a parameter: {text}") from None
+                code: Code = "unknown-name" if "error code -12 " in text else "out-of-range" if "error code -14 " in text else "malformed"
+                raise UsageError(f"mathopt:{self.solver} refuses a parameter: {text}", code) from None
             raise (_Endless(text) if "Expected no NaN or inf" in text else _Refused(text)) from None
 
     def _hear(self, data: Any) -> Any:

@@ -71,7 +71,7 @@ class PuLP(ProgramBackend):
             import pulp
 
             if self.variant not in pulp.listSolvers():
-                raise UsageError(f"PuLP knows no solver {self.variant!r}; it knows {', '.join(pulp.listSolvers())}")
+                raise UsageError(f"PuLP knows no solver {self.variant!r}; it knows {', '.join(pulp.listSolvers())}", "unknown-name")
             if self.variant not in _found():
                 raise MissingPackageError(f"PuLP does not find {self.variant} on this machine; found: {', '.join(_found())}")
         return super().converted(options)

@@ -70,7 +70,7 @@ class Scip(ProgramBackend):
 
     def search(self, program: Program, options: Options, control: Control) -> RawResult:
         if options.iterations is not None and program.features() == LINEAR:
-            raise UsageError("SCIP has no limit on the iterations of a linear program; use a time limit")
+            raise UsageError("SCIP has no limit on the iterations of a linear program; use a time limit", "unsupported")
         import pyscipopt  # noqa: F401 - loading it is not counted against the limit
 
         end = time.perf_counter() + options.time_limit
@@ -251,7 +251,7 @@ def _set_own(model: Any, extra: dict[str, Any]) -> None:
         try:
             model.setParam(name, value)
         except (TypeError, ValueError, LookupError):
-            raise UsageError(f"scip: {value!r} is no value for parameter {name}") from None
+            raise UsageError(f"scip: {value!r} is no value for parameter {name}", "out-of-range") from None
 
 
 def _row_duals(program: Program, model: Any, constraints: list[Any], x: Floats) -> Floats | None:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from coded import coded
 from programs import program
 
 import waybound as wb
@@ -127,7 +128,7 @@ def test_malformed_evidence_is_an_input_error(says):
     for data in ({}, {"bound": "x"}, {"bound": None}, {"bound": 10**400}):
         with pytest.raises(InputError):
             verified_bound(problem, Evidence("says", "", 0.0, data))
-    with pytest.raises(UsageError, match="unknown kind of evidence"):
+    with pytest.raises(UsageError, check=coded("unknown-name")):
         verified_bound(problem, Evidence("hearsay", "", 0.0, {}))
 
 
@@ -182,32 +183,32 @@ def test_an_infeasible_answer_does_not_pass_as_a_feasible_one():
 
 
 @pytest.mark.parametrize(
-    "change",
+    ("change", "code"),
     [
-        {"kind": "solution"},
-        {"schema": 99},
-        {"instance_hash": "sha256:0"},
-        {"problem": "tsp"},
-        {"convention": "round"},
-        {"bound": "14"},
-        {"bound": math.nan},
-        {"bound": True},
-        {"objective": "14"},
-        {"evidence": {}},
-        {"evidence": [3]},
-        {"evidence": [{"kind": "spanning-tree", "source": "", "value": "x", "data": {}}]},
-        {"evidence": [{"kind": "spanning-tree", "source": "", "value": 1.0, "data": {"multipliers": [1.0]}}]},
+        ({"kind": "solution"}, "malformed"),
+        ({"schema": 99}, "malformed"),
+        ({"instance_hash": "sha256:0"}, "foreign"),
+        ({"problem": "tsp"}, "foreign"),
+        ({"convention": "round"}, "foreign"),
+        ({"bound": "14"}, "malformed"),
+        ({"bound": math.nan}, "out-of-range"),
+        ({"bound": True}, "malformed"),
+        ({"objective": "14"}, "malformed"),
+        ({"evidence": {}}, "missing"),
+        ({"evidence": [3]}, "malformed"),
+        ({"evidence": [{"kind": "spanning-tree", "source": "", "value": "x", "data": {}}]}, "malformed"),
+        ({"evidence": [{"kind": "spanning-tree", "source": "", "value": 1.0, "data": {"multipliers": [1.0]}}]}, "wrong-shape"),
     ],
 )
-def test_files_that_are_malformed_or_for_other_data_are_refused(change):
+def test_files_that_are_malformed_or_for_other_data_are_refused(change, code):
     problem = square()
     data = written(problem, TOUR, spanning_tree_bound(problem, Stop(60.0)))
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, check=coded(code)):
         check_certificate(problem, {**data, **change}, problem.evaluate(TOUR))
 
 
 def test_what_is_no_object_is_no_certificate():
-    with pytest.raises(InputError, match="not a waybound certificate"):
+    with pytest.raises(InputError, check=coded("malformed")):
         check_certificate(square(), [], None)  # type: ignore[arg-type]
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from coded import coded
 
 from waybound.formulations.references import indices_of
 from waybound.instances.errors import UsageError
@@ -38,7 +39,6 @@ def test_what_is_meant_where_it_is_clear(given: list[Any], names: dict[str, int]
 @pytest.mark.parametrize(
     ("given", "names", "says"),
     [
-        ([1, 2], FROM_1, "whole numbers could be names or indices of sites here, which differ; give names as text"),
         (["d"], LETTERS, "there is no site 'd'"),
         ([0, 3], LETTERS, "there is no site 0|there is no site 3"),
         ([-1], FROM_0, "there is no site -1"),
@@ -52,3 +52,8 @@ def test_what_is_meant_where_it_is_clear(given: list[Any], names: dict[str, int]
 def test_what_is_not_clear_is_refused(given: list[Any], names: dict[str, int], says: str) -> None:
     with pytest.raises(UsageError, match=says):
         indices_of(given, names, "site")
+
+
+def test_numbers_that_could_be_names_or_indices_are_refused() -> None:
+    with pytest.raises(UsageError, match="of sites here", check=coded("ambiguous")):
+        indices_of([1, 2], FROM_1, "site")

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from coded import coded
 
 from waybound.instances import data
 from waybound.instances.bundled import RECIPES, bundled_names, bundled_path, regenerate
@@ -40,7 +41,7 @@ def test_a_case_of_the_literature_is_written_as_it_stands_and_not_generated(name
     made = tmp_path / RECIPES[name].file
     write_instance(read_instance(bundled_path(name)), made)
     assert made.read_bytes() == bundled_path(name).read_bytes()
-    with pytest.raises(UsageError, match=f"{name} was not generated"):
+    with pytest.raises(UsageError, match=name, check=coded("unsupported")):
         regenerate(name)
 
 

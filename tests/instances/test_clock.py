@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from coded import coded
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -82,15 +83,15 @@ def test_texts_are_times_as_in_a_file() -> None:
 def test_what_is_no_time_says_what_is_one() -> None:
     with pytest.raises(InputError, match="column ready must be a number or a moment; expected 480, 08:00 or 2026-05-04T08:00"):
         Times("min").moments(pd.Series(["noon"]), "column ready")
-    with pytest.raises(InputError, match="must be a length of time"):
+    with pytest.raises(InputError, check=coded("malformed")):
         reading("min", [NINE]).span(NINE, "service")
-    with pytest.raises(InputError, match="some timestamps have a time zone and others none"):
+    with pytest.raises(InputError, check=coded("contradiction")):
         reading("min", [NINE], [NINE.tz_localize("UTC")])
 
 
 @pytest.mark.parametrize("unit", ["minuts", "m", "ns", ""])
 def test_a_unit_that_is_none_is_refused(unit: str) -> None:
-    with pytest.raises(UsageError, match="unknown unit of time"):
+    with pytest.raises(UsageError, check=coded("unknown-name")):
         Times(unit)
 
 
@@ -99,7 +100,7 @@ def test_a_clock_tells_moments_again() -> None:
     assert clock is not None and str(clock) == "min since 2026-05-04 00:00:00"
     assert clock.moments([540.0, math.inf])[0] == NINE and clock.moments([math.inf])[0] is pd.NaT
     assert Clock("h").moments([1.0, 2.0]) == [1.0, 2.0] and Times("h").clock == Clock("h") and Times(None).clock is None
-    with pytest.raises(InputError, match="the origin of time is no moment"):
+    with pytest.raises(InputError, check=coded("malformed")):
         Clock("min", "noon")
 
 

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from coded import coded
 
-from waybound.instances.errors import InputError
+from waybound.instances.errors import Code, InputError
 from waybound.instances.frames import columns_of, name_of, numbers_of
 
 FRAME = pd.DataFrame({"x": [1, 2], "name": ["a", "b"]})
@@ -21,16 +22,16 @@ def test_columns_come_by_their_titles_and_cells_as_numbers_and_names() -> None:
 
 
 @pytest.mark.parametrize(
-    ("frame", "message"),
+    ("frame", "code", "message"),
     [
-        ([1], "places must be a pandas frame; found list"),
-        (FRAME.assign(y=1), "column 'y' of places is unknown; expected name, x"),
-        (FRAME[["x", "x"]], "column 'x' of places stands twice"),
-        (FRAME[["name"]], "places lacks the column 'x'; expected name, x; found name"),
+        ([1], "malformed", "places must be a pandas frame; found list"),
+        (FRAME.assign(y=1), "unknown-name", "column 'y' of places is unknown; expected name, x"),
+        (FRAME[["x", "x"]], "duplicate", "column 'x' of places stands twice"),
+        (FRAME[["name"]], "missing", "places lacks the column 'x'; expected name, x; found name"),
     ],
 )
-def test_other_titles_are_refused(frame: Any, message: str) -> None:
-    with pytest.raises(InputError, match=message):
+def test_other_titles_are_refused(frame: Any, code: Code, message: str) -> None:
+    with pytest.raises(InputError, match=message, check=coded(code)):
         columns_of("places", frame, ("name", "x"), ("x",))
 
 

@@ -8,9 +8,10 @@ from typing import Annotated, Any
 
 import numpy as np
 import pytest
+from coded import coded
 
 from waybound.instances.declared import CountOf, Declared, NameOf, Names
-from waybound.instances.errors import InputError
+from waybound.instances.errors import Code, InputError
 from waybound.instances.parts import Axis, Choice, Flags, Numbers, Whole, Wholes
 
 
@@ -51,37 +52,37 @@ def test_all_of_json_follows_from_the_declaration() -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "code", "message"),
     [
-        ({"cost": [[1], [2, 3]]}, "cost must be a matrix of numbers, all rows of one length"),
-        ({"cost": [[1, -1], [2, 3]]}, r"the cost of crew 1 and site 2 must be from 0 to 1e\+150, or infinite; found -1.0"),
-        ({"cost": np.zeros((0, 2))}, "there are no crews; expected one at least"),
-        ({"speed": 3}, "speed of crew 1 must be from 0.5 to 2"),
-        ({"speed": [1, 1, 1]}, "there must be one speed a crew; expected 2"),
-        ({"at": [0, 2]}, "the place of crew 2 does not exist; expected 0 to 1; found 2"),
-        ({"away": [1, 0]}, "away must have one truth value a crew"),
-        ({"first": 2}, "the first must be a site; expected 0 to 1; found '2'"),
-        ({"shift": "noon"}, "unknown shift 'noon'; expected day, night"),
-        ({"crew_names": ("a",)}, "there must be one name for each crew"),
+        ({"cost": [[1], [2, 3]]}, "malformed", "cost must be a matrix of numbers, all rows of one length"),
+        ({"cost": [[1, -1], [2, 3]]}, "out-of-range", r"the cost of crew 1 and site 2 must be from 0 to 1e\+150, or infinite; found -1.0"),
+        ({"cost": np.zeros((0, 2))}, "missing", "there are no crews; expected one at least"),
+        ({"speed": 3}, "out-of-range", "speed of crew 1 must be from 0.5 to 2"),
+        ({"speed": [1, 1, 1]}, "wrong-shape", "there must be one speed a crew; expected 2"),
+        ({"at": [0, 2]}, "unknown-name", "the place of crew 2 does not exist; expected 0 to 1; found 2"),
+        ({"away": [1, 0]}, "malformed", "away must have one truth value a crew"),
+        ({"first": 2}, "unknown-name", "the first must be a site; expected 0 to 1; found '2'"),
+        ({"shift": "noon"}, "unknown-name", "unknown shift 'noon'; expected day, night"),
+        ({"crew_names": ("a",)}, "wrong-shape", "there must be one name for each crew"),
     ],
 )
-def test_what_a_field_must_not_hold_is_named(change: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError, match=message):
+def test_what_a_field_must_not_hold_is_named(change: dict[str, Any], code: Code, message: str) -> None:
+    with pytest.raises(InputError, match=message, check=coded(code)):
         Crews(**{**GOOD, **change})
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("change", "code", "message"),
     [
-        ({"shift": None}, "the document lacks the key 'shift'"),
-        ({"crews": {"count": 2, "speed": [1, 1], "at": [0, 0]}}, "crews lacks the key 'away'"),
-        ({"cost": [[1, None]]}, "cost has a wrong length; expected 2; found 1"),
-        ({"shift": "noon"}, "shift is unknown; expected day, night; found noon"),
-        ({"problem": "tsp"}, "problem is none of crews; expected crewing; found tsp"),
-        ({"sites": {"count": 2, "name": ["a", "b"]}}, "sites has an unknown key 'name'"),
+        ({"shift": None}, "missing", "the document lacks the key 'shift'"),
+        ({"crews": {"count": 2, "speed": [1, 1], "at": [0, 0]}}, "missing", "crews lacks the key 'away'"),
+        ({"cost": [[1, None]]}, "wrong-shape", "cost has a wrong length; expected 2; found 1"),
+        ({"shift": "noon"}, "unknown-name", "shift is unknown; expected day, night; found noon"),
+        ({"problem": "tsp"}, "unknown-name", "problem is none of crews; expected crewing; found tsp"),
+        ({"sites": {"count": 2, "name": ["a", "b"]}}, "unknown-name", "sites has an unknown key 'name'"),
     ],
 )
-def test_what_a_document_must_not_hold_is_named_by_its_path(change: dict[str, Any], message: str) -> None:
+def test_what_a_document_must_not_hold_is_named_by_its_path(change: dict[str, Any], code: Code, message: str) -> None:
     data = {**Crews(**GOOD).to_document(), **change}
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(InputError, match=message, check=coded(code)):
         Crews.from_document({key: value for key, value in data.items() if value is not None})

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from coded import coded
 
 from waybound.instances.bundled import bundled_path
 from waybound.instances.errors import InputError, UsageError
@@ -32,7 +33,9 @@ def test_two_possible_formats_are_named(tmp_path: Path) -> None:
     path = tmp_path / "both.txt"
     path.write_text("VEHICLE\nNUMBER CAPACITY\n3 5\nDIMENSION: 5\n")
     with pytest.raises(
-        UsageError, match=r"both.txt: the content allows more than one format; choose with --format, or --problem, from solomon "
+        UsageError,
+        match=r"both.txt: the content allows more than one format; choose with --format, or --problem, from solomon ",
+        check=coded("ambiguous"),
     ):
         read_instance(path)
 
@@ -67,7 +70,7 @@ def test_no_known_format_lists_them_all(tmp_path: Path) -> None:
 def test_a_solution_file_is_named_as_one(text: str, tmp_path: Path) -> None:
     path = tmp_path / "a.sol"
     path.write_text(text)
-    with pytest.raises(InputError, match="is a solution file, not an instance"):
+    with pytest.raises(InputError, check=coded("foreign")):
         read_instance(path)
 
 

@@ -43,7 +43,7 @@ def write_program(program: Program, path: str | PathLike[str], *, names: bool = 
 
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
-        raise UsageError(f"programs are written as {' or '.join(SUFFIXES)}, not as {suffix or 'a file without suffix'}")
+        raise UsageError(f"programs are written as {' or '.join(SUFFIXES)}, not as {suffix or 'a file without suffix'}", "unknown-name")
     check_export(program, f"a {suffix} file")
     refuse_crossing(program)
     text = mps_text if suffix == ".mps" else lp_text

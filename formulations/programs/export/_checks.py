@@ -36,7 +36,9 @@ def refuse_crossing(program: Program) -> None:
         crossed = lower > upper
         if crossed.any():
             k = int(np.argmax(crossed))
-            raise InputError(f"the {what} {name(k)} cross, so that the program has no answer", found=f"{lower[k]:g} > {upper[k]:g}")
+            raise InputError(
+                f"the {what} {name(k)} cross, so that the program has no answer", "contradiction", found=f"{lower[k]:g} > {upper[k]:g}"
+            )
 
 
 def merged_rows(program: Program) -> tuple[Indices, Indices, Floats]:

@@ -55,7 +55,7 @@ def to_highs(program: Program, *, names: bool = False) -> Any:
         indptr, indices = lower.indptr.astype(np.int32), lower.indices.astype(np.int32)
         statuses.append(model.passHessian(n, lower.nnz, triangle, indptr, indices, lower.data.astype(np.float64)))
     if highspy.HighsStatus.kError in statuses:
-        raise InputError(f"HiGHS refuses the program {program.name}: {n} variables, {program.num_rows} rows")
+        raise InputError(f"HiGHS refuses the program {program.name}: {n} variables, {program.num_rows} rows", "unsupported")
     return model
 
 

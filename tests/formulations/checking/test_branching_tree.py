@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from branching_programs import knapsack, random_program, without_answer
+from coded import coded
 from draws import draws
 from truth.families import truth
 
@@ -146,7 +147,7 @@ def _with_continuous() -> Any:
 
 def test_a_tree_that_is_too_deep_is_refused_before_it_is_walked() -> None:
     chain = list(itertools.chain.from_iterable(((at_most(0, k)),) for k in range(DEEPEST + 1)))
-    with pytest.raises(InputError, match="too deep"):
+    with pytest.raises(InputError, check=coded("too-large")):
         bound(knapsack(), *chain)
 
 
@@ -215,7 +216,7 @@ def test_a_certificate_whose_tree_was_cut_no_longer_holds() -> None:
     def with_nodes(changed: list[dict[str, Any]]) -> dict[str, Any]:
         return {**data, "evidence": [{**data["evidence"][0], "data": {"nodes": changed}}]}
 
-    with pytest.raises(InputError, match="lacks nodes"):
+    with pytest.raises(InputError, check=coded("missing")):
         check_certificate(problem, with_nodes(nodes[:lost] + nodes[lost + 1 :]), judged)
     with pytest.raises(CheckFailedError, match="states the bound"):
         check_certificate(problem, with_nodes([*nodes[:lost], {}, *nodes[lost + 1 :]]), judged)

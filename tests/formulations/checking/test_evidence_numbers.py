@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from coded import coded
 
 from waybound.formulations.checking.evidence_numbers import number, numbers
 from waybound.instances.errors import InputError
@@ -15,7 +16,7 @@ def test_lists_of_numbers_are_read_as_they_are():
 
 
 def test_arrays_are_no_json():
-    with pytest.raises(InputError, match="list"):
+    with pytest.raises(InputError, check=coded("missing")):
         numbers({"a": np.ones(3)}, "a", 3)
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from coded import coded
 from small_routing import plane
 
 import waybound as wb
@@ -48,7 +49,7 @@ def test_what_there_is_no_memory_for_is_not_built(hold: Any, registered: Any) ->
 
 
 def test_it_is_one_line_that_says_what_to_do(hold: Any) -> None:
-    with pytest.raises(UsageError) as told:
+    with pytest.raises(UsageError, check=coded("too-large")) as told:
         ProgramSize(1.8e9, 9e8, 7.2e9).refuse_beyond_memory("two-index-load-flow")
     text = str(told.value)
     assert "1,800,000,000 columns, 900,000,000 rows and 7,200,000,000 entries" in text and "GiB" in text and "heuristic" in text

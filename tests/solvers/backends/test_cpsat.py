@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from coded import coded
 from programs import program
 from sata_cases import CASES
 
@@ -78,9 +79,15 @@ def test_an_empty_range_of_an_integer_is_infeasible():
     assert "x0" in result.message
 
 
-@pytest.mark.parametrize("extra", [{"num_workers": 2}, {"max_time_in_seconds": 1}, {"no_such": 1}, {"linearization_level": "much"}])
-def test_parameters_that_have_a_common_name_or_none_are_refused(extra):
-    with pytest.raises(UsageError):
+@pytest.mark.parametrize(
+    ("extra", "code"),
+    [
+        ({"num_workers": 2}, "contradiction"), ({"max_time_in_seconds": 1}, "contradiction"), ({"no_such": 1}, "unknown-name"),
+        ({"linearization_level": "much"}, "malformed"), ({"linearization_level": 2**40}, "out-of-range"),
+    ],
+)  # fmt: skip
+def test_parameters_that_have_a_common_name_or_none_are_refused(extra, code):
+    with pytest.raises(UsageError, check=coded(code)):
         run(program([1], [[1]], 0, 1, 0, 1, integer=[0]), extra=extra)
 
 

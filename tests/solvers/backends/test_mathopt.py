@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from coded import coded
 from programs import program
 from sata_cases import CASES
 
@@ -98,7 +99,7 @@ def test_cp_sat_gets_whole_variables_only():
 
 @pytest.mark.parametrize("solver", PROGRAMS)
 def test_unknown_parameters_are_refused(solver):
-    with pytest.raises(UsageError):
+    with pytest.raises(UsageError, check=coded("unknown-name")):
         run(MILP if MathOpt(solver).able(INTEGERS) else LP, solver, extra={"no_such_option": 1})
 
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from coded import coded
 from programs import program
 
 from waybound.formulations.programs.reductions.reduction import Irreducible
@@ -85,9 +86,15 @@ def test_a_start_with_products_is_taken_in_full_and_in_part():
 
 
 @needs_scip
-@pytest.mark.parametrize("extra", [{"limits/time": 1}, {"no/such": 1}, {"limits/bestsol": "few"}, {"limits/gap": 0.1}])
-def test_parameters_that_have_a_common_name_or_none_are_refused(extra):
-    with pytest.raises(UsageError):
+@pytest.mark.parametrize(
+    ("extra", "code"),
+    [
+        ({"limits/time": 1}, "contradiction"), ({"no/such": 1}, "unknown-name"), ({"limits/bestsol": "few"}, "malformed"),
+        ({"limits/gap": 0.1}, "contradiction"),
+    ],
+)  # fmt: skip
+def test_parameters_that_have_a_common_name_or_none_are_refused(extra, code):
+    with pytest.raises(UsageError, check=coded(code)):
         run(program([1], [[2]], 3, INF, 0, 9, integer=[0]), extra=extra)
 
 
