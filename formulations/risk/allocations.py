@@ -52,7 +52,9 @@ def allocation_from_json(data: Any, decisions: Sequence[str], constraints: Seque
 
 def _named(data: Any, names: Sequence[str], what: str) -> Floats:
     if not isinstance(data, Mapping) or set(data) != set(names):
-        raise InputError(f"the answer's {what} must name each of them", expected=", ".join(names[:4]) + (", ..." if len(names) > 4 else ""))
+        raise InputError(
+            f"the answer's {what} must name each of them", "missing", expected=", ".join(names[:4]) + (", ..." if len(names) > 4 else "")
+        )
     if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in data.values()):
         raise InputError(f"the answer's {what} must be numbers")
     return np.array([float(data[name]) for name in names])

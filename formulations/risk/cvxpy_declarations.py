@@ -50,7 +50,7 @@ def declared_instance(
     selection[np.arange(q), at + np.arange(q)] = 1.0
     constraint_names = tuple(str(k + 1) for k in range(q)) if names is None else tuple(map(str, names))
     if total is None and each is None:
-        raise InputError("risk says no limit", expected="total or each")
+        raise InputError("risk says no limit", "missing", expected="total or each")
     caps = min(MOST_RISK, total if total is not None else MOST_RISK) if each is None else each
     instance = RiskAllocationInstance(
         _bound(data.get("lower_bounds"), n, -math.inf), _bound(data.get("upper_bounds"), n, math.inf),
@@ -72,15 +72,15 @@ def _canonical_program(model: Any, quantities: Any) -> tuple[dict[str, Any], dic
 
     expression = cp.vec(cp.Expression.cast_to_const(quantities), order="F")
     if not expression.is_affine():
-        raise InputError("the quantities of chance constraints must be affine in the variables", found=str(quantities)[:60])
+        raise InputError("the quantities of chance constraints must be affine in the variables", "unsupported", found=str(quantities)[:60])
     if not isinstance(model, cp.Problem) or not model.is_dcp():
-        raise InputError("the model must be a convex cvxpy.Problem (DCP)", found=type(model).__name__)
+        raise InputError("the model must be a convex cvxpy.Problem (DCP)", "unsupported", found=type(model).__name__)
     if model.is_mixed_integer():
         raise UnsupportedError("risk allocation by CVXPY", {"integer variables"})
     mean = cp.Variable(expression.size, name="quantities")
     own = {v.name(): cp.Variable(v.shape, name=v.name()) for v in model.variables()}  # which keep their places, whatever attributes v has
     if len(own) < len(model.variables()):
-        raise InputError("two variables of the model have the same name", expected="different names")
+        raise InputError("two variables of the model have the same name", "duplicate", expected="different names")
     held = [own[v.name()] == v for v in model.variables()]
     whole = cp.Problem(model.objective, [*model.constraints, *held, mean == expression])
     data = whole.get_problem_data(cp.CLARABEL)[0]
@@ -94,7 +94,7 @@ def _each(value: Any, what: str, q: int) -> Floats:
     """A number for all quantities, or one each."""
     values = np.asarray(value, dtype=np.float64)
     if values.shape not in ((), (q,)):
-        raise InputError(f"{what} must be a number, or one a quantity", expected=str(q), found=str(values.shape))
+        raise InputError(f"{what} must be a number, or one a quantity", "wrong-shape", expected=str(q), found=str(values.shape))
     return np.broadcast_to(values, q).copy()
 
 

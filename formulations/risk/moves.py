@@ -43,7 +43,9 @@ class MoveGraph:
         away = np.nonzero(head != graph.start)[0]  # no path comes back to its start
         at, counts = entries_of(graph.indptr, head[away])
         if len(at) > MOST_PAIRS:
-            raise UsageError(f"{graph.name} has {len(at)} pairs of moves that follow each other; at most {MOST_PAIRS} are searched")
+            raise UsageError(
+                f"{graph.name} has {len(at)} pairs of moves that follow each other; at most {MOST_PAIRS} are searched", "too-large"
+            )
         first, second = np.repeat(away, counts), at
         kept = (head[second] != graph.start) & (head[second] != tail[first])
         first, second = first[kept], second[kept]

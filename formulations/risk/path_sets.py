@@ -64,7 +64,9 @@ class PathSet:
         pairs = np.array(costs, dtype=np.float64).reshape(-1, 2)
         every = np.vstack([pairs, first])
         if not len(pairs) or not np.isfinite(every).all() or (every[:, 1] < 0).any():
-            raise InputError("a set of paths needs pairs of a finite mean and a variance of at least 0", found=str(costs)[:80])
+            raise InputError(
+                "a set of paths needs pairs of a finite mean and a variance of at least 0", "out-of-range", found=str(costs)[:80]
+            )
         return cls(pairs[:, 0], pairs[:, 1], *map(float, first))
 
 
@@ -75,7 +77,7 @@ def cheapest_set_probabilities(sets: Sequence[PathSet], first_edges: str = "sepa
     Source: Skeele (2016), (5.3) to (5.5), corrected; docs/formulations/uncertain-path.md#which-set-holds-the-cheapest-path.
     """
     if first_edges not in FIRST_EDGES:
-        raise UsageError(f"first_edges must be one of {', '.join(FIRST_EDGES)}, not {first_edges!r}")
+        raise UsageError(f"first_edges must be one of {', '.join(FIRST_EDGES)}, not {first_edges!r}", "unknown-name")
     if first_edges == "shared" and any(len(s.means) > 1 and s.first_variance > 0 for s in sets):
         return _sharing(sets)
     sizes = [len(s.means) for s in sets]

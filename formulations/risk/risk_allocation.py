@@ -90,7 +90,7 @@ class RiskAllocation(Problem):
         parts = (self.linear, offset, self.rows, shift, self.chance, self.limits, self.covariance, *(p for t in self.terms for p in t[2:]),
                  *(p for c in self.cones for p in c))  # fmt: skip
         if not all(np.isfinite(part).all() for part in parts):
-            raise InputError("rows over quantities are too large: their means or variances are no finite numbers")
+            raise InputError("rows over quantities are too large: their means or variances are no finite numbers", "out-of-range")
         self.deviation = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
         self.constraint, self.names, self.caps = chance.constraint, chance.names, instance.risk.caps()
         self.budgets = instance.risk.all_budgets()
@@ -369,7 +369,7 @@ class RiskAllocation(Problem):
             raise InputError("an answer of risk allocation is an Allocation, or a vector with one number a decision") from None
         if answer.decision.shape != self.lower.shape or (answer.risks is not None and answer.risks.shape != (len(self.names),)):
             expected = f"{len(self.lower)} decisions and {len(self.names)} risks"
-            raise InputError("the answer is one of other data", expected=expected, found=str(answer.decision.shape))
+            raise InputError("the answer is one of other data", "foreign", expected=expected, found=str(answer.decision.shape))
         return answer
 
     def answer_to_json(self, answer: Any) -> dict[str, Any]:
@@ -408,7 +408,7 @@ class RiskAllocation(Problem):
 @PROBLEMS.register("risk-allocation")
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RiskAllocation:
     if not isinstance(instance, RiskAllocationInstance):
-        raise UsageError(f"{instance.name} holds no chance constraints, so it cannot be read as {problem}")
+        raise UsageError(f"{instance.name} holds no chance constraints, so it cannot be read as {problem}", "foreign")
     refuse_settings(problem, settings, tuple(SETTINGS))
     values = {key: SETTINGS[key].value(key, value) for key, value in settings.items() if key != "convention"}
     changes: dict[str, Any] = {"kind": values["risk"]} if values.get("risk") else {}

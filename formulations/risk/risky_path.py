@@ -58,29 +58,33 @@ class RiskyPath(Problem):
 
     def __init__(self, graph: RiskyGraph, objective: str | None = None) -> None:
         if objective is not None and objective not in OBJECTIVES:
-            raise UsageError(f"objective must be one of {', '.join(OBJECTIVES)}, not {objective!r}")
+            raise UsageError(f"objective must be one of {', '.join(OBJECTIVES)}, not {objective!r}", "unknown-name")
         self.graph = graph if objective is None or objective == graph.objective else replace(graph, objective=objective)
         self.name, self.problem, self.notes, self.objective = graph.name, "risky-path", graph.notes, self.graph.objective
         assert self.graph.rewards is not None
         self.rewards: Floats = self.graph.rewards
         if self.objective != "reward-per-risk" and not graph.goals:
-            raise InputError(f"the least {self.objective} needs a goal: without one it is that of the start alone")
+            raise InputError(f"the least {self.objective} needs a goal: without one it is that of the start alone", "missing")
         if self.objective == "reward-per-risk":
             self._check_ratio()
 
     def _check_ratio(self) -> None:
         if not self.rewards.any():
-            raise InputError("reward per risk needs a state with a reward: without one it is 0, or 0/0, wherever a path leads")
+            raise InputError("reward per risk needs a state with a reward: without one it is 0, or 0/0, wherever a path leads", "missing")
         try:
             free = free_reward(self)
         except CutShortError:
             raise InputError(
                 f"whether a reward can be had without risk was not decided with {MOST_LABELS} labels, and its ratio would have no maximum",
+                "too-large",
                 expected="a risk, however small, at the start",
             ) from None
         if free is not None:
             way = " ".join(map(self.graph.state_name, free[-5:]))
-            raise InputError(f"reward per risk has no maximum: a reward is reached without risk, by {'... ' if len(free) > 5 else ''}{way}")
+            raise InputError(
+                f"reward per risk has no maximum: a reward is reached without risk, by {'... ' if len(free) > 5 else ''}{way}",
+                "contradiction",
+            )
 
     @property
     def senses(self) -> tuple[str, ...]:
@@ -183,7 +187,10 @@ class RiskyPath(Problem):
         for state in answer:
             if not 0 <= state < self.graph.num_states:
                 raise InputError(
-                    "the path names a state that does not exist", expected=f"0 to {self.graph.num_states - 1}", found=str(state)
+                    "the path names a state that does not exist",
+                    "unknown-name",
+                    expected=f"0 to {self.graph.num_states - 1}",
+                    found=str(state),
                 )
         return tuple(int(s) for s in answer)
 
@@ -223,13 +230,13 @@ class RiskyPath(Problem):
         index = {self.graph.state_name(k): k for k in range(self.graph.num_states)}
         for name in names:
             if name not in index:
-                raise InputError(f"the path names an unknown state {shown(name)}")
+                raise InputError(f"the path names an unknown state {shown(name)}", "unknown-name")
         return tuple(index[name] for name in names)
 
     def answer_of(self, given: Any) -> Path:
         """A tuple or list of states, by number or name."""
         if isinstance(given, str | bytes) or not isinstance(given, Sequence | np.ndarray):
-            raise UsageError(f"an answer to {self.problem} is a sequence of states")
+            raise UsageError(f"an answer to {self.problem} is a sequence of states", "malformed")
         if all(isinstance(s, int | np.integer) and not isinstance(s, bool) for s in given):
             return tuple(int(s) for s in given)
         return tuple(indices_of(given, {self.graph.state_name(k): k for k in range(self.graph.num_states)}, "state"))
@@ -266,7 +273,7 @@ def unreachable(problem: RiskyPath) -> Evidence | None:
 @PROBLEMS.register("risky-path")
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RiskyPath:
     if not isinstance(instance, RiskyGraph):
-        raise UsageError(f"{instance.name} has no states at risk, so it cannot be read as {problem}")
+        raise UsageError(f"{instance.name} has no states at risk, so it cannot be read as {problem}", "foreign")
     refuse_settings(problem, settings, ("objective", "discount", "start", "goals"))
     changed: dict[str, Any] = {}
     names = [instance.state_name(k) for k in range(instance.num_states)]
@@ -275,12 +282,12 @@ def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RiskyPath:
             asked = [part.strip() for part in str(settings[key]).split(",") if part.strip()]
             chosen = tuple(indices_of(asked, {name: k for k, name in enumerate(names)}, "state"))
             if key == "start" and len(chosen) != 1:
-                raise UsageError("start must be one state")
+                raise UsageError("start must be one state", "wrong-shape")
             changed[key] = chosen[0] if key == "start" else chosen
     if "discount" in settings:
         try:
             changed["discount"] = float(settings["discount"])
         except ValueError:
-            raise UsageError(f"discount must be a number, not {settings['discount']!r}") from None
+            raise UsageError(f"discount must be a number, not {settings['discount']!r}", "malformed") from None
     objective = settings.get("objective")
     return RiskyPath(replace(instance, **changed) if changed else instance, objective)

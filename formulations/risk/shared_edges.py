@@ -52,7 +52,7 @@ class JointCosts:
         """
         edges = [graph.edges_of(path) for path in paths]
         if any((used < 0).any() for used in edges):
-            raise InputError("a path uses an edge that does not exist")
+            raise InputError("a path uses an edge that does not exist", "unknown-name")
         known = np.zeros(graph.num_edges, dtype=bool) if observed is None else ~np.isnan(observed)
         mean = graph.mean if observed is None else np.where(known, observed, graph.mean)
         variance = np.where(known, 0.0, graph.variance)
@@ -79,7 +79,7 @@ def joint_probabilities(mean: ArrayLike, covariance: ArrayLike, groups: ArrayLik
     """
     m, c = np.asarray(mean, dtype=np.float64), np.asarray(covariance, dtype=np.float64)
     if len(m) > MOST_PATHS:
-        raise UsageError(f"{len(m)} paths are too many to compare exactly (at most {MOST_PATHS}); sample them")
+        raise UsageError(f"{len(m)} paths are too many to compare exactly (at most {MOST_PATHS}); sample them", "too-large")
     group = np.asarray(groups, dtype=np.int64)
     chance = np.zeros((int(group.max()) + 1, SHIFTS))
     for i in range(len(m)):

@@ -54,7 +54,7 @@ class UncertainPath(Problem):
 
     def __init__(self, graph: UncertainGraph, risk: float = RISK.default) -> None:
         if isinstance(risk, bool) or not 0.0 < risk <= 0.5:
-            raise UsageError(f"the risk must be above 0 and 1/2 at most, where the value is the mean, not {risk!r}")
+            raise UsageError(f"the risk must be above 0 and 1/2 at most, where the value is the mean, not {risk!r}", "out-of-range")
         self.graph, self.risk = graph, float(risk)
         self.name, self.problem, self.notes = graph.name, "uncertain-path", graph.notes
         self.z = 0.0 if risk == 0.5 else -NormalDist().inv_cdf(self.risk)
@@ -127,14 +127,14 @@ class UncertainPath(Problem):
         if isinstance(given, list) and given:
             return self._path(given)
         if not isinstance(given, tuple):
-            raise UsageError("a path is a tuple of vertices as numbers from 0, or a list of their names")
+            raise UsageError("a path is a tuple of vertices as numbers from 0, or a list of their names", "malformed")
         return given
 
     def _path(self, names: list[Any]) -> Path:
         numbers = self.graph.vertex_numbers
         for name in names:
             if str(name) not in numbers:
-                raise InputError(f"the path goes through an unknown vertex {str(name)[:80]!r}")
+                raise InputError(f"the path goes through an unknown vertex {str(name)[:80]!r}", "unknown-name")
         return tuple(numbers[str(name)] for name in names)
 
     def answer_to_frame(self, answer: Path) -> pd.DataFrame:
@@ -158,6 +158,6 @@ class UncertainPath(Problem):
 def make(instance: Any, name: str, settings: dict[str, Any]) -> UncertainPath:
     """The problem of an instance; setting ``risk``."""
     if not isinstance(instance, UncertainGraph):
-        raise UsageError(f"{instance.name} holds no graph of uncertain costs, so it cannot be read as {name}")
+        raise UsageError(f"{instance.name} holds no graph of uncertain costs, so it cannot be read as {name}", "foreign")
     refuse_settings(name, settings, ("risk",))
     return UncertainPath(instance, RISK.value("risk", settings.get("risk", RISK.default)))

@@ -53,7 +53,7 @@ class BottleneckSATA(DecidedElements):
 
     def __init__(self, graph: SensingGraph, *, fractional: bool = False) -> None:
         if graph.num_targets == 0:
-            raise InputError(f"{graph.name} has no target, so there is no worst-covered one")
+            raise InputError(f"{graph.name} has no target, so there is no worst-covered one", "missing")
         self.graph, self.fractional = graph, bool(fractional)
         self.name, self.notes = graph.name, graph.notes
         self.problem = "bottleneck-lp" if fractional else "bottleneck"
@@ -83,7 +83,7 @@ class BottleneckSATA(DecidedElements):
     def check_statement(self, statement: Any) -> None:
         """Accept ``{"chosen": action}``, counted from 0, for whole actions only."""
         if self.fractional:
-            raise InputError("nothing can be stated of shares of actions", found=printable(str(statement), 80))
+            raise InputError("nothing can be stated of shares of actions", "unsupported", found=printable(str(statement), 80))
         super().check_statement(statement)
 
     def linear_entries(self) -> int:
@@ -139,7 +139,9 @@ class BottleneckSATA(DecidedElements):
     def _evaluate_selection(self, answer: Any) -> Evaluation:
         g = self.graph
         if not isinstance(answer, Selection):
-            raise UsageError(f"an answer to {self.problem} is a Selection, not {type(answer).__name__}: Selection.of([0, 3]) makes one")
+            raise UsageError(
+                f"an answer to {self.problem} is a Selection, not {type(answer).__name__}: Selection.of([0, 3]) makes one", "malformed"
+            )
         chosen, (actions, faults) = judge_elements(answer, g.num_actions, "actions", "action", g.action_name)
         robots, counts = np.unique(g.robot_of_action[chosen], return_counts=True)
         single, doubled = judge(
@@ -160,7 +162,9 @@ class BottleneckSATA(DecidedElements):
         except (TypeError, ValueError):
             x = np.zeros((0, 0))
         if x.shape != (self.graph.num_actions,):
-            raise UsageError(f"an answer to {self.problem} is a vector of shares, one for each of the {self.graph.num_actions} actions")
+            raise UsageError(
+                f"an answer to {self.problem} is a vector of shares, one for each of the {self.graph.num_actions} actions", "wrong-shape"
+            )
         return x
 
     def answer_to_json(self, answer: Any) -> dict[str, Any]:
@@ -183,7 +187,7 @@ class BottleneckSATA(DecidedElements):
         index, shares = action_index(g), np.zeros(g.num_actions)
         for number, entry in enumerate(data["actions"], start=1):
             if not isinstance(entry, Mapping) or str(entry.get("action")) not in index:
-                raise InputError(f"entry {number} of the actions names no known action", found=str(entry)[:80])
+                raise InputError(f"entry {number} of the actions names no known action", "unknown-name", found=str(entry)[:80])
             share = entry.get("share")
             if isinstance(share, bool) or not isinstance(share, int | float):
                 raise InputError(f"the share of action {entry['action']} is not a number", found=str(share)[:80])
@@ -226,5 +230,8 @@ def _build(instance: Any, problem: str, settings: dict[str, Any]) -> BottleneckS
     fractional = settings.get("fractional", problem == "bottleneck-lp")
     truth = {"true": True, "false": False}.get(str(fractional).lower())
     if truth is None or (problem == "bottleneck-lp" and not truth):
-        raise UsageError(f"fractional must be true or false, and bottleneck-lp is fractional; found {fractional!r}")
+        raise UsageError(
+            f"fractional must be true or false, and bottleneck-lp is fractional; found {fractional!r}",
+            "malformed" if truth is None else "contradiction",
+        )
     return BottleneckSATA(graph, fractional=truth)

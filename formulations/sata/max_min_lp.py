@@ -148,7 +148,7 @@ class MaxMinLP(Problem):
         except (TypeError, ValueError):
             x = np.zeros((0, 0))
         if x.shape != (self.num_variables,):
-            raise UsageError(f"an answer to {self.problem} is a vector of {self.num_variables} numbers")
+            raise UsageError(f"an answer to {self.problem} is a vector of {self.num_variables} numbers", "wrong-shape")
         return x
 
     def answer_to_json(self, answer: Any) -> dict[str, Any]:
@@ -161,7 +161,7 @@ class MaxMinLP(Problem):
         index, x = {self.variable_name(k): k for k in range(self.num_variables)}, np.zeros(self.num_variables)
         for name, value in data["values"].items():
             if name not in index:
-                raise InputError(f"the answer names an unknown variable {str(name)[:80]!r}")
+                raise InputError(f"the answer names an unknown variable {str(name)[:80]!r}", "unknown-name")
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise InputError(f"the value of variable {name} is not a number", found=str(value)[:80])
             x[index[name]] = value
@@ -196,7 +196,7 @@ def _rows(matrix: SparseMatrix, x: Floats) -> Floats:
 @PROBLEMS.register("max-min-lp")
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> MaxMinLP:
     if not isinstance(instance, MaxMinInstance):
-        raise UsageError(f"{instance.name} holds no packing and covering rows, so it cannot be read as {problem}")
+        raise UsageError(f"{instance.name} holds no packing and covering rows, so it cannot be read as {problem}", "foreign")
     refuse_settings(problem, settings)
     return MaxMinLP(
         instance.packing, instance.covering, sense=instance.sense, name=instance.name, variable_names=instance.variable_names,

@@ -41,7 +41,7 @@ class Selection:
             chosen = tuple(int(e) for e in elements)
             credited = None if winners is None else tuple(int(w) for w in winners)
         except (TypeError, ValueError):
-            raise UsageError(f"a selection is a list of element numbers, not {elements!r}") from None
+            raise UsageError(f"a selection is a list of element numbers, not {elements!r}", "malformed") from None
         return cls(chosen, credited)
 
     def __iter__(self) -> Iterator[int]:
@@ -56,7 +56,7 @@ def indicator(answer: Selection, size: int) -> NDArray[np.float64]:
     x = np.zeros(size)
     elements = np.asarray(answer.elements, dtype=np.int64)
     if ((elements < 0) | (elements >= size)).any():
-        raise InputError("the start chooses an element that does not exist", expected=f"0 to {size - 1}")
+        raise InputError("the start chooses an element that does not exist", "unknown-name", expected=f"0 to {size - 1}")
     x[elements] = 1.0
     return x
 
@@ -66,7 +66,9 @@ def selection_of(answer: Any, names: Callable[[], Mapping[str, int]], thing: str
     if isinstance(answer, Selection):
         return answer
     if isinstance(answer, str | bytes | Mapping) or not isinstance(answer, Iterable):
-        raise UsageError(f"{printable(repr(answer), 80)} is no list of {thing}s; Selection.of([0, 3]) chooses the first and the fourth")
+        raise UsageError(
+            f"{printable(repr(answer), 80)} is no list of {thing}s; Selection.of([0, 3]) chooses the first and the fourth", "malformed"
+        )
     return Selection(tuple(indices_of(answer, names(), thing)))
 
 
@@ -92,10 +94,10 @@ def judge_elements(
 def graph_for(instance: Any, problem: str) -> SensingGraph:
     """The instance as a sensing graph of which ``problem`` may be asked; raises UsageError for any other."""
     if not isinstance(instance, SensingGraph):
-        raise UsageError(f"{instance.name} holds no sensing graph, so it cannot be read as {problem}")
+        raise UsageError(f"{instance.name} holds no sensing graph, so it cannot be read as {problem}", "foreign")
     if problem not in instance.problems:
         allowed = ", ".join(instance.problems)
-        raise UsageError(f"{instance.name} ({instance.format}) cannot be read as {problem}; it allows {allowed}")
+        raise UsageError(f"{instance.name} ({instance.format}) cannot be read as {problem}; it allows {allowed}", "foreign")
     return instance
 
 
@@ -118,10 +120,10 @@ def actions_from_json(graph: SensingGraph, data: Any) -> Selection:
     for number, entry in enumerate(data["actions"], start=1):
         name = entry.get("action") if isinstance(entry, Mapping) else None
         if str(name) not in index:
-            raise InputError(f"entry {number} of the actions names no known action", found=str(entry)[:80])
+            raise InputError(f"entry {number} of the actions names no known action", "unknown-name", found=str(entry)[:80])
         action = index[str(name)]
         robot = graph.robot_name(int(graph.robot_of_action[action]))
         if "robot" in entry and str(entry["robot"]) != robot:
-            raise InputError(f"action {name} belongs to robot {robot}", found=str(entry["robot"])[:80])
+            raise InputError(f"action {name} belongs to robot {robot}", "contradiction", found=str(entry["robot"])[:80])
         chosen.append(action)
     return Selection(tuple(chosen))

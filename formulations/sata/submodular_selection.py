@@ -67,7 +67,7 @@ class SubmodularSelection(DecidedElements):
             ends[1] = True
             empty, everything = function.values(ends).tolist()
             if abs(empty) > EQUAL * abs(everything):
-                raise InputError("the empty set must have value 0; subtract its value from the function", found=str(empty))
+                raise InputError("the empty set must have value 0; subtract its value from the function", "unsupported", found=str(empty))
 
     @property
     def num_elements(self) -> int:
@@ -114,7 +114,7 @@ class SubmodularSelection(DecidedElements):
         """Recompute the value, and test that the elements exist, none twice, and that the constraint holds."""
         if not isinstance(answer, Selection):
             raise UsageError(
-                f"an answer to a selection problem is a Selection, not {type(answer).__name__}: Selection.of([0, 3]) makes one"
+                f"an answer to a selection problem is a Selection, not {type(answer).__name__}: Selection.of([0, 3]) makes one", "malformed"
             )
         chosen, (elements, faults) = judge_elements(answer, self.num_elements, "elements", "element", self.element_name)
         rule, broken = self._judge_constraint(chosen)
@@ -142,7 +142,7 @@ class SubmodularSelection(DecidedElements):
         index = {self.element_name(e): e for e in range(self.num_elements)}
         for entry in data["elements"]:
             if str(entry) not in index:
-                raise InputError(f"the answer chooses an unknown element {str(entry)[:80]!r}")
+                raise InputError(f"the answer chooses an unknown element {str(entry)[:80]!r}", "unknown-name")
         return Selection(tuple(index[str(e)] for e in data["elements"]))
 
     def answer_of(self, given: Any) -> Selection:
@@ -169,10 +169,12 @@ def from_sensing(graph: SensingGraph, settings: dict[str, Any]) -> SubmodularSel
     refuse_settings("selection", settings, ("function", "constraint", "k"))
     function, constraint, k = settings.get("function", "facility-location"), settings.get("constraint"), settings.get("k")
     if function not in ("facility-location", "coverage"):
-        raise UsageError(f"function must be facility-location or coverage, not {function!r}")
+        raise UsageError(f"function must be facility-location or coverage, not {function!r}", "unknown-name")
     constraint = constraint or ("partition" if k is None else "cardinality")
-    if constraint not in ("partition", "cardinality") or (constraint == "cardinality") != (k is not None):
-        raise UsageError("constraint must be partition (one action a robot), or cardinality with k=NUMBER")
+    known = constraint in ("partition", "cardinality")
+    if not known or (constraint == "cardinality") != (k is not None):
+        wanted = "constraint must be partition (one action a robot), or cardinality with k=NUMBER"
+        raise UsageError(wanted, "contradiction" if known else "unknown-name")
     chosen: SetFunction = FacilityLocation(graph.indptr, graph.indices, graph.weights, graph.num_targets)
     if function == "coverage":
         chosen = Coverage(graph.indptr, graph.indices, np.ones(graph.num_targets))
@@ -181,7 +183,7 @@ def from_sensing(graph: SensingGraph, settings: dict[str, Any]) -> SubmodularSel
         try:
             rule = Cardinality(int(str(k)))
         except (ValueError, InputError):
-            raise UsageError(f"k must be a whole number of at least 1, not {k!r}") from None
+            raise UsageError(f"k must be a whole number of at least 1, not {k!r}", "out-of-range") from None
     return SubmodularSelection(chosen, rule, element_names=graph.action_labels, name=graph.name, notes=graph.notes)
 
 
@@ -190,7 +192,7 @@ def _build(instance: Any, problem: str, settings: dict[str, Any]) -> SubmodularS
     if isinstance(instance, SensingGraph):
         return from_sensing(graph_for(instance, problem), settings)
     if not isinstance(instance, SelectionInstance):
-        raise UsageError(f"{instance.name} holds neither a selection nor a sensing graph, so it cannot be read as {problem}")
+        raise UsageError(f"{instance.name} holds neither a selection nor a sensing graph, so it cannot be read as {problem}", "foreign")
     refuse_settings(problem, settings)
     return SubmodularSelection(
         instance.function, instance.constraint, element_names=instance.element_names, name=instance.name, problem=problem,

@@ -92,7 +92,7 @@ class WinnerTakesAllSATA(SubmodularSelection):
         g = self.graph
         winners = np.asarray(answer.winners, dtype=np.int64)
         if winners.shape != (g.num_targets,):
-            raise UsageError(f"winners must have one entry a target ({g.num_targets}), not {len(winners)}")
+            raise UsageError(f"winners must have one entry a target ({g.num_targets}), not {len(winners)}", "wrong-shape")
         unknown = ((winners < -1) | (winners >= g.num_robots)).astype(np.float64)
         credit, faults = judge(
             "credit", unknown, lambda k: f"target {g.target_name(k)} credits robot number {winners[k]}, which does not exist"
@@ -133,10 +133,12 @@ class WinnerTakesAllSATA(SubmodularSelection):
             raise InputError("the answer's targets are not a list")
         for k, entry in enumerate(data["targets"], start=1):
             if not isinstance(entry, Mapping) or str(entry.get("target")) not in targets or str(entry.get("robot")) not in robots:
-                raise InputError(f"entry {k} of the answer's targets names no known target and robot", found=str(entry)[:80])
+                raise InputError(
+                    f"entry {k} of the answer's targets names no known target and robot", "unknown-name", found=str(entry)[:80]
+                )
             target = targets[str(entry["target"])]
             if credit[target] >= 0:
-                raise InputError(f"target {g.target_name(target)} is credited twice")
+                raise InputError(f"target {g.target_name(target)} is credited twice", "duplicate")
             credit[target] = robots[str(entry["robot"])]
         return Selection(chosen.elements, tuple(credit))
 

@@ -70,7 +70,7 @@ class Following(Policy):
     def ways(self, at: int) -> dict[int, list[int]]:
         """The paths that are left, by the vertex to which they go next, in ascending order of these."""
         if at != self._walked[-1]:
-            raise InputError("the walk left the path that was chosen", expected=str(self._walked[-1]), found=str(at))
+            raise InputError("the walk left the path that was chosen", "contradiction", expected=str(self._walked[-1]), found=str(at))
         step, ways = len(self._walked), dict[int, list[int]]()
         for k in self._left:
             ways.setdefault(self.paths.paths[k][step], []).append(k)

@@ -38,7 +38,9 @@ def cvar(problem: RiskAllocation, context: Context, *, samples: int = 1000) -> O
     """
     noisy = np.nonzero(problem.deviation > 0.0)[0]
     if samples < 10 or 3 * samples * max(1, len(noisy)) > MOST_ENTRIES:
-        raise UsageError(f"cvar: samples must lie between 10 and {MOST_ENTRIES // (3 * max(1, len(noisy)))} here, not {samples}")
+        raise UsageError(
+            f"cvar: samples must lie between 10 and {MOST_ENTRIES // (3 * max(1, len(noisy)))} here, not {samples}", "out-of-range"
+        )
     assert problem.risk.total is not None
     stop, units = context.begin(), Units.of(problem)
     drawn = (context.rng.standard_normal((samples, len(problem.limits))) @ root(problem.covariance).T)[:, noisy] / problem.deviation[noisy]

@@ -37,7 +37,9 @@ def iterative(
     constraint"; docs/formulations/risk-allocation.md#iterative.
     """
     if not (0.0 < alpha < 1.0 and 0.0 < decay <= 1.0 and epsilon >= 0.0 and rounds >= 1):
-        raise UsageError("iterative: alpha must lie between 0 and 1, decay above 0 up to 1, epsilon at 0 or more, rounds at 1 or more")
+        raise UsageError(
+            "iterative: alpha must lie between 0 and 1, decay above 0 up to 1, epsilon at 0 or more, rounds at 1 or more", "out-of-range"
+        )
     stop, units = context.begin(), Units.of(problem)
     p = units.problem
     risks, budget = uniform_risks(p), _shared(p)

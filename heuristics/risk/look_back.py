@@ -117,7 +117,7 @@ def risk_of(problem: RiskyPath, path: Path) -> float:
 def check_steps(steps: int) -> None:
     """Raise UsageError unless ``steps`` is from 1 to ``MOST_STEPS``."""
     if not 1 <= steps <= MOST_STEPS:
-        raise UsageError(f"steps must be a whole number from 1 to {MOST_STEPS}, not {steps!r}")
+        raise UsageError(f"steps must be a whole number from 1 to {MOST_STEPS}, not {steps!r}", "out-of-range")
 
 
 def exact_for(problem: RiskyPath, steps: int) -> tuple[str, ...]:

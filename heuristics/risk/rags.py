@@ -44,7 +44,7 @@ class RiskAware(Following):
         asked = {"rule": (rule, RULES), "comparison": (comparison, COMPARISONS), "first_edges": (first_edges, FIRST_EDGES)}
         for what, (name, choices) in asked.items():
             if name not in choices:
-                raise UsageError(f"{what} must be one of {', '.join(choices)}, not {name!r}")
+                raise UsageError(f"{what} must be one of {', '.join(choices)}, not {name!r}", "unknown-name")
         self.rule, self.comparison, self.first_edges = rule, comparison, first_edges
         self.risks: list[dict[int, float]] = []
         edges = [graph.edges_of(path) for path in paths.paths]

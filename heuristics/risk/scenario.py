@@ -58,14 +58,16 @@ def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0
     Source: Calafiore and Campi (2006), "The scenario approach to robust control design"; docs/formulations/risk-allocation.md#samples.
     """
     if not 0.0 < confidence < 1.0 or samples < 0:
-        raise UsageError("scenario: confidence must lie between 0 and 1, and samples at 0 or more")
+        raise UsageError("scenario: confidence must lie between 0 and 1, and samples at 0 or more", "out-of-range")
     assert problem.risk.total is not None
     support = min(problem.size, len(problem.limits))
     needed = enough_samples(problem.risk.total, confidence, support)
     many = samples or needed
     if many is None or many > MOST_SAMPLES:
         demand = "more samples are" if many is None else f"{many} samples are"
-        raise UsageError(f"scenario: {demand} needed, and at most {MOST_SAMPLES} are drawn: ask for less confidence or more risk")
+        raise UsageError(
+            f"scenario: {demand} needed, and at most {MOST_SAMPLES} are drawn: ask for less confidence or more risk", "too-large"
+        )
     stop, noise, units = context.begin(), root(problem.covariance), Units.of(problem)
     worst = np.full(len(problem.limits), -math.inf)
     portion = max(1, PORTION // max(1, len(worst)))

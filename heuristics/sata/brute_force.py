@@ -109,12 +109,16 @@ def _full_sets(limits: Limits) -> int:
 def _refuse(total: int, most: int) -> None:
     if total > most:
         shown = f"{total:,}" if total < 10**15 else f"about 10^{int(math.log10(total))}"
-        raise UsageError(f"brute-force enumerates at most {most:,} answers, this problem has {shown}; choose another heuristic or a solver")
+        raise UsageError(
+            f"brute-force enumerates at most {most:,} answers, this problem has {shown}; choose another heuristic or a solver", "too-large"
+        )
 
 
 def _refuse_memory(depth: int, width: int) -> None:
     if depth * width > MOST_NUMBERS:
-        raise UsageError(f"brute-force keeps {depth:,} x {width:,} numbers here, more than {MOST_NUMBERS:,}; choose another heuristic")
+        raise UsageError(
+            f"brute-force keeps {depth:,} x {width:,} numbers here, more than {MOST_NUMBERS:,}; choose another heuristic", "too-large"
+        )
 
 
 def _optimal(total: int, assumed: tuple[str, ...]) -> Guarantee:

@@ -38,7 +38,7 @@ def continuous_greedy(problem: SubmodularSelection, context: Context, *, steps: 
     a guarantee where the time was up before the last step. Proved in docs/selection.md#what-is-proved-for-the-continuous-greedy.
     """
     if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or not 1 <= steps <= MOST_STEPS:
-        raise UsageError(f"steps must be a whole number from 1 to {MOST_STEPS:,}, not {steps!r}")
+        raise UsageError(f"steps must be a whole number from 1 to {MOST_STEPS:,}, not {steps!r}", "out-of-range")
     from .greedy_steps import multilinear_kernels as multilinear
 
     stop = context.begin()
@@ -112,7 +112,9 @@ def _sparse(weights: ItemWeights) -> ItemWeights:
         return weights
     entries = int(np.count_nonzero(weights.matrix))
     if entries > MOST_ENTRIES:
-        raise UsageError(f"continuous-greedy keeps a number an entry: at most {MOST_ENTRIES:,} positive weights, not {entries:,}")
+        raise UsageError(
+            f"continuous-greedy keeps a number an entry: at most {MOST_ENTRIES:,} positive weights, not {entries:,}", "too-large"
+        )
     element, item, weight = weights.edges()
     starts = np.searchsorted(element, np.arange(len(weights.matrix) + 1))
     return ItemWeights.sparse(AT_ENTRY, starts.astype(np.int32), item.astype(np.int32), weight, weights.num_items)

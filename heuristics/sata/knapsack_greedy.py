@@ -52,7 +52,7 @@ def knapsack_greedy(problem: SubmodularSelection, context: Context, *, enumerate
     index.
     """
     if enumerate is not None and (isinstance(enumerate, bool) or not isinstance(enumerate, int | np.integer) or not 0 <= enumerate <= 3):
-        raise UsageError(f"enumerate must be 0, 1, 2 or 3, not {enumerate!r}")
+        raise UsageError(f"enumerate must be 0, 1, 2 or 3, not {enumerate!r}", "out-of-range")
     c = problem.constraint.as_knapsack()
     assert c is not None
     costs, budget = in_budgets(c.costs, room(c.costs, c.budget))

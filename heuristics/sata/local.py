@@ -60,7 +60,7 @@ def local(
     check_ties(ties)
     for name, value in (("normalise", normalise), ("ball", ball), ("messages", messages)):
         if not isinstance(value, bool):
-            raise UsageError(f"{name} must be true or false, not {value!r}")
+            raise UsageError(f"{name} must be true or false, not {value!r}", "malformed")
     stop = context.begin()
     task = _task(problem)
     options = {"eps": eps, "search": search, "step": step, "smoothing": smoothing, "normalise": normalise}
@@ -132,7 +132,7 @@ def _heights(h: Any, heights: Any) -> list[int]:
         numbers = list(range(1, int(numbers) + 1)) if 1 <= numbers <= MOST_LAYERS else []
     valid = isinstance(numbers, Sequence | np.ndarray) and len(numbers) > 0
     if not valid or not all(isinstance(k, int | np.integer) and not isinstance(k, bool) and 1 <= k <= MOST_LAYERS for k in numbers):
-        raise UsageError(f"heights must be a whole number from 1 to {MOST_LAYERS}, or a list of such, not {heights!r}")
+        raise UsageError(f"heights must be a whole number from 1 to {MOST_LAYERS}, or a list of such, not {heights!r}", "out-of-range")
     return sorted({int(k) for k in numbers})
 
 

@@ -31,7 +31,7 @@ ALIKE = 1e-9
 def check_ties(ties: Any) -> None:
     """Raise UsageError unless ``ties`` is a rule."""
     if ties not in TIES:
-        raise UsageError(f"ties must be {', '.join(TIES[:-1])} or {TIES[-1]}, not {ties!r}")
+        raise UsageError(f"ties must be {', '.join(TIES[:-1])} or {TIES[-1]}, not {ties!r}", "unknown-name")
 
 
 def by_share(shares: Floats, ties: str = "last", rng: np.random.Generator | None = None) -> NDArray[np.int64]:
@@ -67,7 +67,7 @@ def _turns(count: int, ties: str, rng: np.random.Generator | None) -> NDArray[np
     if ties != "random":
         return np.arange(count) if ties == "first" else -np.arange(count)
     if rng is None:
-        raise UsageError("ties=random needs a random generator")
+        raise UsageError("ties=random needs a random generator", "missing")
     return -rng.permutation(count)
 
 

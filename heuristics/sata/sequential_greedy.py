@@ -66,7 +66,7 @@ def _turns(problem: SubmodularSelection, order: Any, groups: int) -> NDArray[np.
         if sorted(numbers) == list(range(groups)):
             return np.array(numbers, dtype=np.int64)
     what = f"all {groups} {partition.thing}s"
-    raise UsageError(f"order must be a permutation of {what}, by number from 0 or by name, not {str(order)[:80]!r}")
+    raise UsageError(f"order must be a permutation of {what}, by number from 0 or by name, not {str(order)[:80]!r}", "malformed")
 
 
 def _valued(problem: SubmodularSelection, limits: Limits, turns: NDArray[np.int64], stop: Stop) -> tuple[list[int], int, bool]:

@@ -25,7 +25,7 @@ def stochastic_greedy(problem: SubmodularSelection, context: Context, *, eps: fl
     """
     most = 1.0 - math.exp(-1.0)
     if isinstance(eps, bool) or not isinstance(eps, int | float) or not 0.0 < eps < most:
-        raise UsageError(f"eps must lie between 0 and 1 - 1/e = {most:.4f}, not {eps!r}")
+        raise UsageError(f"eps must lie between 0 and 1 - 1/e = {most:.4f}, not {eps!r}", "out-of-range")
     limits = Limits.of(problem)
     n, k = problem.num_elements, limits.most
     size = math.ceil(-n / max(k, 1) * math.log(eps))  # 1 / eps may overflow

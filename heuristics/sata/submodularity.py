@@ -120,9 +120,9 @@ def check_submodular(
     mutual information, CSQMI): Mitchell (2020), chapter 3; docs/selection.md#is-it-submodular.
     """
     if isinstance(samples, bool) or not isinstance(samples, int | np.integer) or samples < 1:
-        raise UsageError(f"samples must be a whole number of at least 1, not {samples!r}")
+        raise UsageError(f"samples must be a whole number of at least 1, not {samples!r}", "out-of-range")
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-        raise UsageError(f"seed must be a whole number of at least 0, not {seed!r}")
+        raise UsageError(f"seed must be a whole number of at least 0, not {seed!r}", "out-of-range")
     values, n = _values_of(f, elements)
     if constraint is not None:
         constraint.check(n)
@@ -158,12 +158,14 @@ def _values_of(f: Any, elements: int | None) -> tuple[Callable[[Masks], Floats],
         f = f.function
     if not isinstance(f, SetFunction):
         if not callable(f):
-            raise UsageError(f"check_submodular takes a problem, a set function or a callable over masks, not {type(f).__name__}")
+            raise UsageError(
+                f"check_submodular takes a problem, a set function or a callable over masks, not {type(f).__name__}", "malformed"
+            )
         if isinstance(elements, bool) or not isinstance(elements, int | np.integer) or elements < 1:
-            raise UsageError("elements must say how many elements the callable's masks have")
+            raise UsageError("elements must say how many elements the callable's masks have", "missing")
         f = UserFunction(f, int(elements))
     elif elements is not None and elements != f.num_elements:
-        raise UsageError(f"the function has {f.num_elements} elements, not {elements!r}")
+        raise UsageError(f"the function has {f.num_elements} elements, not {elements!r}", "wrong-shape")
     whole, n = f.values, f.num_elements
     step = max(1, CHUNK // max(1, n))
     return lambda masks: np.concatenate([whole(masks[k : k + step]) for k in range(0, len(masks), step)]), n

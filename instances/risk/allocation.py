@@ -52,10 +52,11 @@ class Affine:
         many = self.rows if rows is None else rows
         shapes = (self.decisions.shape, self.quantities.shape, self.constant.shape)
         if shapes != ((many, decisions), (many, quantities), (many,)):
-            raise InputError(f"{what} does not fit the decisions and quantities", expected=f"{(many, decisions)}, {(many, quantities)}",
+            raise InputError(f"{what} does not fit the decisions and quantities", "wrong-shape",
+                             expected=f"{(many, decisions)}, {(many, quantities)}",
                              found=", ".join(map(str, shapes)))  # fmt: skip
         if not all(np.isfinite(part).all() for part in (self.decisions, self.quantities, self.constant)):
-            raise InputError(f"{what} must hold finite numbers")
+            raise InputError(f"{what} must hold finite numbers", "out-of-range")
 
     def parts(self) -> tuple[Any, ...]:
         return (self.decisions, self.quantities, self.constant)
@@ -71,10 +72,12 @@ class CostTerm:
 
     def __post_init__(self) -> None:
         if self.kind not in TERMS:
-            raise InputError("the kind of a cost term is unknown", expected=", ".join(TERMS), found=self.kind)
+            raise InputError("the kind of a cost term is unknown", "unknown-name", expected=", ".join(TERMS), found=self.kind)
         if not (math.isfinite(self.weight) and self.weight >= 0):
             raise InputError(
-                "the weight of a cost term must be finite and not negative, else the cost is not convex", found=f"{self.weight:g}"
+                "the weight of a cost term must be finite and not negative, else the cost is not convex",
+                "out-of-range",
+                found=f"{self.weight:g}",
             )
 
 
@@ -117,9 +120,15 @@ class ChanceConstraints:
 
     def __post_init__(self) -> None:
         if self.limits.shape != (self.rows.rows,) or not np.isfinite(self.limits).all():
-            raise InputError("the limits of chance constraints must be one finite number a row", expected=str(self.rows.rows))
+            raise InputError(
+                "the limits of chance constraints must be one finite number a row", "wrong-shape", expected=str(self.rows.rows)
+            )
         if self.constraint.shape != (self.rows.rows,) or not np.array_equal(np.unique(self.constraint), np.arange(len(self.names))):
-            raise InputError("each row belongs to a chance constraint, and each of these has a row", expected=f"0 to {len(self.names) - 1}")
+            raise InputError(
+                "each row belongs to a chance constraint, and each of these has a row",
+                "contradiction",
+                expected=f"0 to {len(self.names) - 1}",
+            )
         arrays.names("chance constraint", self.names, len(self.names))
 
 
@@ -146,23 +155,23 @@ class Risk:
 
     def __post_init__(self) -> None:
         if self.kind not in RISKS:
-            raise InputError("the kind of risk is unknown", expected=" or ".join(RISKS), found=self.kind)
+            raise InputError("the kind of risk is unknown", "unknown-name", expected=" or ".join(RISKS), found=self.kind)
         named = [("the total risk", self.total), *((f"the risk of budget {b.name}", b.risk) for b in self.budgets)]
         for what, risk in named:
             if risk is not None and not 0.0 < risk < 1.0:
-                raise InputError(f"{what} must lie between 0 and 1, both excluded", found=f"{risk:g}")
+                raise InputError(f"{what} must lie between 0 and 1, both excluded", "out-of-range", found=f"{risk:g}")
         if not ((self.each > 0.0) & (self.each < 1.0)).all():
             k = int(np.argmin((self.each > 0.0) & (self.each < 1.0)))
-            raise InputError("the risk of a constraint must lie between 0 and 1, both excluded", found=f"{self.each[k]:g}")
+            raise InputError("the risk of a constraint must lie between 0 and 1, both excluded", "out-of-range", found=f"{self.each[k]:g}")
         for budget in self.budgets:
             arrays.refuse_outside(f"constraint {{}} of budget {budget.name}", budget.constraints, len(self.each), "chance constraint")
             if len(np.unique(budget.constraints)) != len(budget.constraints):
-                raise InputError(f"budget {budget.name} names a constraint twice")
+                raise InputError(f"budget {budget.name} names a constraint twice", "duplicate")
         most = self.caps()
         if (most > MOST_RISK).any():
             k = int(np.argmax(most))
             raise InputError(
-                f"chance constraint number {k + 1} may have a risk above 1/2, where the quantile is not convex",
+                f"chance constraint number {k + 1} may have a risk above 1/2, where the quantile is not convex", "out-of-range",
                 expected="each: 0.5 or less", found=f"{most[k]:g}",
             )  # fmt: skip
 
@@ -226,22 +235,26 @@ class RiskAllocationInstance:
     def __post_init__(self) -> None:
         n, q = len(self.decision_names), len(self.quantities.names)
         if not n:
-            raise InputError("there must be at least one decision")
+            raise InputError("there must be at least one decision", "missing")
         arrays.names("decision", self.decision_names, n)
         arrays.names("quantity", self.quantities.names, q)
         if self.sense not in ("min", "max"):
-            raise InputError("the sense must be min or max", found=str(self.sense))
+            raise InputError("the sense must be min or max", "unknown-name", found=str(self.sense))
         if self.quantities.map.shape[1] != n:
-            raise InputError("the quantities' map has one column a decision", expected=str(n), found=str(self.quantities.map.shape[1]))
+            raise InputError(
+                "the quantities' map has one column a decision", "wrong-shape", expected=str(n), found=str(self.quantities.map.shape[1])
+            )
         for what, low, high, many in (
             ("bounds of the decisions", self.lower, self.upper, n),
             ("limits of the constraints", self.constraint_lower, self.constraint_upper, self.constraints.rows),
         ):
             if low.shape != (many,) or high.shape != (many,) or np.isnan(low).any() or np.isnan(high).any():
-                raise InputError(f"{what} must be one number each", expected=str(many), found=f"{low.shape} and {high.shape}")
+                raise InputError(
+                    f"{what} must be one number each", "wrong-shape", expected=str(many), found=f"{low.shape} and {high.shape}"
+                )
             if (low > high).any():
                 k = int(np.argmax(low > high))
-                raise InputError(f"{what} cross at {k}", expected="lower <= upper", found=f"{low[k]:g} > {high[k]:g}")
+                raise InputError(f"{what} cross at {k}", "contradiction", expected="lower <= upper", found=f"{low[k]:g} > {high[k]:g}")
         self.cost.check("the cost", n, q, 1)
         self.constraints.check("the constraints", n, q)
         self.chance.rows.check("the chance constraints", n, q)
@@ -251,12 +264,14 @@ class RiskAllocationInstance:
             cone.rows.check("a cone", n, q)
             cone.limit.check("the limit of a cone", n, q, 1)
         if not self.chance.names:
-            raise InputError("there must be at least one chance constraint")
+            raise InputError("there must be at least one chance constraint", "missing")
         if self.risk.each.shape != (len(self.chance.names),):
             found = str(len(self.risk.each))
-            raise InputError("there is one largest risk for each chance constraint", expected=str(len(self.chance.names)), found=found)
+            raise InputError(
+                "there is one largest risk for each chance constraint", "wrong-shape", expected=str(len(self.chance.names)), found=found
+            )
         if len(arrays.names("constraint", self.constraint_names, self.constraints.rows) or ()) != self.constraints.rows:
-            raise InputError("there must be one name for each constraint")
+            raise InputError("there must be one name for each constraint", "wrong-shape")
         object.__setattr__(self, "name", label(self.name))
 
     def digest(self) -> str:

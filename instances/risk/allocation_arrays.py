@@ -47,7 +47,10 @@ def allocation_from_arrays(
         labels = [str(label) for label in constraint]
         if len(labels) != many:
             raise InputError(
-                "constraint must say for each chance row which constraint it belongs to", expected=str(many), found=str(len(labels))
+                "constraint must say for each chance row which constraint it belongs to",
+                "wrong-shape",
+                expected=str(many),
+                found=str(len(labels)),
             )
         constraint_names = tuple(dict.fromkeys(labels))
         owner = np.array([constraint_names.index(label) for label in labels])
@@ -55,7 +58,7 @@ def allocation_from_arrays(
     names.known[ROW] = constraint_names
     caps = names.take("each", most if each is None else each, (ROW,), (len(constraint_names),), one=True)
     if total is None and each is None and not budgets:
-        raise InputError("risk says no limit", expected="total, each or budgets")
+        raise InputError("risk says no limit", "missing", expected="total, each or budgets")
     shares = tuple(_budget(str(key), value, constraint_names) for key, value in (budgets or {}).items())
     fixed = np.zeros((0, n)) if rows is None else names.take("rows", rows, (CONSTRAINT, DECISION), (None, n))
     below = names.take("row_lower", -math.inf if row_lower is None else row_lower, (CONSTRAINT,), (len(fixed),), one=True)
@@ -89,7 +92,7 @@ def _budget(name: str, entry: Any, known: tuple[str, ...]) -> Budget:
         number = int(one) if isinstance(one, int | np.integer) and not isinstance(one, bool) else None
         k = index.get(one) if isinstance(one, str) else number
         if k is None or not 0 <= k < len(known):
-            raise InputError(f"budget {name} names an unknown chance constraint", found=printable(str(one), 40))
+            raise InputError(f"budget {name} names an unknown chance constraint", "unknown-name", found=printable(str(one), 40))
         members.append(k)
     return Budget(name, np.array(members, dtype=np.int64), float(arrays.reals(f"the risk of budget {name}", entry[1])))
 
@@ -116,6 +119,7 @@ class _Names:
         ):
             raise InputError(
                 f"{what} must have one entry {an(' and '.join(dict.fromkeys(kinds)))}",
+                "wrong-shape",
                 expected=_shape(expected),
                 found=_shape(values.shape),
             )
@@ -136,7 +140,7 @@ class _Names:
             other = [label for label in labels if label not in known]
             found = printable(other[0], 40) if other else "no label for it"
             raise InputError(
-                f"{what} lacks the {kind} {printable(lacking[0], 40)}", expected="the labels of the frames before", found=found
+                f"{what} lacks the {kind} {printable(lacking[0], 40)}", "missing", expected="the labels of the frames before", found=found
             )
         return [place[label] for label in known]
 

@@ -32,17 +32,19 @@ def decode(data: dict[str, Any]) -> RiskAllocationInstance:
     fields(data, "the document", KEYS, ("name", "problem", "cost", "chance", "risk"))
     problem = string(data["problem"], "problem")
     if problem != "risk-allocation" or data.get("problems", [problem]) != [problem]:
-        raise InputError("data of risk allocation allow one problem", expected="risk-allocation", found=problem)
+        raise InputError("data of risk allocation allow one problem", "unknown-name", expected="risk-allocation", found=problem)
     if ("quantities" in data) == ("dynamics" in data):
-        raise InputError("there must be either quantities or dynamics")
+        raise InputError("there must be either quantities or dynamics", "contradiction" if "dynamics" in data else "missing")
     if "dynamics" in data:
         dynamics = _dynamics(data["dynamics"])
         quantities, names = dynamics.quantities(), dynamics.decision_names()
         if "decisions" in data and strings(data["decisions"], "decisions") != names:
-            raise InputError("the decisions of dynamics are their inputs, step after step", expected=", ".join(names[:4]) + ", ...")
+            raise InputError(
+                "the decisions of dynamics are their inputs, step after step", "contradiction", expected=", ".join(names[:4]) + ", ..."
+            )
     else:
         if "decisions" not in data:
-            raise InputError("the document lacks the key 'decisions'")
+            raise InputError("the document lacks the key 'decisions'", "missing")
         names = _names(data["decisions"], "decisions", "x")
         quantities = _quantities(data["quantities"], len(names))
     n, q = len(names), len(quantities.names)
@@ -88,9 +90,9 @@ def _matrix(data: Any, path: str, columns: int, rows: int | None = None) -> Floa
     fields(data, path, ("rows", "row", "column", "value"), ("rows", "row", "column", "value"))
     count = integer(data["rows"], f"{path}.rows", 0)
     if rows is not None and count != rows:
-        raise InputError(f"{path}.rows is another number than that of its neighbours", expected=str(rows), found=str(count))
+        raise InputError(f"{path}.rows is another number than that of its neighbours", "wrong-shape", expected=str(rows), found=str(count))
     if count * columns > MOST_ENTRIES:
-        raise InputError(f"{path} is too large", expected=f"at most {MOST_ENTRIES} entries", found=f"{count} x {columns}")
+        raise InputError(f"{path} is too large", "too-large", expected=f"at most {MOST_ENTRIES} entries", found=f"{count} x {columns}")
     row = wholes(data["row"], f"{path}.row")
     column, value = wholes(data["column"], f"{path}.column", len(row)), reals(data["value"], f"{path}.value", len(row))
     arrays.refuse_outside(f"{path}.row[{{}}]", row, count, "row")
@@ -112,7 +114,9 @@ def _affine(data: Any, path: str, n: int, q: int) -> Affine:
     )
     count = row_counts[0] if row_counts else 0
     if set(row_counts) - {count}:
-        raise InputError(f"{path} has another number of rows over decisions than over quantities", found=", ".join(map(str, row_counts)))
+        raise InputError(
+            f"{path} has another number of rows over decisions than over quantities", "wrong-shape", found=", ".join(map(str, row_counts))
+        )
     constant = np.zeros(count) if parts["constant"] is None else reals(parts["constant"], f"{path}.constant", count)
     return Affine(matrices.get("decisions", np.zeros((count, n))), matrices.get("quantities", np.zeros((count, q))), constant)
 
@@ -164,11 +168,11 @@ def _risk(data: Any, names: tuple[str, ...]) -> Risk:
         members = strings(entry["constraints"], f"{path}.constraints")
         unknown = next((m for m in members if m not in index), None)
         if unknown is not None:
-            raise InputError(f"{path}.constraints names an unknown chance constraint", found=repr(unknown)[:40])
+            raise InputError(f"{path}.constraints names an unknown chance constraint", "unknown-name", found=repr(unknown)[:40])
         name = string(entry.get("name", str(k + 1)), f"{path}.name")
         budgets.append(Budget(name, np.array([index[m] for m in members], dtype=np.int64), real(entry["risk"], f"{path}.risk")))
     if total is None and not budgets and "each" not in data:
-        raise InputError("risk says no limit", expected="total, each or budgets")
+        raise InputError("risk says no limit", "missing", expected="total, each or budgets")
     return Risk(string(data.get("kind", "allocated"), "risk.kind"), total, each, tuple(budgets))
 
 
@@ -196,7 +200,7 @@ def _dynamics(data: Any) -> Dynamics:
     n = len(array(data["state"], "dynamics.state"))
     inputs = len(array(array(data["input"], "dynamics.input", n)[0], "dynamics.input[0]")) if n else 0
     if not n or not inputs:
-        raise InputError("dynamics must have at least one state and one input")
+        raise InputError("dynamics must have at least one state and one input", "missing")
     return Dynamics(
         square(data["state"], "dynamics.state", n), _matrix(data["input"], "dynamics.input", inputs, n),
         _covariance(data["noise"], "dynamics.noise", n), reals(data["start"], "dynamics.start", n),

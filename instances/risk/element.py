@@ -93,19 +93,19 @@ def probabilities(what: str, values: ArrayLike) -> Floats:
     if wrong.any():
         at = np.argwhere(wrong)[0].tolist()
         where = ", ".join(f"{axis} {k + 1}" for axis, k in zip(("row", "column"), at, strict=False))
-        raise InputError(f"{what} must lie in [0, 1]", found=f"{array[tuple(at)]:g} in {where}" if where else f"{array:g}")
+        raise InputError(f"{what} must lie in [0, 1]", "out-of-range", found=f"{array[tuple(at)]:g} in {where}" if where else f"{array:g}")
     return array
 
 
 def rate_of(what: str, value: float) -> float:
     """``value`` as a number of at least 0; raises InputError for anything else."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < math.inf:
-        raise InputError(f"{what} must be a number of at least 0", found=str(value)[:40])
+        raise InputError(f"{what} must be a number of at least 0", "out-of-range", found=str(value)[:40])
     return float(value)
 
 
 def placed(element: RiskElement, space: Space) -> Floats:
     """Places of the states; raises InputError where they have none."""
     if space.positions is None:
-        raise InputError(f"risk element {element.label} needs positions of the states")
+        raise InputError(f"risk element {element.label} needs positions of the states", "missing")
     return space.positions

@@ -47,7 +47,7 @@ TETHER: dict[str, Reader] = {"reel": lambda data, path, states: tuple(reals(data
 def written_element(element: RiskElement) -> dict[str, Any]:
     """A risk element in JSON; raises UsageError for one that files cannot hold."""
     if element.kind not in ELEMENTS:
-        raise UsageError(f"risk element {element.label} is a function of one's own, which files cannot hold")
+        raise UsageError(f"risk element {element.label} is a function of one's own, which files cannot hold", "unsupported")
     data: dict[str, Any] = {"kind": element.kind, "label": element.label}
     for owner, keys in ((element, ELEMENTS[element.kind][1]), (getattr(element, "tether", None), TETHER)):
         if owner is not None:
@@ -70,7 +70,12 @@ def read_element(data: Any, path: str, states: int) -> RiskElement:
     kind = data.get("kind") if isinstance(data, dict) else None
     if not isinstance(data, dict) or not isinstance(kind, str) or kind not in ELEMENTS:
         found = kind_of(kind if isinstance(data, dict) else data)
-        raise InputError(f"{path} is no risk element", expected=", ".join(ELEMENTS), found=found)
+        raise InputError(
+            f"{path} is no risk element",
+            "unknown-name" if isinstance(kind, str) else "malformed",
+            expected=", ".join(ELEMENTS),
+            found=found,
+        )
     make, readers = ELEMENTS[data["kind"]]
     tethered = TETHER if data["kind"] == "tether" else {}
     fields(data, path, ("kind", "label", *readers, *tethered))
@@ -82,4 +87,4 @@ def read_element(data: Any, path: str, states: int) -> RiskElement:
             arguments["tether"] = Tether(**{key: read(data[key], f"{path}.{key}", states) for key, read in tethered.items() if key in data})
         return make(**arguments)
     except TypeError as fault:
-        raise InputError(f"{path} is incomplete: {str(fault).partition('__init__() ')[2]}") from None
+        raise InputError(f"{path} is incomplete: {str(fault).partition('__init__() ')[2]}", "missing") from None

@@ -43,7 +43,9 @@ class LocaleRisk(MemorylessElement):
 
     def check(self, space: Space) -> None:
         if self.risk.shape != (space.num_states,):
-            raise InputError(f"risks of {self.label} must be one a state", expected=str(space.num_states), found=str(self.risk.shape))
+            raise InputError(
+                f"risks of {self.label} must be one a state", "wrong-shape", expected=str(space.num_states), found=str(self.risk.shape)
+            )
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         return self.risk[after]
@@ -74,7 +76,7 @@ class LengthRisk(MemorylessElement):
     def __post_init__(self) -> None:
         object.__setattr__(self, "rate", rate_of(f"the rate of {self.label}", self.rate))
         if self.growth not in GROWTHS:
-            raise InputError(f"the growth of {self.label} is unknown", expected=", ".join(GROWTHS), found=str(self.growth))
+            raise InputError(f"the growth of {self.label} is unknown", "unknown-name", expected=", ".join(GROWTHS), found=str(self.growth))
 
     def check(self, space: Space) -> None:
         placed(self, space)
@@ -113,7 +115,9 @@ class TurnRisk(MemorylessElement):
     def __post_init__(self) -> None:
         object.__setattr__(self, "rate", rate_of(f"the rate of {self.label}", self.rate))
         if self.measure not in MEASURES:
-            raise InputError(f"the measure of {self.label} is unknown", expected=", ".join(MEASURES), found=str(self.measure))
+            raise InputError(
+                f"the measure of {self.label} is unknown", "unknown-name", expected=", ".join(MEASURES), found=str(self.measure)
+            )
 
     def check(self, space: Space) -> None:
         placed(self, space)
@@ -161,7 +165,7 @@ class AccessRisk(MemorylessElement):
 
     def check(self, space: Space) -> None:
         if self.width.shape != (space.num_states,) or not np.isfinite(self.width).all():
-            raise InputError(f"widths of {self.label} must be one finite number a state", expected=str(space.num_states))
+            raise InputError(f"widths of {self.label} must be one finite number a state", "wrong-shape", expected=str(space.num_states))
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         gain = np.where(state >= 0, self.width[after] - self.width[state], 0.0)
@@ -193,12 +197,14 @@ class MoveRisk(MemorylessElement):
         for key in ("before", "state", "after"):
             column = whole_numbers(f"{key} of {self.label}", getattr(self, key))
             if column.shape != self.risk.shape:
-                raise InputError(f"{key} of {self.label} must be one state a risk", expected=str(self.risk.shape), found=str(column.shape))
+                raise InputError(
+                    f"{key} of {self.label} must be one state a risk", "wrong-shape", expected=str(self.risk.shape), found=str(column.shape)
+                )
             object.__setattr__(self, key, column)
         entries = list(zip(self.before.tolist(), self.state.tolist(), self.after.tolist(), strict=True))
         if len(set(entries)) < len(entries):
             twice = next(e for k, e in enumerate(entries) if e in entries[:k])
-            raise InputError(f"{self.label} has two risks for one move", found=str(twice))
+            raise InputError(f"{self.label} has two risks for one move", "duplicate", found=str(twice))
 
     def check(self, space: Space) -> None:
         for key in ("state", "after"):

@@ -50,9 +50,11 @@ class Dynamics:
         shapes = {"state": (n, n), "input": (n, m), "noise": (n, n), "start_covariance": (n, n), "start": (n,)}
         for key, shape in shapes.items():
             if getattr(self, key).shape != shape:
-                raise InputError(f"dynamics: {key} has the wrong shape", expected=str(shape), found=str(getattr(self, key).shape))
+                raise InputError(
+                    f"dynamics: {key} has the wrong shape", "wrong-shape", expected=str(shape), found=str(getattr(self, key).shape)
+                )
         if self.steps < 1:
-            raise InputError("dynamics: there must be at least one step", found=str(self.steps))
+            raise InputError("dynamics: there must be at least one step", "out-of-range", found=str(self.steps))
         check_covariance("dynamics: noise", self.noise)
         check_covariance("dynamics: start_covariance", self.start_covariance)
 
@@ -114,11 +116,13 @@ class Quantities:
             object.__setattr__(self, key, arrays.reals(f"quantities: {key}", getattr(self, key)))
         if self.map.ndim != 2 or len(self.map) != q or self.offset.shape != (q,):
             found = f"{self.map.shape} and {self.offset.shape}"
-            raise InputError("quantities: map and offset have one row each quantity", expected=str(q), found=found)
+            raise InputError("quantities: map and offset have one row each quantity", "wrong-shape", expected=str(q), found=found)
         if not all(np.isfinite(part).all() for part in (self.map, self.offset, self.covariance)):
-            raise InputError("quantities: map, offset and covariance must be finite")
+            raise InputError("quantities: map, offset and covariance must be finite", "out-of-range")
         if self.covariance.shape != (q, q):
-            raise InputError("quantities: covariance has the wrong shape", expected=str((q, q)), found=str(self.covariance.shape))
+            raise InputError(
+                "quantities: covariance has the wrong shape", "wrong-shape", expected=str((q, q)), found=str(self.covariance.shape)
+            )
         if not self.checked:
             check_covariance("quantities: covariance", self.covariance, self.names)
 
@@ -128,22 +132,22 @@ def check_covariance(what: str, matrix: ArrayLike, names: Sequence[str] | None =
     by ``names`` of the rows, or by their numbers from 1."""
     array = np.asarray(matrix, dtype=np.float64)
     if not np.isfinite(array).all():
-        raise InputError(f"{what} must be finite")
+        raise InputError(f"{what} must be finite", "out-of-range")
     variance = np.diag(array)
     if (variance < 0).any():
         k = int(np.argmin(variance))
-        raise InputError(f"{what} has a negative variance", expected="0 or more", found=f"{variance[k]:g} {_row(k, names)}")
+        raise InputError(f"{what} has a negative variance", "out-of-range", expected="0 or more", found=f"{variance[k]:g} {_row(k, names)}")
     largest = float(np.abs(array).max(initial=0.0))
     apart = np.abs(array - array.T)
     if apart.max(initial=0.0) > SEMIDEFINITE * largest:
         i, j = (int(k) for k in np.unravel_index(int(np.argmax(apart)), apart.shape))
         where = f"rows {i + 1} and {j + 1}" if names is None else f"{names[i]} and {names[j]}"
-        raise InputError(f"{what} is not symmetric", found=f"entries of {where} that differ by {apart[i, j]:g}")
+        raise InputError(f"{what} is not symmetric", "contradiction", found=f"entries of {where} that differ by {apart[i, j]:g}")
     if not (array - np.diag(variance)).any():
         return
     values = np.linalg.eigvalsh(array)
     if values[0] < -SEMIDEFINITE * max(float(values[-1]), largest):
-        raise InputError(f"{what} is not positive semidefinite", found=f"the least eigenvalue {values[0]:.6g}")
+        raise InputError(f"{what} is not positive semidefinite", "contradiction", found=f"the least eigenvalue {values[0]:.6g}")
 
 
 def _row(k: int, names: Sequence[str] | None) -> str:

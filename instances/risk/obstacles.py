@@ -23,12 +23,12 @@ def boxes_of(obstacles: ArrayLike) -> Floats:
     if flat.size == 0:
         return np.zeros((0, 2, 2))
     if flat.ndim != 2 or flat.shape[1] not in (4, 6):
-        raise InputError("obstacles must be boxes of 4 numbers in the plane or 6 in space", found=f"shape {flat.shape}")
+        raise InputError("obstacles must be boxes of 4 numbers in the plane or 6 in space", "wrong-shape", found=f"shape {flat.shape}")
     boxes = flat.reshape(len(flat), 2, -1)
     wrong = ~np.isfinite(flat).all(axis=1) | ~(boxes[:, 0] < boxes[:, 1]).all(axis=1)
     if wrong.any():
         k = int(np.argmax(wrong))
-        raise InputError(f"obstacle {k} must have finite corners, the least one first", found=str(flat[k].tolist()))
+        raise InputError(f"obstacle {k} must have finite corners, the least one first", "out-of-range", found=str(flat[k].tolist()))
     return boxes
 
 

@@ -27,9 +27,9 @@ CONNECTIVITIES = {4: (2, 1), 8: (2, 2), 6: (3, 1), 26: (3, 3)}
 def faded(values: ArrayLike, low: float, high: float, most: float) -> Floats:
     """Risks that fade from ``most`` at ``low`` to 0 at ``high``: the falling side of a trapezoid."""
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
-        raise InputError("risks fade from a smaller to a larger value", found=f"{low:g} to {high:g}")
+        raise InputError("risks fade from a smaller to a larger value", "contradiction", found=f"{low:g} to {high:g}")
     if not 0.0 <= most <= 1.0:
-        raise InputError("a risk must lie in [0, 1]", found=f"{most:g}")
+        raise InputError("a risk must lie in [0, 1]", "out-of-range", found=f"{most:g}")
     return np.asarray(most * np.clip((high - np.asarray(values, dtype=np.float64)) / (high - low), 0.0, 1.0))
 
 
@@ -62,9 +62,9 @@ class OccupancyGrid:
     def __post_init__(self) -> None:
         grid = np.asarray(self.occupied, dtype=bool)
         if grid.ndim not in (2, 3) or not grid.size:
-            raise InputError("a map must have rows and columns, or layers of them", found=f"shape {grid.shape}")
+            raise InputError("a map must have rows and columns, or layers of them", "wrong-shape", found=f"shape {grid.shape}")
         if not 0.0 < self.cell < math.inf:
-            raise InputError("the side of a cell must be positive", found=str(self.cell))
+            raise InputError("the side of a cell must be positive", "out-of-range", found=str(self.cell))
         object.__setattr__(self, "occupied", grid)
 
     @cached_property
@@ -99,7 +99,7 @@ class OccupancyGrid:
         dimensions, most = CONNECTIVITIES.get(connectivity, (0, 0))
         if dimensions != self.occupied.ndim:
             known = ", ".join(str(c) for c, (d, _) in CONNECTIVITIES.items() if d == self.occupied.ndim)
-            raise InputError("cells of this map have no such number of neighbours", expected=known, found=str(connectivity))
+            raise InputError("cells of this map have no such number of neighbours", "out-of-range", expected=known, found=str(connectivity))
         tails, heads = [], []
         for step in itertools.product((-1, 0, 1), repeat=dimensions):
             if 0 < sum(map(abs, step)) <= most:
@@ -128,7 +128,7 @@ class OccupancyGrid:
         Up to 1 it is granular, up to 2 restricted, beyond habitable.
         """
         if not 0.0 < size < math.inf:
-            raise InputError("the size of the vehicle must be positive", found=str(size))
+            raise InputError("the size of the vehicle must be positive", "out-of-range", found=str(size))
         least = np.full(self.occupied.shape, math.inf)
         for axis in range(self.occupied.ndim):
             grid = np.moveaxis(self.occupied, axis, -1)
@@ -141,9 +141,9 @@ class OccupancyGrid:
     def visibility(self, rays: int = 16) -> Floats:
         """Mean length of ``rays`` isovists of each state of a map in the plane, evenly spread from the direction of x: shape (states,)."""
         if self.occupied.ndim != 2:
-            raise InputError("isovists are drawn in the plane", found=f"shape {self.occupied.shape}")
+            raise InputError("isovists are drawn in the plane", "unsupported", found=f"shape {self.occupied.shape}")
         if not 1 <= rays <= 3600:
-            raise InputError("there must be 1 to 3600 isovists", found=str(rays))
+            raise InputError("there must be 1 to 3600 isovists", "out-of-range", found=str(rays))
         at, boxes = self.positions, self.boxes.reshape(-1, 2, 2)
         end = np.array(self.occupied.shape[::-1]) * self.cell
         total = np.zeros(len(at))
@@ -166,5 +166,5 @@ class OccupancyGrid:
         at = tuple(int(c) for c in reals("a cell", cell).tolist())
         inside = len(at) == self.occupied.ndim and all(0 <= c < size for c, size in zip(at, self.occupied.shape, strict=True))
         if not inside or self.number[at] < 0:
-            raise InputError(f"cell {', '.join(map(str, at))} is {'occupied' if inside else 'not on the map'}")
+            raise InputError(f"cell {', '.join(map(str, at))} is {'occupied' if inside else 'not on the map'}", "unknown-name")
         return int(self.number[at])

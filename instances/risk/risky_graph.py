@@ -96,14 +96,14 @@ class RiskyGraph(Declared):
         goals = tuple(dict.fromkeys(arrays.whole_numbers("goals", self.goals).tolist()))
         outside = next((goal for goal in goals if not 0 <= goal < n), None)
         if outside is not None:
-            raise InputError("the goal must be a state", expected=f"0 to {n - 1}", found=shown(str(outside)))
+            raise InputError("the goal must be a state", "unknown-name", expected=f"0 to {n - 1}", found=shown(str(outside)))
         rewards = np.asarray(self.rewards)
         arrays.refuse_overflow("rewards", rewards)
         if isinstance(self.discount, bool) or not isinstance(self.discount, int | float) or not 0.0 <= self.discount <= 1.0:
-            raise InputError("the discount must lie in [0, 1]", found=shown(str(self.discount)))
+            raise InputError("the discount must lie in [0, 1]", "out-of-range", found=shown(str(self.discount)))
         self.put(goals=goals, objective=self.objective or ("reward-per-risk" if rewards.any() and not goals else "risk"))
         if self.objective not in OBJECTIVES:
-            raise InputError("the objective is unknown", expected=", ".join(OBJECTIVES), found=shown(self.objective))
+            raise InputError("the objective is unknown", "unknown-name", expected=", ".join(OBJECTIVES), found=shown(self.objective))
         if self.obstacles is not None:
             boxes = boxes_of(self.obstacles)
             self.put(obstacles=boxes.reshape(len(boxes), -1) if len(boxes) else None)
@@ -113,7 +113,7 @@ class RiskyGraph(Declared):
             if not isinstance(element, RiskElement):
                 raise InputError("elements must be risk elements", found=type(element).__name__)
             if element.label in labels or labels.add(element.label):  # type: ignore[func-returns-value]
-                raise InputError(f"two risk elements are labelled {shown(element.label)}", expected="different labels")
+                raise InputError(f"two risk elements are labelled {shown(element.label)}", "duplicate", expected="different labels")
             element.check(self)
         if not self.conditional:
             warning = "risks are not conditional: their product is the risk of a path if failures are independent; their sum is safe anyway"
@@ -122,12 +122,12 @@ class RiskyGraph(Declared):
     def _order_moves(self) -> None:
         tail, head = self.tail, self.head
         if (tail == head).any():
-            raise InputError(f"move {int(np.argmax(tail == head))} leads from a state to itself")
+            raise InputError(f"move {int(np.argmax(tail == head))} leads from a state to itself", "contradiction")
         order = np.lexsort([head, tail])
         tail, head = tail[order], head[order]
         twice = np.nonzero((np.diff(tail) == 0) & (np.diff(head) == 0))[0]
         if len(twice):
-            raise InputError(f"two moves lead from state {tail[twice[0]]} to state {head[twice[0]]}")
+            raise InputError(f"two moves lead from state {tail[twice[0]]} to state {head[twice[0]]}", "duplicate")
         self.put(tail=tail.astype(np.int32), head=head.astype(np.int32))
 
     @classmethod
@@ -151,7 +151,7 @@ class RiskyGraph(Declared):
         index = {node: k for k, node in enumerate(nodes)}
         for node in (start, *goals):
             if node not in index:
-                raise InputError("the graph has no such node", found=shown(str(node)))
+                raise InputError("the graph has no such node", "unknown-name", found=shown(str(node)))
         ends = [(index[a], index[b]) for a, b in graph.edges]
         if not graph.is_directed():
             ends += [(b, a) for a, b in ends]
@@ -194,7 +194,7 @@ class RiskyGraph(Declared):
         if wrong.any():
             k = int(np.argmax(wrong))
             where = " ".join(self.state_name(x) for x in (int(b[k]), int(s[k]), int(a[k])) if x >= 0)
-            raise InputError(f"the risk of {element.label} must lie in [0, 1]", found=f"{risk[k]:g} at {where}")
+            raise InputError(f"the risk of {element.label} must lie in [0, 1]", "out-of-range", found=f"{risk[k]:g} at {where}")
         return risk
 
     def digest(self) -> str:
@@ -236,6 +236,6 @@ def named_states(names: Sequence[str], chosen: Iterable[str], what: str) -> tupl
     states = []
     for name in chosen:
         if name not in index:
-            raise InputError(f"the {what} {shown(name)} is no state")
+            raise InputError(f"the {what} {shown(name)} is no state", "unknown-name")
         states.append(index[name])
     return tuple(states)

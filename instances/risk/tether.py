@@ -37,12 +37,14 @@ class Tether:
     def __post_init__(self) -> None:
         boxes = boxes_of(self.obstacles)
         if len(boxes) and boxes.shape[2] != 2:
-            raise InputError("tethers bend around obstacles in the plane", expected="boxes of 4 numbers", found="boxes in space")
+            raise InputError(
+                "tethers bend around obstacles in the plane", "unsupported", expected="boxes of 4 numbers", found="boxes in space"
+            )
         if self.spacing is not None and not 0 < self.spacing < math.inf:
-            raise InputError("the spacing of a tether must be positive", found=str(self.spacing))
+            raise InputError("the spacing of a tether must be positive", "out-of-range", found=str(self.spacing))
         reel = tuple(map(float, self.reel))
         if len(reel) != 2 or not all(map(math.isfinite, reel)):
-            raise InputError("the reel of a tether must be a point of the plane", found=str(self.reel))
+            raise InputError("the reel of a tether must be a point of the plane", "wrong-shape", found=str(self.reel))
         object.__setattr__(self, "reel", reel)
         object.__setattr__(self, "obstacles", boxes.reshape(len(boxes), -1) if len(boxes) else np.zeros((0, 4)))
         object.__setattr__(self, "_boxes", boxes)
@@ -75,12 +77,12 @@ class Tether:
         """Contacts and length at each waypoint of a path; raises InputError where the reel does not see the first or an obstacle is met."""
         contacts = self.begun(waypoints[0])
         if contacts is None:
-            raise InputError("the first waypoint cannot be seen from the reel", found=str(tuple(waypoints[0])))
+            raise InputError("the first waypoint cannot be seen from the reel", "contradiction", found=str(tuple(waypoints[0])))
         steps = [(contacts, self.length(contacts, waypoints[0]))]
         for before, after in itertools.pairwise(waypoints):
             contacts = self.moved(contacts, before, after)
             if contacts is None:
-                raise InputError(f"no tether can follow the move to {tuple(after)}: it leads through an obstacle")
+                raise InputError(f"no tether can follow the move to {tuple(after)}: it leads through an obstacle", "contradiction")
             steps.append((contacts, self.length(contacts, after)))
         return steps
 

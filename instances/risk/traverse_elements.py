@@ -42,13 +42,15 @@ class CollectedRisk(TraverseElement):
         object.__setattr__(self, "risk", probabilities(f"risks of {self.label}", self.risk))
         object.__setattr__(self, "collects", np.asarray(self.collects, dtype=bool))
         if self.risk.ndim != 2 or not len(self.risk):
-            raise InputError(f"risks of {self.label} must be one row a level", found=f"shape {self.risk.shape}")
+            raise InputError(f"risks of {self.label} must be one row a level", "wrong-shape", found=f"shape {self.risk.shape}")
         object.__setattr__(self, "_grows", bool((np.diff(self.risk, axis=0) >= 0).all()))
 
     def check(self, space: Space) -> None:
         for what, columns in (("places", self.collects.shape), ("risks", self.risk.shape[1:])):
             if columns != (space.num_states,):
-                raise InputError(f"{what} of {self.label} must be one a state", expected=str(space.num_states), found=str(columns))
+                raise InputError(
+                    f"{what} of {self.label} must be one a state", "wrong-shape", expected=str(space.num_states), found=str(columns)
+                )
 
     def begin(self, space: Space, state: int) -> tuple[int, float]:
         return self.step(space, 0, -1, state)
@@ -124,7 +126,7 @@ class TetherRisk(TraverseElement):
 
     def check(self, space: Space) -> None:
         if placed(self, space).shape[1] != 2:
-            raise InputError(f"{self.label} bends in the plane: states need positions of two numbers")
+            raise InputError(f"{self.label} bends in the plane: states need positions of two numbers", "unsupported")
 
     def parts(self) -> tuple[Any, ...]:
         t = self.tether
@@ -181,5 +183,5 @@ class FunctionRisk(TraverseElement):
         path = (*memory, after)
         risk = float(self.function(path))
         if not 0.0 <= risk <= 1.0:
-            raise InputError(f"the risk of {self.label} must lie in [0, 1]", found=f"{risk:g} at path {path}")
+            raise InputError(f"the risk of {self.label} must lie in [0, 1]", "out-of-range", found=f"{risk:g} at path {path}")
         return path, risk

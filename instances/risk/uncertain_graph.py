@@ -100,7 +100,7 @@ class UncertainGraph(Declared):
         number = {name: k for k, name in enumerate(names)}
         for what, name in (("start", start), ("goal", goal)):
             if name not in number:
-                raise InputError(f"the {what} {name[:80]!r} is no vertex of any edge")
+                raise InputError(f"the {what} {name[:80]!r} is no vertex of any edge", "unknown-name")
         a, b = (np.array([number[name] for name in column], dtype=np.int64) for column in (tails, heads))
         if undirected:
             further["variable"] = np.tile(np.arange(len(a), dtype=np.int32), 2)
@@ -161,7 +161,7 @@ class UncertainGraph(Declared):
         ends = {"start": graph.graph.get("start") if start is None else start, "goal": graph.graph.get("goal") if goal is None else goal}
         for what, node in ends.items():
             if node is None or node not in graph:
-                raise InputError(f"the {what} is no node of the graph", found=repr(node)[:80])
+                raise InputError(f"the {what} is no node of the graph", "unknown-name", found=repr(node)[:80])
         edges = list(graph.edges(data=True))
         keys = [key for key in COLUMNS[2:] if key != "least" or any("least" in data for _, _, data in edges)]
         costs = {key: np.array([_cost(u, v, data, key) for u, v, data in edges], dtype=np.float64) for key in keys}
@@ -202,13 +202,15 @@ class UncertainGraph(Declared):
 
     def check_rest(self) -> None:
         if self.start == self.goal:
-            raise InputError("start and goal are the same vertex", found=self.vertex_name(self.start))
+            raise InputError("start and goal are the same vertex", "contradiction", found=self.vertex_name(self.start))
         self._order()
         self._refuse_shared()
         reached = np.isfinite(self.costs_to(self.goal, np.ones(self.num_edges)))
         if not reached[self.start]:
             found = f"{int(reached.sum()) - 1} other vertices lead there"
-            raise InputError(f"no path leads from {self.vertex_name(self.start)} to {self.vertex_name(self.goal)}", found=found)
+            raise InputError(
+                f"no path leads from {self.vertex_name(self.start)} to {self.vertex_name(self.goal)}", "contradiction", found=found
+            )
 
     def name_of(self, axis: str, number: int) -> str:
         if axis == "vertex":
@@ -224,12 +226,12 @@ class UncertainGraph(Declared):
         """Put the edges in order, and refuse those that stand twice."""
         tails, heads = self.tails, self.heads
         if (tails == heads).any():
-            raise InputError(f"an edge leads from {self.vertex_name(int(tails[np.argmax(tails == heads)]))} to itself")
+            raise InputError(f"an edge leads from {self.vertex_name(int(tails[np.argmax(tails == heads)]))} to itself", "contradiction")
         key = tails * np.int64(max(self.num_vertices, 1)) + heads
         order = np.argsort(key, kind="stable")
         twice = np.nonzero(np.diff(key[order]) == 0)[0]
         if len(twice):
-            raise InputError(f"edge {self.name_of('edge', int(order[twice[0]]))} stands twice")
+            raise InputError(f"edge {self.name_of('edge', int(order[twice[0]]))} stands twice", "duplicate")
         for column in ("tails", "heads", *(["variable"] if self.variable is not None else [])):
             self.put(**{column: arrays.frozen(getattr(self, column)[order].astype(np.int32))})
         self.put(**{key: arrays.frozen(getattr(self, key)[order]) for key in self.columns})
@@ -249,7 +251,7 @@ class UncertainGraph(Declared):
             if (alike & marks).any():
                 k = int(np.argmax(alike & marks))
                 first, second = (self.name_of("edge", int(edges[k])) for edges in (a, b))
-                raise InputError(f"edges {first} and {second} share one random cost, but {fault}")
+                raise InputError(f"edges {first} and {second} share one random cost, but {fault}", "contradiction")
 
     @cached_property
     def vertex_numbers(self) -> dict[str, int]:
@@ -326,6 +328,6 @@ def _cost(tail: Any, head: Any, data: dict[str, Any], key: str) -> float:
     try:
         return float(data[key])
     except KeyError:
-        raise InputError(f"edge {tail!r} - {head!r} has no {key}", expected="mean and variance, or least of all edges") from None
+        raise InputError(f"edge {tail!r} - {head!r} has no {key}", "missing", expected="mean and variance, or least of all edges") from None
     except (TypeError, ValueError):
         raise InputError(f"the {key} of edge {tail!r} - {head!r} must be a number", found=repr(data[key])[:40]) from None

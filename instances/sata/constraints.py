@@ -45,13 +45,15 @@ class LimitRows:
         """Raise InputError unless they are what is said above, for that many elements: every bound rests on it."""
         if not len(self.row) == len(self.element) == len(self.coefficient):
             lengths = f"{len(self.row)}, {len(self.element)} and {len(self.coefficient)}"
-            raise InputError(f"each entry of the rows {self.name} must have a row, an element and a coefficient", found=lengths)
+            raise InputError(
+                f"each entry of the rows {self.name} must have a row, an element and a coefficient", "wrong-shape", found=lengths
+            )
         arrays.refuse_outside(f"the row of entry {{}} of {self.name}", self.row, len(self.limit), "row")
         arrays.refuse_outside(f"the element of entry {{}} of {self.name}", self.element, elements, "element")
         arrays.refuse_negative(f"the coefficient of entry {{}} of {self.name}", self.coefficient)
         arrays.refuse_negative(f"the limit of row {{}} of {self.name}", self.limit)
         if len(np.unique(self.row.astype(np.int64) * elements + self.element)) < len(self.row):
-            raise InputError(f"an element stands twice in a row of {self.name}")
+            raise InputError(f"an element stands twice in a row of {self.name}", "duplicate")
 
     def label_of(self, row: int) -> str:
         return self.name if self.label is None else f"{self.name} {self.label(row)}"
@@ -165,7 +167,9 @@ class Cardinality(LinearConstraint):
 
     def __post_init__(self) -> None:
         if isinstance(self.limit, bool) or not isinstance(self.limit, int | np.integer) or self.limit < 1:
-            raise InputError("the number of elements to choose must be a whole number of at least 1", found=repr(self.limit)[:40])
+            raise InputError(
+                "the number of elements to choose must be a whole number of at least 1", "out-of-range", found=repr(self.limit)[:40]
+            )
         object.__setattr__(self, "limit", int(self.limit))
 
     def parts(self) -> tuple[Any, ...]:
@@ -226,7 +230,7 @@ class PartitionMatroid(LinearConstraint):
         arrays.refuse_outside("the group of element {}", self.groups, len(self.limits), "group")
         if (self.limits < 0).any():
             k = int(np.argmax(self.limits < 0))
-            raise InputError(f"the limit of group {k} must not be negative", found=str(self.limits[k]))
+            raise InputError(f"the limit of group {k} must not be negative", "out-of-range", found=str(self.limits[k]))
 
     def __repr__(self) -> str:
         return f"<PartitionMatroid: {len(self.groups)} elements in {len(self.limits)} groups>"
@@ -278,7 +282,7 @@ class Knapsack(LinearConstraint):
         arrays.refuse_negative("the cost of element {}", self.costs)
         budget = arrays.reals("budget", self.budget)
         if budget.ndim or not 0 <= float(budget) < math.inf:
-            raise InputError("the budget must be a finite number, not negative", found=repr(self.budget)[:40])
+            raise InputError("the budget must be a finite number, not negative", "out-of-range", found=repr(self.budget)[:40])
         object.__setattr__(self, "budget", float(budget))
 
     def __repr__(self) -> str:
@@ -308,4 +312,4 @@ class Knapsack(LinearConstraint):
 
 def _one_each(what: str, values: NDArray[Any], elements: int) -> None:
     if len(values) != elements:
-        raise InputError(f"{what} must have one entry an element", expected=str(elements), found=str(len(values)))
+        raise InputError(f"{what} must have one entry an element", "wrong-shape", expected=str(elements), found=str(len(values)))

@@ -53,10 +53,10 @@ class SparseMatrix:
         object.__setattr__(self, "columns", arrays.size("columns", self.columns))
         arrays.check_csr(self.indptr, self.indices, self.columns, "row", "column", "entries")
         if self.data.shape != self.indices.shape:
-            raise InputError("there must be one value an entry", expected=str(len(self.indices)), found=str(self.data.shape))
+            raise InputError("there must be one value an entry", "wrong-shape", expected=str(len(self.indices)), found=str(self.data.shape))
         if not (np.isfinite(self.data).all() and (self.data > 0).all()):
             k = int(np.argmax(~np.isfinite(self.data) | (self.data <= 0)))
-            raise InputError("coefficients must be positive and finite; zeros are left out", found=str(self.data[k]))
+            raise InputError("coefficients must be positive and finite; zeros are left out", "out-of-range", found=str(self.data[k]))
 
     def facts(self) -> dict[str, Any]:
         """Sizes, as plain JSON values."""
@@ -109,20 +109,27 @@ class MaxMinInstance(Declared):
     def arrange(self) -> None:
         n = self.counts["variable"] = self.packing.columns
         if self.covering.columns != n:
-            raise InputError("packing and covering rows must be over the same variables", expected=str(n), found=str(self.covering.columns))
+            raise InputError(
+                "packing and covering rows must be over the same variables",
+                "wrong-shape",
+                expected=str(n),
+                found=str(self.covering.columns),
+            )
         arrays.refuse_unused("variables", n, len(self.packing.indices) + len(self.covering.indices), "entries")
         if self.sense not in ("max", "min"):
-            raise InputError("the sense must be max (max-min) or min (min-max)", found=str(self.sense))
+            raise InputError("the sense must be max (max-min) or min (min-max)", "unknown-name", found=str(self.sense))
         if not self.packing.rows or not self.covering.rows:
-            raise InputError("there must be at least one packing row and one covering row")
+            raise InputError("there must be at least one packing row and one covering row", "missing")
 
     def check_rest(self) -> None:
         if self.sense == "max":
             free = np.setdiff1d(self.covering.indices, self.packing.indices)
             if len(free):
-                raise InputError(f"variable {free[0]} covers but is in no packing row: it is not bounded")
+                raise InputError(f"variable {free[0]} covers but is in no packing row: it is not bounded", "contradiction")
         elif (np.diff(self.covering.indptr) == 0).any():
-            raise InputError(f"covering row {int(np.argmin(np.diff(self.covering.indptr))) + 1} holds no variable: nothing can cover it")
+            raise InputError(
+                f"covering row {int(np.argmin(np.diff(self.covering.indptr))) + 1} holds no variable: nothing can cover it", "missing"
+            )
 
     def summary(self) -> Iterable[str]:
         rows = f"{self.packing.rows} packing and {self.covering.rows} covering rows"
@@ -170,10 +177,10 @@ def _read_matrix(data: Any, path: str, columns: int) -> SparseMatrix:
     wrong = ~(value > 0)
     if wrong.any():
         k = int(np.argmax(wrong))
-        raise InputError(f"{path}.value[{k}] must be positive", found=str(value[k]))
+        raise InputError(f"{path}.value[{k}] must be positive", "out-of-range", found=str(value[k]))
     order = np.lexsort([column, row])
     row, column, value = row[order], column[order], value[order]
     twice = np.nonzero((np.diff(row) == 0) & (np.diff(column) == 0))[0]
     if len(twice):
-        raise InputError(f"{path} has two entries in row {row[twice[0]] + 1} for variable {column[twice[0]]}")
+        raise InputError(f"{path} has two entries in row {row[twice[0]] + 1} for variable {column[twice[0]]}", "duplicate")
     return SparseMatrix(arrays.row_starts(row, rows), column, value, columns)  # type: ignore[arg-type]

@@ -93,7 +93,7 @@ class SelectionInstance(Declared):
         data: dict[str, Any] = {} if self.element_names is None else {"elements": list(self.element_names)}
         for key, known, part in (("function", SET_FUNCTIONS, self.function), ("constraint", CONSTRAINTS, self.constraint)):
             if part.kind not in known:
-                raise InputError(f"the {key} {part.name} cannot be written to a file", expected=", ".join(known))
+                raise InputError(f"the {key} {part.name} cannot be written to a file", "unsupported", expected=", ".join(known))
             data[key] = {"kind": part.kind, **known[part.kind].encode(part)}
         return data
 
@@ -108,7 +108,7 @@ class SelectionInstance(Declared):
 def _decoded(data: Any, path: str, known: Registry[JsonPart[T]], elements: int) -> T:
     kind = string(fields(data, path, tuple(data) if isinstance(data, dict) else (), ("kind",))["kind"], f"{path}.kind")
     if kind not in known:
-        raise InputError(f"{path}.kind is unknown", expected=", ".join(known), found=kind)
+        raise InputError(f"{path}.kind is unknown", "unknown-name", expected=", ".join(known), found=kind)
     part = known[kind]
     return part.decode(fields(data, path, ("kind", *part.required, *part.optional), ("kind", *part.required)), elements)
 
@@ -172,7 +172,7 @@ def _decode_dense(data: Mapping[str, Any], elements: int) -> DenseFacilityLocati
     with np.errstate(over="ignore"):
         single = values.astype(np.float32)
     if not np.array_equal(single.astype(np.float64), values):
-        raise InputError("function.matrix holds numbers that single precision does not")
+        raise InputError("function.matrix holds numbers that single precision does not", "out-of-range")
     return DenseFacilityLocation(single)
 
 

@@ -192,7 +192,7 @@ class SensingGraph(Declared):
 
     def arrange(self) -> None:
         if not self.num_robots:
-            raise InputError("there is no robot")
+            raise InputError("there is no robot", "missing")
         for key in ("indptr", "indices"):
             self.put(**{key: arrays.frozen(arrays.indices(key, getattr(self, key)))})
         self.put(weights=arrays.frozen(arrays.reals("weights", self.weights)))
@@ -200,12 +200,19 @@ class SensingGraph(Declared):
         arrays.refuse_unused("robots", self.num_robots, n, "actions")
         arrays.refuse_unused("targets", self.num_targets, len(self.indices), "edges")
         if len(self.indptr) != n + 1:
-            raise InputError("there must be one start an action, and the number of edges", expected=str(n + 1), found=str(len(self.indptr)))
+            raise InputError(
+                "there must be one start an action, and the number of edges",
+                "wrong-shape",
+                expected=str(n + 1),
+                found=str(len(self.indptr)),
+            )
         arrays.check_csr(self.indptr, self.indices, self.num_targets, "action", "target", "edges")
         if self.weights.shape != self.indices.shape:
-            raise InputError("there must be one weight an edge", expected=str(len(self.indices)), found=str(self.weights.shape))
+            raise InputError(
+                "there must be one weight an edge", "wrong-shape", expected=str(len(self.indices)), found=str(self.weights.shape)
+            )
         if not (np.isfinite(self.weights).all() and (self.weights > 0).all()):
-            raise InputError("weights must be positive and finite; an action that does not see a target has no edge to it")
+            raise InputError("weights must be positive and finite; an action that does not see a target has no edge to it", "out-of-range")
 
     def check_rest(self) -> None:
         self.put(notes=(*self.notes, *(note for note in self.findings if note not in self.notes)))
@@ -352,15 +359,15 @@ def graph_of_edges(
     Further keywords go to ``SensingGraph`` as they are.
     """
     if duplicates not in ("error", "sum"):
-        raise UsageError(f"duplicates must be error or sum, not {duplicates!r}")
+        raise UsageError(f"duplicates must be error or sum, not {duplicates!r}", "unknown-name")
     hint = "numbers from 0; from_frames takes names"
     owner = arrays.whole_numbers("robot_of_action", robot_of_action, hint)
     a, t = arrays.whole_numbers("action", action, hint), arrays.whole_numbers("target", target, hint)
     if t.shape != a.shape:
-        raise InputError("action and target must have one entry an edge", expected=str(len(a)), found=str(len(t)))
+        raise InputError("action and target must have one entry an edge", "wrong-shape", expected=str(len(a)), found=str(len(t)))
     values = arrays.reals("weight", weight)
     if values.ndim and values.shape != a.shape:
-        raise InputError("weight must be a number, or have one entry an edge", expected=str(len(a)), found=str(values.shape))
+        raise InputError("weight must be a number, or have one entry an edge", "wrong-shape", expected=str(len(a)), found=str(values.shape))
     c = np.array(np.broadcast_to(values, a.shape))
     num_robots, robot_names = _count("robots", robots, owner, "actions")
     num_targets, target_names = _count("targets", targets, t, "edges")
@@ -376,13 +383,15 @@ def graph_of_edges(
         if not first.all():
             if duplicates == "error":
                 k = int(order[int(np.argmin(first))])
-                raise InputError(f'edge {k} joins action {a[k]} and target {t[k]} again; duplicates="sum" would add them up')
+                raise InputError(f'edge {k} joins action {a[k]} and target {t[k]} again; duplicates="sum" would add them up', "duplicate")
             with np.errstate(over="ignore"):
                 c = np.add.reduceat(c, np.nonzero(first)[0])
             key = key[first]
             if np.isinf(c).any():
                 k = int(key[int(np.argmax(c))])
-                raise InputError(f"the weights of action {k // num_targets} and target {k % num_targets} add up to infinity")
+                raise InputError(
+                    f"the weights of action {k // num_targets} and target {k % num_targets} add up to infinity", "out-of-range"
+                )
         a, t = np.divmod(key, max(num_targets, 1))
     if not c.all():
         a, t, c = a[c > 0], t[c > 0], c[c > 0]

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError, UsageError
+from ..errors import Code, InputError, UsageError
 from ..number_arrays import row_starts
 
 if TYPE_CHECKING:
@@ -67,27 +67,27 @@ def edges_of_rows(
     ``place`` from its number. Edges that stand twice are an ``error`` or a ``sum``; for ``order`` see ``ORDERS``.
     """
     if order not in ORDERS:
-        raise UsageError(f"order must be one of {', '.join(ORDERS)}, not {order!r}")
+        raise UsageError(f"order must be one of {', '.join(ORDERS)}, not {order!r}", "unknown-name")
     if duplicates not in ("error", "sum"):
-        raise UsageError(f"duplicates must be error or sum, not {duplicates!r}")
+        raise UsageError(f"duplicates must be error or sum, not {duplicates!r}", "unknown-name")
     has_robot, has_action, has_target = (column.codes >= 0 for column in (robot, action, target))
     edge = has_robot & has_action & has_target
 
-    def refuse(bad: NDArray[np.bool_], message: str, values: Any = None) -> None:
+    def refuse(bad: NDArray[np.bool_], message: str, code: Code, values: Any = None) -> None:
         if bad.any():
             k = int(np.argmax(bad))
-            raise fault(k, message, None if values is None else str(values[k]))
+            raise fault(k, message, code, None if values is None else str(values[k]))
 
-    def fault(k: int, message: str, found: str | None = None) -> InputError:
-        return InputError(message, line=lines[k], found=found) if lines else InputError(f"{place(k)}: {message}", found=found)
+    def fault(k: int, message: str, code: Code, found: str | None = None) -> InputError:
+        return InputError(message, code, line=lines[k], found=found) if lines else InputError(f"{place(k)}: {message}", code, found=found)
 
-    refuse(~(has_robot | has_action | has_target), "neither a robot nor a target is named")
-    refuse(has_action & ~has_robot, "the action has no robot")
-    refuse(has_robot & has_target & ~has_action, "a robot and a target are named, but no action")
+    refuse(~(has_robot | has_action | has_target), "neither a robot nor a target is named", "missing")
+    refuse(has_action & ~has_robot, "the action has no robot", "missing")
+    refuse(has_robot & has_target & ~has_action, "a robot and a target are named, but no action", "missing")
     if weight is None:
         weight = np.where(edge, 1.0, np.nan)
-    refuse(~edge & ~np.isnan(weight), "a weight stands in a row that is no edge", weight)
-    refuse(edge & (~(weight >= 0) | np.isinf(weight)), "the weight must be a finite number, not negative", weight)
+    refuse(~edge & ~np.isnan(weight), "a weight stands in a row that is no edge", "contradiction", weight)
+    refuse(edge & (~(weight >= 0) | np.isinf(weight)), "the weight must be a finite number, not negative", "out-of-range", weight)
 
     robots, robot_of = _numbered(robot.labels, order)
     targets, target_of = _numbered(target.labels, order)
@@ -102,7 +102,7 @@ def edges_of_rows(
             first = again[np.argmin(ranked[again + 1])]
             earlier, later = int(at[ranked[first]]), int(at[ranked[first + 1]])
             where = f"line {lines[earlier]}" if lines else place(earlier)
-            raise fault(later, f'the edge stands already in {where}; duplicates "sum" would add them up')
+            raise fault(later, f'the edge stands already in {where}; duplicates "sum" would add them up', "duplicate")
     return {
         "robot_of_action": owner, "action": a, "target": t, "weight": weight[at], "robots": unless_counted(robots),
         "targets": unless_counted(targets), "duplicates": duplicates, "action_names": unless_usual(actions, owner, robots), **further,

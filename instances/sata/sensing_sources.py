@@ -119,11 +119,13 @@ def edges_from_networkx(graph: Any, *, duplicates: str = "error", name: str | No
     if not callable(getattr(graph, "edges", None)) or not callable(getattr(graph, "nodes", None)):
         raise InputError("not a networkx graph", found=type(graph).__name__)
     if duplicates not in ("error", "sum"):
-        raise UsageError(f"duplicates must be error or sum, not {duplicates!r}")
+        raise UsageError(f"duplicates must be error or sum, not {duplicates!r}", "unknown-name")
     kinds: dict[Any, str] = {}
     for node, data in graph.nodes(data=True):
         if data.get("kind") not in KINDS:
-            raise InputError(f"node {node!r} must have a kind", expected="robot, action or target", found=repr(data.get("kind")))
+            raise InputError(
+                f"node {node!r} must have a kind", "unknown-name", expected="robot, action or target", found=repr(data.get("kind"))
+            )
         kinds[node] = data["kind"]
     nodes = {kind: [node for node, own in kinds.items() if own == kind] for kind in KINDS}
     number = {node: k for members in nodes.values() for k, node in enumerate(members)}
@@ -133,17 +135,25 @@ def edges_from_networkx(graph: Any, *, duplicates: str = "error", name: str | No
         ends = {kinds[u]: u, kinds[v]: v}
         if ends.keys() == {"robot", "action"}:
             if robot_of.setdefault(ends["action"], ends["robot"]) != ends["robot"]:
-                raise InputError(f"action {ends['action']!r} has two robots", found=f"{robot_of[ends['action']]!r} and {ends['robot']!r}")
+                raise InputError(
+                    f"action {ends['action']!r} has two robots",
+                    "contradiction",
+                    found=f"{robot_of[ends['action']]!r} and {ends['robot']!r}",
+                )
             continue
         if ends.keys() != {"action", "target"}:
-            raise InputError(f"edge {u!r} - {v!r} joins {kinds[u]} and {kinds[v]}", expected="robot and action, or action and target")
+            raise InputError(
+                f"edge {u!r} - {v!r} joins {kinds[u]} and {kinds[v]}", "contradiction", expected="robot and action, or action and target"
+            )
         pair = number[ends["action"]], number[ends["target"]]
         if pair in seen and duplicates == "error":
-            raise InputError(f'two edges join action {ends["action"]!r} and target {ends["target"]!r}; duplicates="sum" would add them up')
+            raise InputError(
+                f'two edges join action {ends["action"]!r} and target {ends["target"]!r}; duplicates="sum" would add them up', "duplicate"
+            )
         seen[pair] = seen.get(pair, 0.0) + _weight(data.get("weight", 1.0), f"edge {u!r} - {v!r}")
     for action in nodes["action"]:
         if action not in robot_of:
-            raise InputError(f"action {action!r} has no robot", expected="an edge to a robot")
+            raise InputError(f"action {action!r} has no robot", "missing", expected="an edge to a robot")
     labels = {kind: [str(graph.nodes[node].get("name", node)).strip() for node in members] for kind, members in nodes.items()}
     owner = np.array([number[robot_of[action]] for action in nodes["action"]], dtype=np.int64)
     actions = labels["action"]
@@ -164,7 +174,7 @@ def _weight(value: Any, edge: str) -> float:
     except (TypeError, ValueError):
         weight = math.nan
     if not (weight >= 0 and math.isfinite(weight)):
-        raise InputError(f"the weight of {edge} must be a finite number, not negative", found=repr(value)[:40])
+        raise InputError(f"the weight of {edge} must be a finite number, not negative", "out-of-range", found=repr(value)[:40])
     return weight
 
 
@@ -175,9 +185,9 @@ def _pos(graph: Any, kind: str, nodes: list[Any]) -> Any:
         return None
     for node, pos in zip(nodes, places, strict=True):
         if pos is None:
-            raise InputError(f"{kind} {node!r} has no position pos", expected=f"one for every {kind}, or for none")
+            raise InputError(f"{kind} {node!r} has no position pos", "missing", expected=f"one for every {kind}, or for none")
         if np.shape(pos) != (2,):
-            raise InputError(f"the position pos of {kind} {node!r} must be two numbers", found=repr(pos)[:40])
+            raise InputError(f"the position pos of {kind} {node!r} must be two numbers", "wrong-shape", found=repr(pos)[:40])
     return places
 
 
@@ -252,10 +262,10 @@ def edges_from_positions(
     from scipy.spatial import cKDTree
 
     if weight not in WEIGHTS:
-        raise UsageError(f"weight must be one of {', '.join(WEIGHTS)}, not {weight!r}")
+        raise UsageError(f"weight must be one of {', '.join(WEIGHTS)}, not {weight!r}", "unknown-name")
     for what, value in (("sensing_range", sensing_range), ("closest", closest)):
         if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not 0 < value < math.inf:
-            raise InputError(f"{what} must be a positive, finite number", found=repr(value)[:40])
+            raise InputError(f"{what} must be a positive, finite number", "out-of-range", found=repr(value)[:40])
     owner = arrays.whole_numbers("robot_of_action", robot_of_action, "numbers from 0")
     here, there = _points("action", action_positions, len(owner)), _points("target", target_positions, None)
     pairs = np.zeros(0, dtype=[("i", np.int64), ("j", np.int64), ("v", np.float64)])

@@ -70,7 +70,7 @@ class ItemWeights:
         if self.layout == IN_MATRIX:
             # One reduction each way instead of a mask of the same size: the matrix may hold gigabytes.
             if self.matrix.size and not (self.matrix.min() >= 0 and math.isfinite(float(self.matrix.max()))):
-                raise InputError("weights must be finite and not negative")
+                raise InputError("weights must be finite and not negative", "out-of-range")
             arrays.refuse_overflow("the weights", self.matrix)
             count = len(self.matrix)
         else:
@@ -79,12 +79,12 @@ class ItemWeights:
                 thing, every, size = "item", "the weights of the items", self.num_items
             arrays.check_csr(self.indptr, self.indices, self.num_items, "element", "item", "entries")
             if self.weights.shape != (size,):
-                raise InputError(f"there must be one weight {an(thing)}", expected=str(size), found=str(self.weights.shape))
+                raise InputError(f"there must be one weight {an(thing)}", "wrong-shape", expected=str(size), found=str(self.weights.shape))
             arrays.refuse_negative(f"the weight of {thing} {{}}", self.weights)
             arrays.refuse_overflow(every, self.weights)
             count = len(self.indptr) - 1
         if count != elements:
-            raise InputError("there must be weights for each element", expected=str(elements), found=str(count))
+            raise InputError("there must be weights for each element", "wrong-shape", expected=str(elements), found=str(count))
 
     @property
     def arrays(self) -> tuple[int, Indices, Indices, Floats, Floats, NDArray[np.float32]]:
@@ -286,7 +286,7 @@ class Coverage(_Checked):
         _make_csr(self)
         object.__setattr__(self, "item_weights", arrays.reals("item_weights", self.item_weights))
         if self.item_weights.ndim != 1:
-            raise InputError("item_weights must be a list with one weight an item", found=f"shape {self.item_weights.shape}")
+            raise InputError("item_weights must be a list with one weight an item", "wrong-shape", found=f"shape {self.item_weights.shape}")
         ItemFunction.check(self)
 
     @property
@@ -358,7 +358,7 @@ class DenseFacilityLocation(_Checked):
         if not isinstance(self.matrix, np.ndarray) or self.matrix.dtype not in (np.float32, np.float64):
             object.__setattr__(self, "matrix", arrays.reals("the weights", self.matrix))
         if self.matrix.ndim != 2:
-            raise InputError("the weights must be a matrix of elements x items", found=f"shape {self.matrix.shape}")
+            raise InputError("the weights must be a matrix of elements x items", "wrong-shape", found=f"shape {self.matrix.shape}")
         object.__setattr__(self, "matrix", np.ascontiguousarray(self.matrix))  # the same one where it is row-major
         ItemFunction.check(self)
 
@@ -415,10 +415,15 @@ class UserFunction(SetFunction):
             raise InputError(f"the set function {self.label} must return numbers", expected=f"({len(masks)},)", found=kind) from None
         if totals.shape != (len(masks),):
             raise InputError(
-                f"the set function {self.label} must return one number a set", expected=f"({len(masks)},)", found=str(totals.shape)
+                f"the set function {self.label} must return one number a set",
+                "wrong-shape",
+                expected=f"({len(masks)},)",
+                found=str(totals.shape),
             )
         if not np.isfinite(totals).all():
-            raise InputError(f"the set function {self.label} must return finite numbers", found=str(totals[~np.isfinite(totals)][0]))
+            raise InputError(
+                f"the set function {self.label} must return finite numbers", "out-of-range", found=str(totals[~np.isfinite(totals)][0])
+            )
         return totals
 
     def parts(self) -> tuple[Any, ...]:

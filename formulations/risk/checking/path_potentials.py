@@ -42,12 +42,12 @@ def check_path_potentials(problem: Any, data: Mapping[str, Any]) -> float:
     """
     graph = getattr(problem, "graph", None)
     if problem.family != "uncertain-path" or graph is None:
-        raise InputError("potentials of vertices are evidence for uncertain-path problems", found=problem.problem)
+        raise InputError("potentials of vertices are evidence for uncertain-path problems", "foreign", found=problem.problem)
     weights, potentials = data.get("weights"), data.get("potentials")
     if not isinstance(weights, list) or not isinstance(potentials, list) or len(weights) != len(potentials):
-        raise InputError("evidence needs lists weights and potentials of one length")
+        raise InputError("evidence needs lists weights and potentials of one length", "wrong-shape")
     if len(weights) > MOST_PAIRS:
-        raise InputError("evidence has too many weights", expected=f"at most {MOST_PAIRS}", found=str(len(weights)))
+        raise InputError("evidence has too many weights", "too-large", expected=f"at most {MOST_PAIRS}", found=str(len(weights)))
     planes = []
     for k in range(len(weights)):
         a, b = np.maximum(numbers({"weights": weights[k]}, "weights", 2), 0.0).tolist()

@@ -51,7 +51,7 @@ def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
     duality; docs/formulations/risk-allocation.md#the-bound. Sums are rounded to the safe side by ``lp-dual``'s rules.
     """
     if problem.family != "risk-allocation":
-        raise InputError("prices of chance constraints are evidence for risk allocation", found=problem.problem)
+        raise InputError("prices of chance constraints are evidence for risk allocation", "foreign", found=problem.problem)
     sizes = {
         "rows": len(problem.row_lower), "chance": len(problem.limits), "budgets": len(problem.budgets),
         "terms": sum(len(t[3]) for t in problem.terms), "cones": sum(1 + len(c[1]) for c in problem.cones),

@@ -97,18 +97,20 @@ def check_move_potentials(problem: RiskyPath, data: Mapping[str, Any]) -> float:
     take. Source: docs/formulations/risky-path.md#bounds.
     """
     if problem.family != "risky-path":
-        raise InputError("potentials of moves are evidence for risky paths", found=problem.family)
+        raise InputError("potentials of moves are evidence for risky paths", "foreign", found=problem.family)
     graph = problem.graph
     nothing = -math.inf if problem.sense == "min" else math.inf
     potentials = np.array([math.inf if p is None else p for p in data["potentials"]], dtype=np.float64)
     if potentials.shape != graph.tail.shape or np.isnan(potentials).any():
-        raise InputError("evidence needs one potential a move", expected=str(len(graph.tail)), found=str(potentials.shape))
+        raise InputError("evidence needs one potential a move", "wrong-shape", expected=str(len(graph.tail)), found=str(potentials.shape))
     pairs = following_moves(graph)
     if pairs is None:
         return nothing
     prices = np.array(data.get("prices", [0.0] * graph.num_states), dtype=np.float64)
     if prices.shape != (graph.num_states,) or not (np.isfinite(prices) & (prices >= 0.0)).all():
-        raise InputError("prices must be finite and not negative, one a state", expected=str(graph.num_states), found=str(prices.shape))
+        raise InputError(
+            "prices must be finite and not negative, one a state", "wrong-shape", expected=str(graph.num_states), found=str(prices.shape)
+        )
     reached = _reached(graph, potentials, pairs, prices)
     if reached is None:
         return nothing
@@ -184,14 +186,14 @@ def check_guarded_walks(problem: RiskyPath, data: Mapping[str, Any]) -> float:
     their risks count in full. Nothing is proved for rewards, nor where there are too many walks.
     """
     if problem.family != "risky-path":
-        raise InputError("walks are evidence for risky paths", found=problem.family)
+        raise InputError("walks are evidence for risky paths", "foreign", found=problem.family)
     graph = problem.graph
     guarded = [int(state) for state in data["guarded"]]
     if not all(0 <= state < graph.num_states for state in guarded):
-        raise InputError("evidence guards a state that does not exist", expected=f"0 to {graph.num_states - 1}")
+        raise InputError("evidence guards a state that does not exist", "unknown-name", expected=f"0 to {graph.num_states - 1}")
     most = math.inf if data["most"] is None else float(data["most"])
     if math.isnan(most):
-        raise InputError("most must be a number or null")
+        raise InputError("most must be a number or null", "out-of-range")
     if problem.sense != "min":
         return math.inf
     memoryless = tuple(e for e in graph.elements if not isinstance(e, TraverseElement))
@@ -296,7 +298,7 @@ def check_all_paths(problem: RiskyPath, data: Mapping[str, Any]) -> float:
     risks, nor where there are more than ``MOST_PATHS`` others.
     """
     if problem.family != "risky-path":
-        raise InputError("all paths are evidence for risky paths", found=problem.family)
+        raise InputError("all paths are evidence for risky paths", "foreign", found=problem.family)
     target = data["target"]
     if target is not None and (isinstance(target, bool) or not isinstance(target, int | float) or math.isnan(target)):
         raise InputError("the target must be a number", found=str(target)[:40])

@@ -68,7 +68,7 @@ def build(problem: RiskyPath) -> Compiled:
         try:
             taken = [numbers[pair] for pair in itertools.pairwise(answer)]
         except KeyError as fault:
-            raise InputError(f"no move leads along {fault}") from None
+            raise InputError(f"no move leads along {fault}", "unknown-name") from None
         pairs = set(itertools.pairwise(taken))
         x = np.zeros(len(begin) + len(follow) + len(end))
         x[begin] = moves.begin == taken[0] if taken else 0.0

@@ -44,7 +44,7 @@ def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
     """
     weights = problem.function.as_item_weights() if problem.family == "selection" else None  # data: each layout is added up here
     if weights is None:
-        raise InputError("prices of items are evidence for coverage and facility-location problems", found=problem.problem)
+        raise InputError("prices of items are evidence for coverage and facility-location problems", "foreign", found=problem.problem)
     p = np.maximum(numbers(data, "prices", weights.num_items), 0.0)
     if contradicted(problem):
         return -math.inf

@@ -43,13 +43,13 @@ def check_marginal_gains(problem: Any, data: Mapping[str, Any]) -> float:
     Source: Nemhauser, Wolsey and Fisher (1978); docs/selection.md#bounds. Sums are rounded upwards.
     """
     if problem.family != "selection":
-        raise InputError("marginal gains are evidence for selection problems", found=problem.problem)
+        raise InputError("marginal gains are evidence for selection problems", "foreign", found=problem.problem)
     n = problem.function.num_elements
     prefix = data["prefix"]
     if not isinstance(prefix, list | tuple) or any(isinstance(e, bool) or not isinstance(e, int) for e in prefix):
         raise InputError("the prefix must be a list of element numbers", found=type(prefix).__name__)
     if len(set(prefix)) != len(prefix) or any(not 0 <= e < n for e in prefix):
-        raise InputError("an element of the prefix does not exist or stands twice", expected=f"0 to {n - 1}")
+        raise InputError("an element of the prefix does not exist or stands twice", "unknown-name", expected=f"0 to {n - 1}")
     chosen = np.array(sorted(prefix), dtype=np.int64)
     if contradicted(problem):
         return -math.inf

@@ -38,7 +38,7 @@ def check_packing_covering_duals(problem: Any, data: Mapping[str, Any]) -> float
     Source: linear programming duality; docs/formulations/bottleneck.md#packing-covering-duals.
     """
     if problem.family != "max-min" or getattr(problem, "packing", None) is None:
-        raise InputError("prices of packing and covering rows are evidence for max-min LPs", found=problem.problem)
+        raise InputError("prices of packing and covering rows are evidence for max-min LPs", "foreign", found=problem.problem)
     a, c = problem.packing, problem.covering
     y = _scaled(numbers(data, "covering", c.rows))
     z = _scaled(numbers(data, "packing", a.rows))

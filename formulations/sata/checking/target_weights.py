@@ -40,14 +40,14 @@ def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
     """
     graph = getattr(problem, "graph", None)
     if problem.family != "max-min" or graph is None:
-        raise InputError("weights of targets are evidence for bottleneck problems", found=problem.problem)
+        raise InputError("weights of targets are evidence for bottleneck problems", "foreign", found=problem.problem)
     named = data["targets"]
     whole = isinstance(named, list | tuple) and not any(isinstance(t, bool) or not isinstance(t, int) for t in named)
     if not whole or (isinstance(data["weights"], list | tuple) and len(data["weights"]) != len(named)):
-        raise InputError("targets and weights must be lists of one length, the targets whole numbers")
+        raise InputError("targets and weights must be lists of one length, the targets whole numbers", "wrong-shape")
     targets, weights = np.array(named, dtype=np.int64), numbers(data, "weights", len(named))
     if targets.size and (targets.min() < 0 or targets.max() >= graph.num_targets or len(np.unique(targets)) != len(targets)):
-        raise InputError("a target does not exist or stands twice", expected=f"0 to {graph.num_targets - 1}")
+        raise InputError("a target does not exist or stands twice", "unknown-name", expected=f"0 to {graph.num_targets - 1}")
     if problem.decided and _contradicted(problem):
         return -math.inf
     y = np.zeros(graph.num_targets)

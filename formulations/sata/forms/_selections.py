@@ -56,7 +56,7 @@ def chosen(x: Floats) -> Selection:
     whole = np.round(x)
     if not (np.abs(x - whole) <= INTEGRALITY).all():
         worst = float(np.max(np.abs(x - whole))) if np.isfinite(x).all() else float("nan")
-        raise InputError("the point is fractional, so it chooses nothing", found=f"an element {worst:g} away from 0 and 1")
+        raise InputError("the point is fractional, so it chooses nothing", "out-of-range", found=f"an element {worst:g} away from 0 and 1")
     return Selection(tuple(np.nonzero(whole == 1)[0].tolist()))
 
 

@@ -76,7 +76,7 @@ def _of_graph(problem: BottleneckSATA) -> Compiled:
         else:
             shares = np.asarray(answer, dtype=np.float64)
         if shares.shape != (n,):
-            raise InputError("the start has not one share an action", expected=f"({n},)", found=str(shares.shape))
+            raise InputError("the start has not one share an action", "wrong-shape", expected=f"({n},)", found=str(shares.shape))
         return np.append(shares, problem.coverage(shares).min())
 
     def decode(vector: Floats) -> Any:
@@ -119,7 +119,7 @@ def _of_matrices(problem: MaxMinLP) -> Compiled:
     def encode(answer: Any) -> Floats:
         values = np.asarray(answer, dtype=np.float64)
         if values.shape != (n,):
-            raise InputError("the start has not one number a variable", expected=f"({n},)", found=str(values.shape))
+            raise InputError("the start has not one number a variable", "wrong-shape", expected=f"({n},)", found=str(values.shape))
         return np.append(values, (c.scipy @ values).min() if maximise else (a.scipy @ values).max())
 
     def decode(vector: Floats) -> Floats:

@@ -111,6 +111,6 @@ def chosen_elements(what: str, elements: object, problem: SubmodularSelection) -
     known = all(isinstance(e, int | np.integer) and not isinstance(e, bool) and 0 <= e < size for e in numbers)
     if not known or len(set(numbers)) < len(numbers):
         raise UsageError(
-            f"{what} must be a list of different element numbers from 0 to {size - 1}, or of names, not {str(elements)[:80]!r}"
+            f"{what} must be a list of different element numbers from 0 to {size - 1}, or of names, not {str(elements)[:80]!r}", "malformed"
         )
     return [int(e) for e in numbers]

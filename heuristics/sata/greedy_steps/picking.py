@@ -43,7 +43,7 @@ class Picked:
 def check_threshold(eps: Any) -> None:
     """Raise UsageError unless ``eps`` is a finite number of at least 0."""
     if isinstance(eps, bool) or not isinstance(eps, int | float) or not (eps >= 0 and math.isfinite(eps)):
-        raise UsageError(f"eps must be a finite number of at least 0, not {eps!r}")
+        raise UsageError(f"eps must be a finite number of at least 0, not {eps!r}", "out-of-range")
 
 
 def pick(problem: SubmodularSelection, stop: Stop, *, evaluation: str = "auto", eps: float = 0.0, base: Sequence[int] = ()) -> Picked:
@@ -70,7 +70,7 @@ def pick(problem: SubmodularSelection, stop: Stop, *, evaluation: str = "auto", 
 
 def _chosen_evaluation(f: SetFunction, compiled: ItemWeights | None, evaluation: str) -> str:
     if evaluation not in EVALUATIONS:
-        raise UsageError(f"evaluation must be one of {', '.join(EVALUATIONS)}, not {evaluation!r}")
+        raise UsageError(f"evaluation must be one of {', '.join(EVALUATIONS)}, not {evaluation!r}", "unknown-name")
     sparse = compiled if compiled is not None and compiled.layout != IN_MATRIX else None
     if evaluation == "incremental" and sparse is None:
         raise UsageError("incremental evaluation is for coverage and sparse facility location; choose plain or lazy")

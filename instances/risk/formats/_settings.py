@@ -26,7 +26,7 @@ def numbers_of(settings: Settings, key: str, least: int, most: int, words: Seque
     tokens = text.split()
     word = tokens.pop() if tokens and words and not is_number(tokens[-1]) else ""
     if word and word not in words:
-        raise InputError(f"{key} has an unknown word {shown(word)}", line=line, expected=", ".join(words))
+        raise InputError(f"{key} has an unknown word {shown(word)}", "unknown-name", line=line, expected=", ".join(words))
     wrong = next((token for token in tokens if not is_number(token)), None)
     if wrong is not None or not least <= len(tokens) <= most:
         count = str(least) if least == most else f"{least} to {most}"
@@ -37,7 +37,7 @@ def numbers_of(settings: Settings, key: str, least: int, most: int, words: Seque
 def graph_settings(settings: Settings) -> dict[str, Any]:
     """Keyword arguments of a graph: name, objective, discount, and whether risks are conditional, which must be said."""
     if "conditional" not in settings:
-        raise InputError("it must be said whether risks are conditional", line=1, expected="a line '# conditional: yes', or no")
+        raise InputError("it must be said whether risks are conditional", "missing", line=1, expected="a line '# conditional: yes', or no")
     line, text = settings["conditional"]
     if text.lower() not in YES:
         raise InputError("conditional must be yes or no", line=line, found=shown(text))
@@ -46,7 +46,7 @@ def graph_settings(settings: Settings) -> dict[str, Any]:
         line, arguments["objective"] = settings["objective"]
         if arguments["objective"] not in OBJECTIVES:
             found = shown(arguments["objective"])
-            raise InputError("the objective is unknown", line=line, expected=", ".join(OBJECTIVES), found=found)
+            raise InputError("the objective is unknown", "unknown-name", line=line, expected=", ".join(OBJECTIVES), found=found)
     if "discount" in settings:
         (arguments["discount"],), _ = numbers_of(settings, "discount", 1, 1)
     return arguments

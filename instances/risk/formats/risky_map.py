@@ -60,13 +60,15 @@ def _cells(text: str, first: int) -> tuple[NDArray[np.str_], int]:
         if strange is not None:
             raise InputError(f"the map holds {shown(strange)}", line=first + 1 + k, expected=f"one of {' '.join(CELLS)}")
         if len(row) != len(rows[0]) or not row:
-            raise InputError("row has a wrong length", line=first + 1 + k, expected=f"{len(rows[0])} cells", found=f"{len(row)} cells")
+            raise InputError(
+                "row has a wrong length", "wrong-shape", line=first + 1 + k, expected=f"{len(rows[0])} cells", found=f"{len(row)} cells"
+            )
     return np.array([list(row) for row in reversed(rows)]), first + 1
 
 
 def _one(starts: list[int], line: int) -> list[int]:
     if len(starts) != 1:
-        raise InputError("the map must hold one start S", line=line, found=str(len(starts)))
+        raise InputError("the map must hold one start S", "duplicate" if starts else "missing", line=line, found=str(len(starts)))
     return starts
 
 

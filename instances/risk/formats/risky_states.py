@@ -47,10 +47,10 @@ def read(text: str, path: Path) -> RiskyGraph:
     positions = np.column_stack([table.numbers(axis) for axis in axes])
     for key in ("reach", "start"):
         if key not in settings:
-            raise InputError(f"setting {key} is missing", line=1, expected=f"a line '# {key}: ...'")
+            raise InputError(f"setting {key} is missing", "missing", line=1, expected=f"a line '# {key}: ...'")
     (reach,), _ = numbers_of(settings, "reach", 1, 1)
     if not reach > 0.0:
-        raise InputError("the reach of a move must be positive", line=settings["reach"][0], found=f"{reach:g}")
+        raise InputError("the reach of a move must be positive", "out-of-range", line=settings["reach"][0], found=f"{reach:g}")
     tail, head = _within(positions, reach)
     elements = [LocaleRisk(_probabilities(table, title), title.partition("-")[2] or "risk") for title in risks]
     ends = {}
@@ -63,7 +63,9 @@ def read(text: str, path: Path) -> RiskyGraph:
             except InputError as error:
                 raise error.at(line=line) from None
     if len(ends["start"]) != 1:
-        raise InputError("there must be one start", line=settings["start"][0], found=str(len(ends["start"])))
+        raise InputError(
+            "there must be one start", "duplicate" if ends["start"] else "missing", line=settings["start"][0], found=str(len(ends["start"]))
+        )
     return RiskyGraph(
         len(names), tail, head, (*elements, *elements_of(settings, [], None)), ends["start"][0],
         goals=ends.get("goals", ()), rewards=table.numbers("reward") if table.column("reward") is not None else None,
@@ -77,7 +79,7 @@ def _probabilities(table: Table, title: str) -> Floats:
     wrong = ~((risk >= 0.0) & (risk <= 1.0))
     if wrong.any():
         k = int(np.argmax(wrong))
-        raise InputError(f"{title} must lie in [0, 1]", line=table.at[k], found=shown(f"{risk[k]:g}"))
+        raise InputError(f"{title} must lie in [0, 1]", "out-of-range", line=table.at[k], found=shown(f"{risk[k]:g}"))
     return risk
 
 
@@ -87,7 +89,9 @@ def _within(positions: Floats, reach: float) -> tuple[Indices, Indices]:
 
     largest = max(reach, float(np.abs(positions).max(initial=0.0)))
     if largest > FARTHEST:
-        raise InputError("places and reach are too large for distances", expected=f"at most {FARTHEST:g}", found=f"{largest:g}")
+        raise InputError(
+            "places and reach are too large for distances", "out-of-range", expected=f"at most {FARTHEST:g}", found=f"{largest:g}"
+        )
     pairs = cKDTree(positions).query_pairs(reach * (1.0 + 1e-12), output_type="ndarray")
     return np.concatenate([pairs[:, 0], pairs[:, 1]]), np.concatenate([pairs[:, 1], pairs[:, 0]])
 

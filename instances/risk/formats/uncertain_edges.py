@@ -27,7 +27,7 @@ def read(text: str, path: Path) -> UncertainGraph:
     settings, start = settings_of(text, KEYS, COLUMNS)
     for key in ("start", "goal"):
         if key not in settings:
-            raise InputError(f"setting {key} is missing", line=1, expected=f"a line '# {key}: NAME' above the table")
+            raise InputError(f"setting {key} is missing", "missing", line=1, expected=f"a line '# {key}: NAME' above the table")
     line, undirected = settings.get("undirected", (0, "false"))
     if undirected.lower() not in FLAGS:
         raise InputError("undirected must be true or false", line=line, found=shown(undirected))
@@ -39,7 +39,9 @@ def read(text: str, path: Path) -> UncertainGraph:
     for title, values in costs.items():
         if (values < 0).any():
             k = int(np.argmax(values < 0))
-            raise InputError(f"{title} is negative", line=table.at[k], expected="0 or more", found=(table.column(title) or [])[k])
+            raise InputError(
+                f"{title} is negative", "out-of-range", line=table.at[k], expected="0 or more", found=(table.column(title) or [])[k]
+            )
     return UncertainGraph.from_names(
         tails, heads, costs, settings["start"][1], settings["goal"][1], undirected=FLAGS[undirected.lower()],
         name=name_of(settings, path), format="uncertain-edges",
@@ -59,21 +61,25 @@ def _refuse_pairs(tails: list[str], heads: list[str], lines: list[int], undirect
     seen: dict[tuple[str, str], int] = {}
     for tail, head, line in zip(tails, heads, lines, strict=True):
         if tail == head:
-            raise InputError("an edge leads from a vertex to itself", line=line, found=shown(tail))
+            raise InputError("an edge leads from a vertex to itself", "contradiction", line=line, found=shown(tail))
         pair = (min(tail, head), max(tail, head)) if undirected else (tail, head)
         if pair in seen:
-            raise InputError(f"the edge stands twice, first in line {seen[pair]}", line=line, found=f"{shown(tail)} to {shown(head)}")
+            raise InputError(
+                f"the edge stands twice, first in line {seen[pair]}", "duplicate", line=line, found=f"{shown(tail)} to {shown(head)}"
+            )
         seen[pair] = line
 
 
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
     if not isinstance(instance, UncertainGraph):
-        raise UsageError(f"{getattr(instance, 'name', 'this')} has no uncertain costs and cannot be written as uncertain-edges; use json")
+        raise UsageError(
+            f"{getattr(instance, 'name', 'this')} has no uncertain costs and cannot be written as uncertain-edges; use json", "unsupported"
+        )
     both = instance.undirected
     if instance.positions is not None or (instance.variable is not None and not both):
         what = "positions" if instance.positions is not None else "costs that edges share"
-        raise UsageError(f"{instance.name} cannot be written as uncertain-edges, which has no place for {what}; use json")
+        raise UsageError(f"{instance.name} cannot be written as uncertain-edges, which has no place for {what}; use json", "unsupported")
     settings = [("name", instance.name), ("start", instance.vertex_name(instance.start)), ("goal", instance.vertex_name(instance.goal))]
     kept = np.nonzero(instance.tails < instance.heads)[0] if both else np.arange(instance.num_edges)
     settings += [("undirected", "true")] if both else []

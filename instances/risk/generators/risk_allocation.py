@@ -87,7 +87,7 @@ def _fuel(steps: int) -> CostTerm:
 def _corridor(draw: Draw, settings: Mapping[str, Any]) -> RiskAllocationInstance:
     steps, sides = settings["steps"], settings["constraints"]
     if sides == 3:
-        raise UsageError("constraints must be 2 or 4, not 3")
+        raise UsageError("constraints must be 2 or 4, not 3", "out-of-range")
     dynamics = _plane(settings, 0.01, _vary(draw, settings, 0.5, 2.0))
     t = np.arange(1, steps + 1) / steps
     low = 2.4 * _vary(draw, settings, 0.5, 1.1) * np.sin(math.pi * t) - 0.5

@@ -42,9 +42,9 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> Instance:
     """One random map: obstacles are rectangles of cells that leave all free cells, start and goal among them, connected."""
     rows, columns, cell = settings["rows"], settings["columns"], settings["cell"]
     if rows * columns > MOST_CELLS:
-        raise UsageError(f"rows={rows} and columns={columns} are {rows * columns} cells; at most {MOST_CELLS} are made")
+        raise UsageError(f"rows={rows} and columns={columns} are {rows * columns} cells; at most {MOST_CELLS} are made", "too-large")
     if settings["connectivity"] not in (4, 8):
-        raise UsageError(f"connectivity must be 4 or 8, not {settings['connectivity']}")
+        raise UsageError(f"connectivity must be 4 or 8, not {settings['connectivity']}", "out-of-range")
     occupied = _blocks(draw, rows, columns, settings["occupied"], settings["block"], settings["connectivity"])
     grid = OccupancyGrid(occupied, cell)
     tail, head = grid.arcs(settings["connectivity"])

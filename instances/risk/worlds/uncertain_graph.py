@@ -70,10 +70,10 @@ class UncertainGraphWorld(World):
         """Go to the vertex that ``actions`` gives for the robot, along an edge; stay where it gives none."""
         for agent, vertex in actions.items():
             if agent != ROBOT:
-                raise InputError(f"agent {agent} does not exist", expected=str(ROBOT))
+                raise InputError(f"agent {agent} does not exist", "unknown-name", expected=str(ROBOT))
             edge = int(self.graph.edges_of((self.path[-1], vertex))[0])
             if edge < 0:
-                raise InputError(f"no edge leads from {self.graph.vertex_name(self.path[-1])} to vertex number {vertex}")
+                raise InputError(f"no edge leads from {self.graph.vertex_name(self.path[-1])} to vertex number {vertex}", "unknown-name")
             self.path.append(int(vertex))
             self.cost += float(self.costs[edge])
         self.time += 1
@@ -107,7 +107,7 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> UncertainGraph
         return UncertainGraphWorld(_drawn(values["roadmap"], values["graph"], own), rng)
     graph = read_instance(values["file"])
     if not isinstance(graph, UncertainGraph):
-        raise UsageError(f"{values['file']} holds no graph of uncertain costs")
+        raise UsageError(f"{values['file']} holds no graph of uncertain costs", "foreign")
     return UncertainGraphWorld(graph, rng)
 
 

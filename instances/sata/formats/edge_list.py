@@ -56,18 +56,22 @@ def _weights(table: Table, cells: list[list[str]]) -> Floats | None:
         return None
     for line, weight, *row in zip(table.at, column, *cells, strict=True):
         if all(row) and not weight:
-            raise InputError("the weight of the edge is empty", line=line, expected="a number")
+            raise InputError("the weight of the edge is empty", "missing", line=line, expected="a number")
     return np.array([number(cell, line, "weight") if cell else math.nan for cell, line in zip(column, table.at, strict=True)])
 
 
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
     if not isinstance(instance, SensingGraph):
-        raise UsageError(f"{getattr(instance, 'name', 'this')} holds no sensing graph, so it cannot be written as edges; use json")
+        raise UsageError(
+            f"{getattr(instance, 'name', 'this')} holds no sensing graph, so it cannot be written as edges; use json", "unsupported"
+        )
     if instance.action_positions is not None or instance.target_positions is not None:
-        raise UsageError(f"{instance.name} cannot be written as edges, which has no place for positions; use json")
+        raise UsageError(f"{instance.name} cannot be written as edges, which has no place for positions; use json", "unsupported")
     if instance.problems != PROBLEMS:
-        raise UsageError(f"{instance.name} cannot be written as edges, which has no place for a choice of problems; use json")
+        raise UsageError(
+            f"{instance.name} cannot be written as edges, which has no place for a choice of problems; use json", "unsupported"
+        )
     rows = exact_rows(instance)
     settings = [("name", instance.name), ("problem", instance.problem)]
     if rows.order != ORDERS[0]:

@@ -33,7 +33,7 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> SelectionInstance:
     """One instance. Elements belong to groups in turn: element i to group i modulo k."""
     elements, items, per, k = (settings[key] for key in ("elements", "items", "per-element", "k"))
     if elements * per > 200_000_000:
-        raise UsageError(f"elements={elements} with per-element={per} are too many items; at most 200000000 are drawn")
+        raise UsageError(f"elements={elements} with per-element={per} are too many items; at most 200000000 are drawn", "too-large")
     drawn = draw.integers(0, items - 1, (elements, per))
     drawn.sort(axis=1)
     new = np.ones(drawn.shape, dtype=bool)

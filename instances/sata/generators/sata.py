@@ -40,12 +40,14 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> SensingGraph:
     """One instance."""
     robots, targets, phi = settings["robots"], settings["targets"], settings["phi"]
     if robots * settings["actions"] > MOST_EDGES:
-        raise UsageError(f"robots={robots} with actions={settings['actions']} are too many actions; at most {MOST_EDGES} are made")
+        raise UsageError(
+            f"robots={robots} with actions={settings['actions']} are too many actions; at most {MOST_EDGES} are made", "too-large"
+        )
     owner = np.repeat(np.arange(robots), settings["actions"])
     pairs = len(owner) * targets
     wanted = round(phi / 100.0 * pairs)
     if wanted > MOST_EDGES:
-        raise UsageError(f"phi={phi:g} asks for {wanted} edges; at most {MOST_EDGES} are made")
+        raise UsageError(f"phi={phi:g} asks for {wanted} edges; at most {MOST_EDGES} are made", "too-large")
     least = max(len(owner), robots + targets - 1)
     if wanted < least:
         raise UsageError(

@@ -136,11 +136,13 @@ class TrackingWorld(World):
             return drawn
         points = np.array(given, dtype=np.float64)
         if points.shape != (count, 2):
-            raise InputError(f"there must be one position {an(what)}", expected=f"({count}, 2)", found=str(points.shape))
+            raise InputError(f"there must be one position {an(what)}", "wrong-shape", expected=f"({count}, 2)", found=str(points.shape))
         wrong = ~np.isfinite(points).all(axis=1) | _outside(points, self.rules.area)
         if wrong.any():
             k = int(np.argmax(wrong))
-            raise InputError(f"{what} {k + 1} starts outside the area", expected=_area(self.rules), found=str(points[k].tolist()))
+            raise InputError(
+                f"{what} {k + 1} starts outside the area", "out-of-range", expected=_area(self.rules), found=str(points[k].tolist())
+            )
         return points
 
     # -- the three things that every world does ------------------------------------------------------------------------
@@ -175,7 +177,7 @@ class TrackingWorld(World):
 
     def _reachable(self, robot: int, position: ArrayLike) -> Floats:
         if not 0 <= robot < self.rules.robots:
-            raise InputError(f"there is no robot number {robot}", expected=f"0 to {self.rules.robots - 1}")
+            raise InputError(f"there is no robot number {robot}", "unknown-name", expected=f"0 to {self.rules.robots - 1}")
         try:
             point = np.array(position, dtype=np.float64)
         except (TypeError, ValueError):
@@ -184,9 +186,15 @@ class TrackingWorld(World):
             raise InputError(f"robot number {robot} must be told a position", expected="two finite numbers", found=str(position)[:80])
         length = float(np.linalg.norm(point - self.robots[robot]))
         if length > self.rules.robot_step * (1 + TOLERANCE):
-            raise InputError(f"robot number {robot} cannot move {length:.9g} m in one step", expected=f"at most {self.rules.robot_step:g}")
+            raise InputError(
+                f"robot number {robot} cannot move {length:.9g} m in one step",
+                "out-of-range",
+                expected=f"at most {self.rules.robot_step:g}",
+            )
         if _outside(point[None], self.rules.area)[0]:
-            raise InputError(f"robot number {robot} must stay inside", expected=_area(self.rules), found=str(point.tolist()))
+            raise InputError(
+                f"robot number {robot} must stay inside", "out-of-range", expected=_area(self.rules), found=str(point.tolist())
+            )
         return point
 
     def _move_targets(self) -> None:

@@ -229,7 +229,7 @@ def _sights(problem: Problem, answer: Any) -> list[tuple[int, int]]:
 
 def _graph(problem: Problem | None) -> SensingGraph:
     if not isinstance(problem, WinnerTakesAllSATA | BottleneckSATA):
-        raise UsageError(f"tracking solves {', '.join(PROBLEMS)}, not {problem!r}")
+        raise UsageError(f"tracking solves {', '.join(PROBLEMS)}, not {problem!r}", "unsupported")
     return problem.graph
 
 

@@ -44,7 +44,10 @@ def plot_risk_allocation(
     quantities = problem.instance.quantities
     view = view or ("trajectory" if quantities.dynamics is not None else "risks")
     if view not in VIEWS or (view == "trajectory" and quantities.dynamics is None):
-        raise UsageError(f"a plot of risk allocation shows {', '.join(VIEWS[0 if quantities.dynamics is not None else 1 :])}, not {view!r}")
+        raise UsageError(
+            f"a plot of risk allocation shows {', '.join(VIEWS[0 if quantities.dynamics is not None else 1 :])}, not {view!r}",
+            "unknown-name",
+        )
     ax = new_axes() if ax is None else ax
     draw = {"trajectory": _trajectory, "risks": _risks, "violations": _violations}[view]
     return entitled(ax, problem, allocation, solution, title, draw(ax, problem, allocation))

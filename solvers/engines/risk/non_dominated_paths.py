@@ -50,7 +50,7 @@ def non_dominated_paths(graph: UncertainGraph, dominance: str = "weak", stop: St
     docs/formulations/uncertain-path.md#non-dominated-paths.
     """
     if dominance not in DOMINANCE:
-        raise UsageError(f"dominance must be one of {', '.join(DOMINANCE)}, not {dominance!r}")
+        raise UsageError(f"dominance must be one of {', '.join(DOMINANCE)}, not {dominance!r}", "unknown-name")
     mean_left, variance_left = (graph.costs_to(graph.goal, moments) for moments in (graph.mean, graph.variance))
     useful = np.isfinite(mean_left[graph.heads])
     tails, heads = graph.tails[useful], graph.heads[useful].tolist()

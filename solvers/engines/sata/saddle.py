@@ -67,7 +67,7 @@ class Saddle(Engine):
             raise UnsupportedError(self.name, lacking)
         h: int = self.converted(options).extra.get("h", 0)
         if not 0 <= h <= MOST_LAYERS:
-            raise UsageError(f"saddle: h must be a whole number from 0 to {MOST_LAYERS}, not {h!r}")
+            raise UsageError(f"saddle: h must be a whole number from 0 to {MOST_LAYERS}, not {h!r}", "out-of-range")
         task = _Task(problem)
         if len(task.graph.unseen_targets):
             return task.unseen(options)

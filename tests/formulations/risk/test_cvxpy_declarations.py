@@ -5,6 +5,7 @@ from __future__ import annotations
 import cvxpy as cp
 import numpy as np
 import pytest
+from coded import coded
 from risk_problems import run
 
 from waybound.formulations.risk.risk_allocation import RiskAllocation
@@ -42,7 +43,7 @@ def test_squares_norms_and_cones_keep_their_value() -> None:
 def test_what_cannot_be_declared_is_refused() -> None:
     x = cp.Variable(2, name="x")
     convex = cp.Problem(cp.Minimize(cp.sum(x)))
-    with pytest.raises(InputError, match="affine"):
+    with pytest.raises(InputError, match="affine", check=coded("unsupported")):
         RiskAllocation.from_cvxpy(convex, cp.square(x), np.eye(2), [1, 1], total=0.1)
     with pytest.raises(InputError, match="convex"):
         RiskAllocation.from_cvxpy(cp.Problem(cp.Maximize(cp.sum_squares(x))), x, np.eye(2), [1, 1], total=0.1)
@@ -52,7 +53,11 @@ def test_what_cannot_be_declared_is_refused() -> None:
         RiskAllocation.from_cvxpy(cp.Problem(cp.Minimize(cp.sum(cp.exp(x)))), x, np.eye(2), [1, 1], total=0.1)
     with pytest.raises(InputError, match="least eigenvalue -1"):
         RiskAllocation.from_cvxpy(convex, x, [[1, 2], [2, 1]], [1, 1], total=0.1)
-    with pytest.raises(InputError, match=r"limits must be a number, or one a quantity; expected 2; found \(1,\)"):
+    with pytest.raises(
+        InputError, match=r"limits must be a number, or one a quantity; expected 2; found \(1,\)", check=coded("wrong-shape")
+    ):
         RiskAllocation.from_cvxpy(convex, x, np.eye(2), [1], total=0.1)
     with pytest.raises(InputError, match="risk says no limit; expected total or each"):
         RiskAllocation.from_cvxpy(convex, x, np.eye(2), [1, 1])
+    with pytest.raises(InputError, check=coded("duplicate")):
+        RiskAllocation.from_cvxpy(cp.Problem(cp.Minimize(cp.sum(x) + cp.Variable(name="x"))), x, np.eye(2), [1, 1], total=0.1)

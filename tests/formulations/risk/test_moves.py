@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 import risky_cases as cases
+from coded import coded
 
 from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.risk import moves
@@ -73,7 +74,7 @@ def test_evidence_proves_the_least_hazard():
 
 def test_graphs_with_too_many_pairs_are_refused(monkeypatch):
     monkeypatch.setattr(moves, "MOST_PAIRS", 10)
-    with pytest.raises(UsageError, match="pairs of moves that follow each other; at most 10 are searched"):
+    with pytest.raises(UsageError, match="pairs of moves that follow each other; at most 10 are searched", check=coded("too-large")):
         MoveGraph(cases.lattice(3, 3).graph)
 
 

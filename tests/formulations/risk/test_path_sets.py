@@ -7,6 +7,7 @@ from statistics import NormalDist
 
 import numpy as np
 import pytest
+from coded import coded
 from scipy.special import ndtr
 
 from waybound.formulations.risk.path_sets import (
@@ -208,7 +209,7 @@ def test_a_narrow_path_beyond_a_shared_first_edge_is_not_missed():
 
 def test_sets_that_are_none_are_refused():
     for pairs in ([], [(1, -1)], [(math.nan, 1)]):
-        with pytest.raises(InputError, match="a set of paths needs pairs"):
+        with pytest.raises(InputError, check=coded("out-of-range")):
             PathSet.of(pairs)
     with pytest.raises(UsageError, match="first_edges must be one of separate, shared"):
         probability([(0, 1)], [(0, 1)], first_edges="both")

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 import risky_cases as cases
+from coded import coded
 
 import waybound as wb
 from waybound.formulations.evidence import CHECKERS
@@ -53,24 +54,26 @@ def test_no_risk_makes_no_ratio():
 
 
 @pytest.mark.parametrize(
-    ("make", "message"),
+    ("make", "code", "message"),
     [
-        (lambda: cases.two_ways((0, 0, 0, 0), objective="reward-per-risk"), "needs a state with a reward"),
-        (lambda: cases.two_ways(objective="risk"), "the least risk needs a goal"),
-        (lambda: cases.two_ways(objective="hazard"), "the least hazard needs a goal"),
+        (lambda: cases.two_ways((0, 0, 0, 0), objective="reward-per-risk"), "missing", "needs a state with a reward"),
+        (lambda: cases.two_ways(objective="risk"), "missing", "the least risk needs a goal"),
+        (lambda: cases.two_ways(objective="hazard"), "missing", "the least hazard needs a goal"),
         (
             lambda: RiskyPath(cases.graph([(0, 1), (1, 2)], [LocaleRisk([0, 0, 0.5])], rewards=[0, 1, 1])),
+            "contradiction",
             "reward per risk has no maximum: a reward is reached without risk, by 1 2",
         ),
         (
             lambda: cases.two_ways((1, 1, 1, 1)),
+            "contradiction",
             "reward per risk has no maximum: a reward is reached without risk, by 1",
         ),
-        (lambda: RiskyPath(cases.two_ways().graph, "luck"), "objective must be one of risk, hazard, reward-per-risk"),
+        (lambda: RiskyPath(cases.two_ways().graph, "luck"), "unknown-name", "objective must be one of risk, hazard, reward-per-risk"),
     ],
 )
-def test_what_has_no_best_answer_is_refused(make, message):
-    with pytest.raises((InputError, UsageError), match=message):
+def test_what_has_no_best_answer_is_refused(make, code, message):
+    with pytest.raises((InputError, UsageError), match=message, check=coded(code)):
         make()
 
 
@@ -129,7 +132,7 @@ def test_settings_change_start_goals_discount_and_objective():
     for wrong in ({"start": "10,20"}, {"goals": "zz"}, {"discount": "x"}, {"speed": 1}):
         with pytest.raises(UsageError):
             problem_from_instance(graph, **wrong)
-    with pytest.raises(UsageError, match="has no states at risk"):
+    with pytest.raises(UsageError, check=coded("foreign")):
         problem_from_instance(_routing(), "risky-path")
 
 

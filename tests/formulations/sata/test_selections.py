@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from coded import coded
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -24,7 +25,7 @@ def test_any_whole_numbers_make_a_selection():
 
 @pytest.mark.parametrize("elements", [["a"], 3, None, [[1]]])
 def test_anything_else_does_not(elements):
-    with pytest.raises(UsageError, match="a selection is a list of element numbers"):
+    with pytest.raises(UsageError, check=coded("malformed")):
         Selection.of(elements)
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from coded import coded
 from hypothesis import given
 from hypothesis import strategies as st
 from sata_cases import CASES, dense_weights, random_graph, relabelled, selections, value
@@ -108,7 +109,7 @@ def test_a_robot_is_credited_with_nothing_that_its_action_does_not_see():
 
 
 def test_credit_of_another_length_and_other_answers_are_usage_errors():
-    with pytest.raises(wb.UsageError, match="winners must have one entry a target"):
+    with pytest.raises(wb.UsageError, check=coded("wrong-shape")):
         wb.WinnerTakesAllSATA(FIGURE).evaluate(Selection.of([0], [0]))
     with pytest.raises(wb.UsageError, match="is a Selection, not list"):
         wb.WinnerTakesAllSATA(FIGURE).evaluate([0])
@@ -128,17 +129,17 @@ def test_answers_survive_json_with_their_credit(seed):
 
 
 @pytest.mark.parametrize(
-    ("targets", "says"),
+    ("targets", "code", "says"),
     [
-        ("t1", "the answer's targets are not a list"),
-        ([{"target": "t1"}], "entry 1 of the answer's targets names no known target and robot"),
-        ([{"target": "t9", "robot": "r1"}], "entry 1 of the answer's targets"),
-        ([{"target": "t1", "robot": "r1"}, {"target": "t1", "robot": "r2"}], "target t1 is credited twice"),
+        ("t1", "malformed", "the answer's targets are not a list"),
+        ([{"target": "t1"}], "unknown-name", "entry 1 of the answer's targets names no known target and robot"),
+        ([{"target": "t9", "robot": "r1"}], "unknown-name", "entry 1 of the answer's targets"),
+        ([{"target": "t1", "robot": "r1"}, {"target": "t1", "robot": "r2"}], "duplicate", "target t1 is credited twice"),
     ],
 )
-def test_a_file_that_is_no_answer_is_refused(targets, says):
+def test_a_file_that_is_no_answer_is_refused(targets, code, says):
     problem = wb.read("figure-3-3", problem="winner-takes-all")
-    with pytest.raises(wb.InputError, match=says):
+    with pytest.raises(wb.InputError, match=says, check=coded(code)):
         problem.answer_from_json({"kind": "assignment", "actions": [{"action": "p1"}], "targets": targets})
 
 

@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+from coded import coded
 from hypothesis import given
 from hypothesis import strategies as st
 from selection_problems import CONSTRAINTS, KINDS, optimum, random_problem, run, value
@@ -98,7 +99,7 @@ def test_what_is_too_large_is_refused_in_one_line() -> None:
 
 def test_memory_is_bounded_too() -> None:
     f = Coverage.from_sets([[k] for k in range(8000)], np.ones(8000))
-    with pytest.raises(UsageError, match="brute-force keeps 8,000 x 8,000 numbers"):
+    with pytest.raises(UsageError, match="brute-force keeps 8,000 x 8,000 numbers", check=coded("too-large")):
         run("brute-force", SubmodularSelection(f, PartitionMatroid.of(np.arange(8000))))
 
 

@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 import pytest
+from coded import coded
 from hypothesis import given
 from hypothesis import strategies as st
 from sata_cases import graph_of_rows
@@ -28,6 +29,7 @@ from selection_problems import (
 from waybound import BottleneckSATA, Cardinality, InputError, Knapsack, PartitionMatroid, SubmodularSelection, UsageError
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.heuristics.heuristic import HEURISTICS
+from waybound.instances.errors import Code
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
 
@@ -181,20 +183,20 @@ def test_a_declaration_that_a_sample_contradicts_is_not_relied_upon() -> None:
 
 
 @pytest.mark.parametrize(
-    "bad",
+    ("bad", "code"),
     [
-        lambda masks: np.ones((len(masks), 2)),
-        lambda masks: np.where(masks.any(axis=1), math.nan, 0.0),
-        lambda masks: np.where(masks.any(axis=1), math.inf, 0.0),
-        lambda masks: 0.0 if len(masks) > 1 else np.zeros(1),
-        lambda masks: np.zeros(1) if len(masks) == 1 else ["many"] * len(masks),
-        lambda masks: np.zeros(1) if len(masks) == 1 else None,
+        (lambda masks: np.ones((len(masks), 2)), "wrong-shape"),
+        (lambda masks: np.where(masks.any(axis=1), math.nan, 0.0), "out-of-range"),
+        (lambda masks: np.where(masks.any(axis=1), math.inf, 0.0), "out-of-range"),
+        (lambda masks: 0.0 if len(masks) > 1 else np.zeros(1), "wrong-shape"),
+        (lambda masks: np.zeros(1) if len(masks) == 1 else ["many"] * len(masks), "malformed"),
+        (lambda masks: np.zeros(1) if len(masks) == 1 else None, "wrong-shape"),
     ],
 )
 @pytest.mark.parametrize("heuristic", ["greedy", "lazy-greedy", "stochastic-greedy", "brute-force"])
-def test_what_a_users_function_returns_is_checked(heuristic: str, bad: object) -> None:
+def test_what_a_users_function_returns_is_checked(heuristic: str, bad: object, code: Code) -> None:
     function = UserFunction(bad, 5, monotone=True, submodular=True)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="the set function"):
+    with pytest.raises(InputError, check=coded(code)):
         run(heuristic, SubmodularSelection(function, Cardinality(2)))
 
 
@@ -234,7 +236,7 @@ def test_bottleneck_greedy_takes_the_best_worst_target_robot_by_robot(seed: int)
 
 
 def test_options_of_selections_are_refused_for_a_bottleneck() -> None:
-    with pytest.raises(UsageError, match="a bottleneck has none"):
+    with pytest.raises(UsageError, check=coded("contradiction")):
         run("greedy", BottleneckSATA(graph_of_rows([(1, 1)])), eps=0.5)
 
 

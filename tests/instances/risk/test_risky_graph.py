@@ -6,10 +6,13 @@ import networkx as nx
 import numpy as np
 import pytest
 import risky_cases as cases
+from coded import coded
 
-from waybound.instances.errors import InputError
-from waybound.instances.risk.elements import LocaleRisk
+from waybound.instances.errors import Code, InputError
+from waybound.instances.risk.elements import LengthRisk, LocaleRisk
 from waybound.instances.risk.risky_graph import RiskyGraph, named_states
+from waybound.instances.risk.tether import Tether
+from waybound.instances.risk.traverse_elements import TetherRisk
 
 RISK = LocaleRisk([0.1, 0.2, 0.3])
 
@@ -77,6 +80,25 @@ def test_risks_that_are_not_conditional_are_told():
 def test_what_is_no_graph_is_refused(arcs, given, message):
     elements = given.pop("elements", [RISK])
     with pytest.raises(InputError, match=message):
+        cases.graph(arcs, elements, states=3, **given)
+
+
+@pytest.mark.parametrize(
+    ("arcs", "given", "code"),
+    [
+        ([(0, 0)], {}, "contradiction"),
+        ([(0, 1), (0, 1)], {}, "duplicate"),
+        ([(0, 1)], {"goals": (-1,)}, "unknown-name"),
+        ([(0, 1)], {"conditional": "yes"}, "malformed"),
+        ([(0, 1)], {"discount": 1.5}, "out-of-range"),
+        ([(0, 1)], {"elements": [LocaleRisk([0.1])]}, "wrong-shape"),
+        ([(0, 1)], {"elements": [LengthRisk(0.1)]}, "missing"),
+        ([(0, 1)], {"elements": [TetherRisk(Tether((0, 0), []))], "positions": np.zeros((3, 3))}, "unsupported"),
+    ],
+)
+def test_programs_are_told_what_is_wrong_by_a_code(arcs, given, code: Code):
+    elements = given.pop("elements", [RISK])
+    with pytest.raises(InputError, check=coded(code)):
         cases.graph(arcs, elements, states=3, **given)
 
 

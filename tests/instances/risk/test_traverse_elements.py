@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 import risky_cases as cases
+from coded import coded
 
 from waybound.formulations.risk.risky_path import RiskyPath
 from waybound.instances.errors import InputError
@@ -73,7 +74,7 @@ def test_the_least_risk_is_never_above_the_risk(seed):
 
 
 def test_what_is_no_level_is_refused():
-    with pytest.raises(InputError, match="one row a level"):
+    with pytest.raises(InputError, check=coded("wrong-shape")):
         CollectedRisk([True], [0.1])
 
 

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from coded import coded
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waybound.instances.errors import InputError, UsageError
+from waybound.instances.errors import Code, InputError, UsageError
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 from waybound.instances.sata.sensing_rows import Named, edges_of_rows, exact_rows, reading_order, rows_of_graph
 
@@ -64,23 +65,23 @@ def test_whole_numbers_come_in_ascending_order_and_texts_as_they_appear() -> Non
 
 
 @pytest.mark.parametrize(
-    ("rows", "weights", "says"),
+    ("rows", "weights", "code", "says"),
     [
-        (["- p x"], None, "row 0: the action has no robot"),
-        (["a p x", "- p -"], None, "row 1: the action has no robot"),
-        (["a - x"], None, "row 0: a robot and a target are named, but no action"),
-        (["- - -"], None, "row 0: neither a robot nor a target is named"),
-        (["a p x"], [np.nan], "row 0: the weight must be a finite number, not negative; found nan"),
-        (["a p x", "a p y"], [1, -2], "row 1: the weight must be a finite number, not negative; found -2.0"),
-        (["a p x"], [np.inf], "row 0: the weight must be a finite number"),
-        (["a p x", "a p -"], [1, 2], "row 1: a weight stands in a row that is no edge; found 2.0"),
-        (["a p x", "b q x", "a p x"], None, 'row 2: the edge stands already in row 0; duplicates "sum" would add them up'),
+        (["- p x"], None, "missing", "row 0: the action has no robot"),
+        (["a p x", "- p -"], None, "missing", "row 1: the action has no robot"),
+        (["a - x"], None, "missing", "row 0: a robot and a target are named, but no action"),
+        (["- - -"], None, "missing", "row 0: neither a robot nor a target is named"),
+        (["a p x"], [np.nan], "out-of-range", "row 0: the weight must be a finite number, not negative; found nan"),
+        (["a p x", "a p y"], [1, -2], "out-of-range", "row 1: the weight must be a finite number, not negative; found -2.0"),
+        (["a p x"], [np.inf], "out-of-range", "row 0: the weight must be a finite number"),
+        (["a p x", "a p -"], [1, 2], "contradiction", "row 1: a weight stands in a row that is no edge; found 2.0"),
+        (["a p x", "b q x", "a p x"], None, "duplicate", 'row 2: the edge stands already in row 0; duplicates "sum" would add them up'),
     ],
 )
-def test_a_row_that_means_nothing_is_refused_by_its_place(rows: list[str], weights: Any, says: str) -> None:
+def test_a_row_that_means_nothing_is_refused_by_its_place(rows: list[str], weights: Any, code: Code, says: str) -> None:
     with pytest.raises(InputError) as caught:
         graph(*rows, weights=weights)
-    assert str(caught.value).startswith(says)
+    assert str(caught.value).startswith(says) and caught.value.code == code
     lines = [10 * k for k in range(1, len(rows) + 1)]
     with pytest.raises(InputError) as caught:
         graph(*rows, weights=weights, lines=lines)
@@ -90,7 +91,7 @@ def test_a_row_that_means_nothing_is_refused_by_its_place(rows: list[str], weigh
 def test_unknown_choices_are_refused() -> None:
     with pytest.raises(UsageError, match="order must be one of names, rows, not 'size'"):
         graph("a p x", order="size")
-    with pytest.raises(UsageError, match="duplicates must be error or sum"):
+    with pytest.raises(UsageError, check=coded("unknown-name")):
         graph("a p x", duplicates="max")
 
 

@@ -87,6 +87,7 @@ def clean(graph: SensingGraph) -> CleanGraph:
     if len(seen) and (lightest < LIGHTEST or heaviest > HEAVIEST):
         raise InputError(
             "the local algorithm needs weights of ordinary size",
+            "out-of-range",
             expected=f"{LIGHTEST:g} to {HEAVIEST:g}",
             found=f"{lightest:g} to {heaviest:g}",
         )

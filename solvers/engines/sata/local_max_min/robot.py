@@ -148,7 +148,7 @@ class SteppedLevels(Levels):
 def _refuse(number: float, option: str, value: float) -> None:
     if number > MOST_LEVELS:
         message = f"messages=true tests all levels at once, {number:.3g} of them with {option}={value:g}; the limit is {MOST_LEVELS}"
-        raise UsageError(message)
+        raise UsageError(message, "too-large")
 
 
 # -- robots -------------------------------------------------------------------------------------------------------------

@@ -252,7 +252,7 @@ def step_search(clean: CleanGraph, h: int, step: float, stop: Stop = NEVER) -> t
     ceiling = tree_minima(clean, lowest, lowest, 1, h, stop)[0]
     steps = float(ceiling.max()) / (2 * step) + 2
     if steps > _MOST_STEPS:
-        raise UsageError(f"step must be at least {float(ceiling.max()) / _MOST_STEPS:.3g} for these weights, not {step!r}")
+        raise UsageError(f"step must be at least {float(ceiling.max()) / _MOST_STEPS:.3g} for these weights, not {step!r}", "out-of-range")
     base = np.zeros(clean.num_actions)
     scratch, (sight, lists, owner) = _scratch(clean), _reachable(clean, stop)
     stride = 1

@@ -37,7 +37,7 @@ class LocalShares:
 def check_options(h: Any, eps: Any, search: Any, step: Any, smoothing: Any) -> None:
     """Raise UsageError for the first option that is out of range."""
     if isinstance(h, bool) or not isinstance(h, int | np.integer) or not 1 <= h <= MOST_LAYERS:
-        raise UsageError(f"h must be a whole number from 1 to {MOST_LAYERS}, not {h!r}")
+        raise UsageError(f"h must be a whole number from 1 to {MOST_LAYERS}, not {h!r}", "out-of-range")
     for name, value, least, most in (("eps", eps, LEAST_EPS, MOST_EPS), ("step", step, 0.0, math.inf)):
         if (
             isinstance(value, bool)
@@ -46,10 +46,10 @@ def check_options(h: Any, eps: Any, search: Any, step: Any, smoothing: Any) -> N
             or value in (0, math.inf)
         ):
             wanted = f"from {least:g} to {most:g}" if math.isfinite(most) else "above 0"
-            raise UsageError(f"{name} must be a number {wanted}, not {value!r}")
+            raise UsageError(f"{name} must be a number {wanted}, not {value!r}", "out-of-range")
     for name, value, known in (("search", search, SEARCHES), ("smoothing", smoothing, SMOOTHINGS)):
         if value not in known:
-            raise UsageError(f"{name} must be {' or '.join(known)}, not {value!r}")
+            raise UsageError(f"{name} must be {' or '.join(known)}, not {value!r}", "unknown-name")
 
 
 def local_shares(

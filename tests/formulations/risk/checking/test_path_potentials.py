@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from coded import coded
 from uncertain_graphs import WORKED, all_paths, graph_of, random_graph
 
 from waybound.formulations.evidence import CHECKERS
@@ -80,5 +81,5 @@ def test_evidence_of_another_shape_is_refused(data, message):
 
 
 def test_other_families_are_refused():
-    with pytest.raises(InputError, match="evidence for uncertain-path problems"):
+    with pytest.raises(InputError, check=coded("foreign")):
         check(type("Other", (), {"family": "routing", "problem": "tsp"})(), {})

@@ -7,6 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from coded import coded
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -115,5 +116,5 @@ def test_malformed_prices_are_refused(data):
 def test_prices_are_no_evidence_without_items():
     problem = random_problem(np.random.default_rng(0), "user", "cardinality")
     for other in (problem, MaxMinLP(np.eye(1), np.eye(1))):
-        with pytest.raises(InputError, match="coverage"):
+        with pytest.raises(InputError, check=coded("foreign")):
             CHECKERS[KIND](other, {"prices": []})

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from coded import coded
 from hypothesis import given
 from hypothesis import strategies as st
 from selection_problems import CONSTRAINTS, KINDS, cover_30, cover_tight, feasible_sets, optimum, random_problem
@@ -14,6 +15,7 @@ from waybound import BottleneckSATA, Evidence, InputError, Selection, SensingGra
 from waybound.formulations.sata.checking.marginal_gains import check_marginal_gains
 from waybound.formulations.tolerance import LIMIT
 from waybound.formulations.verified_bounds import verified_bound
+from waybound.instances.errors import Code
 from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
 from waybound.instances.sata.set_functions import Coverage, FacilityLocation, UserFunction
 
@@ -103,23 +105,23 @@ def test_a_declaration_that_the_values_contradict_proves_nothing(prefix: list[in
 
 
 @pytest.mark.parametrize(
-    ("data", "words"),
+    ("data", "code"),
     [
-        ({"prefix": [0, 0]}, "stands twice"),
-        ({"prefix": [4]}, "does not exist"),
-        ({"prefix": [-1]}, "does not exist"),
-        ({"prefix": [0.5]}, "list of element numbers"),
-        ({"prefix": [True]}, "list of element numbers"),
-        ({"prefix": "01"}, "list of element numbers"),
+        ({"prefix": [0, 0]}, "unknown-name"),
+        ({"prefix": [4]}, "unknown-name"),
+        ({"prefix": [-1]}, "unknown-name"),
+        ({"prefix": [0.5]}, "malformed"),
+        ({"prefix": [True]}, "malformed"),
+        ({"prefix": "01"}, "malformed"),
         ({}, "malformed"),
     ],
 )
-def test_malformed_evidence_is_refused(data: dict[str, object], words: str) -> None:
-    with pytest.raises(InputError, match=words):
+def test_malformed_evidence_is_refused(data: dict[str, object], code: Code) -> None:
+    with pytest.raises(InputError, check=coded(code)):
         verified_bound(cover_tight(), Evidence("marginal-gains", "test", 0.0, data))
 
 
 def test_it_is_no_evidence_for_other_problems() -> None:
     bottleneck = BottleneckSATA(SensingGraph.from_edges([0], [0], [0]))
-    with pytest.raises(InputError, match="selection problems"):
+    with pytest.raises(InputError, check=coded("foreign")):
         check_marginal_gains(bottleneck, {"prefix": []})

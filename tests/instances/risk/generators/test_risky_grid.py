@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from file_cases import check_refused
+from coded import coded
 
 from waybound.formulations.risk.risky_path import RiskyPath
 from waybound.instances.errors import UsageError
@@ -30,6 +30,7 @@ def test_rewards_free_the_end():
     assert [e.label for e in graph.elements] == ["clearance", "length", "turn", "mud", "tether"]
 
 
-@pytest.mark.parametrize(("given", "message"), [({"connectivity": 6}, "must be 4 or 8"), ({"rows": 900, "columns": 900}, "at most 250000")])
-def test_what_cannot_be_made_is_refused(given, message):
-    check_refused(UsageError, message, generate, "risky-grid", 1, **given)
+@pytest.mark.parametrize(("given", "code"), [({"connectivity": 6}, "out-of-range"), ({"rows": 900, "columns": 900}, "too-large")])
+def test_what_cannot_be_made_is_refused(given, code):
+    with pytest.raises(UsageError, check=coded(code)):
+        generate("risky-grid", 1, **given)

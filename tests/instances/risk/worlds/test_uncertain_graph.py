@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from coded import coded
 from file_cases import check_refused
 from uncertain_graphs import WORKED, graph_of
 
@@ -80,4 +81,5 @@ def test_a_graph_is_drawn_or_read(tmp_path):
     write_instance(graph_of(WORKED), tmp_path / "g.csv")
     assert make_world("uncertain-graph", 5, file=str(tmp_path / "g.csv")).graph.num_vertices == 7
     check_refused(InputError, "no such file", make_world, "uncertain-graph", 5, file="nowhere.csv")
-    check_refused(UsageError, "holds no graph of uncertain costs", make_world, "uncertain-graph", 5, file=str(bundled_path("demo-tiny")))
+    with pytest.raises(UsageError, check=coded("foreign")):
+        make_world("uncertain-graph", 5, file=str(bundled_path("demo-tiny")))

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from file_cases import check_refused
+from coded import coded
 
 from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
@@ -42,4 +42,5 @@ def test_the_constraint_changes_nothing_in_the_sets() -> None:
 
 
 def test_more_draws_than_memory_allows_are_refused() -> None:
-    check_refused(UsageError, "at most 200000000 are drawn", made, elements=10_000_000, per_element=100)
+    with pytest.raises(UsageError, check=coded("too-large")):
+        made(elements=10_000_000, per_element=100)

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from coded import coded
 from draws import draws
 from file_cases import check_refused
 from hypothesis import given, settings
@@ -169,7 +170,8 @@ def test_what_a_robot_cannot_do_is_refused_and_changes_nothing(actions, says):
 
 def test_a_start_outside_or_of_the_wrong_number_is_refused():
     check_refused(InputError, "target 2 starts outside", world, targets=[[1, 1], [101, 1], [1, 1]])
-    check_refused(InputError, "one position a robot", world, robots=[[1, 1]])
+    with pytest.raises(InputError, check=coded("wrong-shape")):
+        world(robots=[[1, 1]])
 
 
 def test_a_target_step_longer_than_half_the_area_is_refused():

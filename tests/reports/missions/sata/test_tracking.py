@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 import pytest
+from coded import coded
 
-from waybound import BottleneckSATA, Selection, UsageError, WinnerTakesAllSATA
+from waybound import BottleneckSATA, MaxMinLP, Selection, UsageError, WinnerTakesAllSATA
 from waybound.instances.sata.worlds.tracking import TrackingRules, TrackingWorld
 from waybound.reports.missions.mission import Decision
-from waybound.reports.missions.sata.tracking import SPREAD, Tracking, chosen_actions
+from waybound.reports.missions.sata.tracking import SPREAD, Tracking, assigned, chosen_actions
 
 
 def begun(robots, targets, **settings):
@@ -216,6 +217,11 @@ def test_measures_without_an_answer_have_no_values():
 def test_settings_that_do_not_exist_are_refused_by_name(key, value):
     with pytest.raises(UsageError, match=key):
         Tracking().world(1, **{key: value})
+
+
+def test_problems_without_robots_and_targets_are_refused():
+    with pytest.raises(UsageError, check=coded("unsupported")):
+        assigned(MaxMinLP(np.eye(1), np.eye(1)), None)
 
 
 def test_scenarios_choose_problem_and_primitives_unless_told_otherwise():

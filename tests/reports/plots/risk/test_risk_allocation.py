@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from coded import coded
 from matplotlib.patches import Ellipse
 from risk_problems import problem
 
@@ -73,7 +74,7 @@ def test_violations_are_counted() -> None:
 
 
 def test_other_views_are_refused() -> None:
-    with pytest.raises(UsageError, match="shows risks, violations, not 'trajectory'"):
+    with pytest.raises(UsageError, match="shows risks, violations, not 'trajectory'", check=coded("unknown-name")):
         plot_risk_allocation(problem(), [1.0, 1.0], view="trajectory")
 
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from coded import coded
 from uncertain_graphs import CROSSED, WORKED, all_paths, graph_of, named, random_graph
 
 import waybound as wb
@@ -96,7 +97,7 @@ def test_cut_short_it_says_so():
 
 
 def test_an_unknown_rule_is_refused():
-    with pytest.raises(UsageError, match="dominance must be one of weak, pareto, strict"):
+    with pytest.raises(UsageError, match="dominance must be one of weak, pareto, strict", check=coded("unknown-name")):
         non_dominated_paths(graph_of(WORKED), "total")
 
 

@@ -6,6 +6,7 @@ from fractions import Fraction as F
 
 import numpy as np
 import pytest
+from coded import coded
 from draws import draws
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
@@ -342,7 +343,6 @@ def test_values_are_not_monotone_in_the_height_which_is_why_several_can_be_run()
         ({"h": 0}, "h must be"), ({"h": 2.0}, "h must be"), ({"h": True}, "h must be"), ({"h": 1001}, "h must be"),
         ({"eps": 0.0}, "eps must be"), ({"eps": -0.1}, "eps must be"), ({"eps": 1.5}, "eps must be"), ({"eps": math.nan}, "eps must be"),
         ({"eps": "small"}, "eps must be"), ({"step": 0}, "step must be"), ({"step": math.inf}, "step must be"),
-        ({"search": "bisection"}, "search must be secant or step"), ({"smoothing": "none"}, "smoothing must be layers or ball"),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("run", [local_shares, exchange])
@@ -351,8 +351,15 @@ def test_options_out_of_range_are_refused(run, options: dict[str, object], named
         run(S1, **{"h": 2, **options})
 
 
+@pytest.mark.parametrize(("option", "choices"), [("search", "secant or step"), ("smoothing", "layers or ball")])
+@pytest.mark.parametrize("run", [local_shares, exchange])
+def test_unknown_choices_are_refused(run, option: str, choices: str) -> None:
+    with pytest.raises(UsageError, match=f"{option} must be {choices}", check=coded("unknown-name")):
+        run(S1, 2, **{option: "none"})
+
+
 def test_a_step_that_doubles_cannot_count_is_refused() -> None:
-    with pytest.raises(UsageError, match="step must be at least"):
+    with pytest.raises(UsageError, check=coded("out-of-range")):
         local_shares(S1, 2, search="step", step=1e-300)
 
 
