@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
 from os import PathLike
 from pathlib import Path
 
@@ -127,21 +126,6 @@ def whole(token: str, line: int, what: str, *, least: int) -> int:
         code: Code = "out-of-range" if _WHOLE.match(text) else "malformed"
         raise InputError(f"{what} must be a whole number", code, line=line, expected=f"{least} or more", found=shown(token))
     return int(text)
-
-
-def refuse(
-    bad: NDArray[np.bool_] | np.bool_,
-    lines: Sequence[int] | NDArray[np.int64],
-    message: str,
-    found: Iterable[object],
-    expected: str,
-    code: Code = "out-of-range",
-) -> None:
-    """Raise InputError for the first row that is ``bad``, with its line and what it holds."""
-    if np.any(bad):
-        k = int(np.argmax(bad))
-        values = list(found)
-        raise InputError(message, code, line=int(lines[k]), expected=expected, found=str(values[k]))
 
 
 def plain(value: float) -> str:
