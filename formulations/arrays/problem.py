@@ -170,7 +170,9 @@ class ArrayProblem(Problem):
             expected = '{"variable": column, "most": whole number}'
             raise InputError("not a statement on a variable", expected=expected, found=printable(str(statement), 80))
         if not self.program.integer[column]:
-            raise InputError(f"{self.program.variable_name(column)} is no integer, so it may lie between two whole numbers")
+            raise InputError(
+                f"{self.program.variable_name(column)} is no integer, so it may lie between two whole numbers", "contradiction"
+            )
 
     def restricted(self, decisions: Sequence[Decision]) -> ArrayProblem:
         """The same arrays with tighter bounds; they may cross."""
@@ -211,7 +213,7 @@ class ArrayProblem(Problem):
         return self._vector(data["values"])
 
     def to_instance(self) -> Any:
-        raise UsageError(f"{self.name} is a bare program, which problem.program.write('model.mps') writes")
+        raise UsageError(f"{self.name} is a bare program, which problem.program.write('model.mps') writes", "unsupported")
 
     def answer_of(self, given: Any) -> Floats:
         """A vector of shape (variables,)."""
@@ -232,7 +234,9 @@ class ArrayProblem(Problem):
             x = np.zeros((0, 0))
         if x.shape != (self.program.num_variables,):
             expected = f"({self.program.num_variables},)"
-            raise InputError("the answer to a program is a vector with one number a variable", expected=expected, found=f"{x.shape}")
+            raise InputError(
+                "the answer to a program is a vector with one number a variable", "wrong-shape", expected=expected, found=f"{x.shape}"
+            )
         return x
 
 
@@ -242,25 +246,31 @@ def _outside(name: str, value: float, low: float, high: float) -> str:
 
 def _check_shapes(program: Program) -> None:
     if program.sense not in ("min", "max"):
-        raise InputError("the sense of a program is min or max", found=str(program.sense))
+        raise InputError("the sense of a program is min or max", "unknown-name", found=str(program.sense))
     for block in program.variables:
         if {len(block.lower), len(block.upper), len(block.cost)} != {block.size}:
-            raise InputError(f"the arrays of variables {block.name} have different lengths")
+            raise InputError(f"the arrays of variables {block.name} have different lengths", "wrong-shape")
     for rows in program.rows:
         if len(rows.upper) != rows.size or len(rows.indptr) != rows.size + 1 or len(rows.indices) != len(rows.data):
-            raise InputError(f"the arrays of rows {rows.name} have different lengths")
+            raise InputError(f"the arrays of rows {rows.name} have different lengths", "wrong-shape")
         if rows.indptr[0] != 0 or rows.indptr[-1] != len(rows.data) or (np.diff(rows.indptr) < 0).any():
             raise InputError(f"the row starts of rows {rows.name} do not ascend from 0 to the number of entries")
         if len(rows.indices) and not (rows.indices.min() >= 0 and rows.indices.max() < program.num_variables):
-            raise InputError(f"rows {rows.name} name a column that does not exist", expected=f"0 to {program.num_variables - 1}")
+            raise InputError(
+                f"rows {rows.name} name a column that does not exist", "unknown-name", expected=f"0 to {program.num_variables - 1}"
+            )
     for cones in program.cones:
         if cones.kind not in CONE_KINDS or cones.width < 2 or (cones.kind == "exponential" and cones.width != 3):
             shape = f"{cones.kind} of width {cones.width}"
             raise InputError(f"cones {cones.name} must be second-order of width 2 or more, or exponential of width 3", found=shape)
         if len(cones.offset) % cones.width or len(cones.indptr) != len(cones.offset) + 1 or len(cones.indices) != len(cones.data):
-            raise InputError(f"the arrays of cones {cones.name} have different lengths")
+            raise InputError(f"the arrays of cones {cones.name} have different lengths", "wrong-shape")
         if len(cones.indices) and not (cones.indices.min() >= 0 and cones.indices.max() < program.num_variables):
-            raise InputError(f"cones {cones.name} name a column that does not exist", expected=f"0 to {program.num_variables - 1}")
+            raise InputError(
+                f"cones {cones.name} name a column that does not exist", "unknown-name", expected=f"0 to {program.num_variables - 1}"
+            )
     n = program.num_variables
     if program.quadratic is not None and program.quadratic.shape != (n, n):
-        raise InputError("the quadratic part has the wrong shape", expected=f"({n}, {n})", found=str(program.quadratic.shape))
+        raise InputError(
+            "the quadratic part has the wrong shape", "wrong-shape", expected=f"({n}, {n})", found=str(program.quadratic.shape)
+        )

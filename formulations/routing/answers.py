@@ -46,10 +46,12 @@ def routes_from_json(problem: RoutingProblem, data: Any) -> Routes:
             raise InputError(f"route {number} has no list of visits")
         vehicle = entry.get("vehicle", problem.fleet[0].name)
         if not isinstance(vehicle, str) or vehicle not in types:
-            raise InputError(f"route {number} names an unknown vehicle {printable(vehicle, 80)!r}", expected=", ".join(types))
+            raise InputError(
+                f"route {number} names an unknown vehicle {printable(vehicle, 80)!r}", "unknown-name", expected=", ".join(types)
+            )
         for site in entry["visits"]:
             if str(site) not in index:
-                raise InputError(f"route {number} visits an unknown site {printable(site, 80)!r}")
+                raise InputError(f"route {number} visits an unknown site {printable(site, 80)!r}", "unknown-name")
         visits = tuple(index[str(s)] for s in entry["visits"])
         stated = entry.get("timetable")
         timetable = None if stated is None else Timetable.from_json(stated, len(visits), f"routes[{number - 1}].timetable")
@@ -220,7 +222,9 @@ def answer_geojson(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
     """
     sites = problem.sites
     if sites.coordinates is None or not sites.geographic:
-        raise UsageError("GeoJSON needs latitude and longitude, which these sites do not have: columns lat and lon of from_frame")
+        raise UsageError(
+            "GeoJSON needs latitude and longitude, which these sites do not have: columns lat and lon of from_frame", "missing"
+        )
     places = sites.coordinates.tolist()
     features = []
     for row, route in zip(_rows(routes_frame(problem, answer)), answer, strict=True):

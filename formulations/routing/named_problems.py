@@ -26,7 +26,7 @@ from .problem import RoutingProblem
 
 def _build(instance: Any, problem: str, settings: dict[str, Any]) -> RoutingProblem:
     if not isinstance(instance, RoutingInstance):
-        raise UsageError(f"{instance.name} holds no routing data, so it cannot be read as {problem}")
+        raise UsageError(f"{instance.name} holds no routing data, so it cannot be read as {problem}", "foreign")
     return RoutingProblem.from_instance(instance, problem, settings)
 
 
@@ -57,7 +57,7 @@ def vrptw(sites: Sites, travel: Travel, *, vehicles: int | None = None, capacity
     Source: Solomon (1987); Mitchell (2020), section 3.2.
     """
     if not (sites.ready.any() or np.isfinite(sites.due).any()):
-        raise InputError("no site has a time window", expected="ready or due; cvrp or min_cost_vrp without")
+        raise InputError("no site has a time window", "missing", expected="ready or due; cvrp or min_cost_vrp without")
     return _named_problem("vrptw", sites, travel, vehicles, capacity=capacity, **limits)
 
 
@@ -84,7 +84,7 @@ def mdvrp(sites: Sites, travel: Travel, *, capacity: float = math.inf, vehicles:
     Source: Cordeau, Gendreau and Laporte (1997).
     """
     if len(sites.depots) < 2:
-        raise InputError("there is one depot only", expected="two or more; cvrp with one")
+        raise InputError("there is one depot only", "missing", expected="two or more; cvrp with one")
     return _named_problem("mdvrp", sites, travel, vehicles, capacity=capacity, **limits)
 
 
@@ -163,10 +163,14 @@ def makespan_orienteering(
         stores = (math.inf if v.energy is None else v.energy.at_departure / v.energy.rate for v in problem.fleet)
         longest = max(min(v.max_duration, store) for v, store in zip(problem.fleet, stores, strict=True))
         if not 0 < longest < math.inf:
-            raise InputError("the printed weight needs a limit of duration", expected="max_duration, or energy charged for travel")
+            raise InputError(
+                "the printed weight needs a limit of duration", "missing", expected="max_duration, or energy charged for travel"
+            )
         weight = float(rewards.min()) / longest
     elif isinstance(weight, str):
-        raise UsageError(f"unknown weight {weight!r}; give a number, printed, or none for an objective in order of priority")
+        raise UsageError(
+            f"unknown weight {weight!r}; give a number, printed, or none for an objective in order of priority", "unknown-name"
+        )
     return replace(problem, objective=Objective.of(Reward() - float(weight) * Makespan()))
 
 
@@ -215,13 +219,13 @@ def pdptw(sites: Sites, travel: Travel, *, capacity: float, vehicles: int | None
     Source: Savelsbergh and Sol (1995); Li and Lim (2003) for the objective.
     """
     if not sites.shipments:
-        raise InputError("there are no shipments", expected="shipments of the sites")
+        raise InputError("there are no shipments", "missing", expected="shipments of the sites")
     return _named_problem("pdptw", sites, travel, vehicles, capacity=capacity, **limits)
 
 
 def _optional(sites: Sites) -> Sites:
     if not sites.reward.any():
-        raise InputError("no site has a reward", expected="a positive one")
+        raise InputError("no site has a reward", "missing", expected="a positive one")
     return replace(sites, required=np.zeros(len(sites), dtype=bool), groups=tuple(replace(g, required=False) for g in sites.groups))
 
 
@@ -233,7 +237,7 @@ def _named_problem(problem: str, sites: Sites, travel: Travel, vehicles: int | N
             fleet = equal_fleet(sites, count=vehicles, **limits)
         except TypeError:
             unknown = ", ".join(sorted(set(limits) - set(VehicleType.__dataclass_fields__)))
-            raise UsageError(f"{problem} does not know {unknown}; it takes what VehicleType takes") from None
+            raise UsageError(f"{problem} does not know {unknown}; it takes what VehicleType takes", "unknown-name") from None
     elif vehicles not in (None, 1) or any(limits[key] != math.inf for key in limits):
         raise UsageError(f"fleet tells the vehicles already; leave out {', '.join(['vehicles', *limits])}")
     return RoutingProblem(sites, travel, fleet, objective, least, name, problem)

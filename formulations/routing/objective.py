@@ -130,10 +130,10 @@ class Weighted(Composable):
 
     def __post_init__(self) -> None:
         if not self.terms:
-            raise UsageError("a level of an objective needs at least one term")
+            raise UsageError("a level of an objective needs at least one term", "missing")
         for weight, term in self.terms:
             if weight == 0 or not math.isfinite(weight):
-                raise UsageError(f"the weight of {term.name} must be finite and not zero, not {weight!r}")
+                raise UsageError(f"the weight of {term.name} must be finite and not zero, not {weight!r}", "out-of-range")
 
     def levels(self) -> tuple[Weighted, ...]:
         return (self,)
@@ -168,11 +168,11 @@ def _read(text: str) -> Weighted:
     for sign, part in [("+", first), *zip(rest[::2], rest[1::2], strict=True)]:
         weight, times, name = part.rpartition("*")
         if name not in TERMS:
-            raise UsageError(f"unknown objective term {name!r}; choose from {', '.join(TERMS)}")
+            raise UsageError(f"unknown objective term {name!r}; choose from {', '.join(TERMS)}", "unknown-name")
         try:
             terms.append((float(f"{sign}1") * (float(weight) if times else 1.0), TERMS[name]()))
         except ValueError:
-            raise UsageError(f"the weight of {name} must be a number, not {weight!r}") from None
+            raise UsageError(f"the weight of {name} must be a number, not {weight!r}", "malformed") from None
     return Weighted(tuple(terms))
 
 
@@ -209,7 +209,7 @@ class Objective(Composable):
     def named(cls, names: tuple[str, ...]) -> Objective:
         """An objective from one text a level, first priority first: the name of a term, or a weighted sum (``reward - 0.5*makespan``)."""
         if not names:
-            raise UsageError(f"an objective needs at least one term; choose from {', '.join(TERMS)}")
+            raise UsageError(f"an objective needs at least one term; choose from {', '.join(TERMS)}", "missing")
         return cls(tuple(_read(name) for name in names))
 
     def is_only(self, *terms: type[Term]) -> bool:
@@ -251,7 +251,8 @@ def objective_from(text: str) -> Objective:
 def _level(part: str, text: str) -> Weighted:
     if not part.strip():
         raise UsageError(
-            f"objective {_quoted(text)}: a level is empty; write terms such as {', '.join(list(TERMS)[:3])}, with then between levels"
+            f"objective {_quoted(text)}: a level is empty; write terms such as {', '.join(list(TERMS)[:3])}, with then between levels",
+            "missing",
         )
     terms: list[tuple[float, str]] = []
     sign, weight, times, signed, leading = 1.0, None, False, True, True
@@ -266,17 +267,19 @@ def _level(part: str, text: str) -> Weighted:
             terms.append((sign * (1.0 if weight is None else weight), _known(word, text)))
             sign, weight, times, signed = 1.0, None, False, False
         else:
-            raise UsageError(f"objective {_quoted(text)}: {_quoted(word)} is not expected there; write sums such as total-cost - 2*reward")
+            raise UsageError(
+                f"objective {_quoted(text)}: {_quoted(word)} is not expected there; write sums such as total-cost - 2*reward", "malformed"
+            )
         leading = False
     if signed or weight is not None:
-        raise UsageError(f"objective {_quoted(text)}: {_quoted(part)} ends without a term")
+        raise UsageError(f"objective {_quoted(text)}: {_quoted(part)} ends without a term", "malformed")
     names = [name for _, name in terms]
     for name in names:
         if names.count(name) > 1:
-            raise UsageError(f"objective {_quoted(text)}: {name} stands twice in one level")
+            raise UsageError(f"objective {_quoted(text)}: {name} stands twice in one level", "duplicate")
     for weight, name in terms:
         if weight == 0 or not math.isfinite(weight):
-            raise UsageError(f"objective {_quoted(text)}: the weight of {name} must be finite and not zero")
+            raise UsageError(f"objective {_quoted(text)}: the weight of {name} must be finite and not zero", "out-of-range")
     return Weighted(tuple((weight, TERMS[name]()) for weight, name in terms))
 
 
@@ -292,9 +295,9 @@ def _known(word: str, text: str) -> str:
     for term in TERMS:
         rest = name.removeprefix(f"{term}-")
         if rest in TERMS:
-            raise UsageError(f"objective {_quoted(text)}: write blanks around - and +: {term} - {rest}")
+            raise UsageError(f"objective {_quoted(text)}: write blanks around - and +: {term} - {rest}", "malformed")
     hint = did_you_mean(name, TERMS) or f"; choose from {', '.join(TERMS)}"
-    raise UsageError(f"objective {_quoted(text)}: there is no term {_quoted(word)}{hint}")
+    raise UsageError(f"objective {_quoted(text)}: there is no term {_quoted(word)}{hint}", "unknown-name")
 
 
 def _quoted(text: str) -> str:

@@ -124,7 +124,8 @@ def _need(clock: Clock | None, value: Any, title: str) -> None:
 
 def _no_time(value: Any, title: str) -> UsageError:
     return UsageError(
-        f"column {title} of the visits holds {printable(str(value), 40)!r}, which is no time; give numbers or moments, or leave it out"
+        f"column {title} of the visits holds {printable(str(value), 40)!r}, which is no time; give numbers or moments, or leave it out",
+        "malformed",
     )
 
 
@@ -156,14 +157,15 @@ def routes_given(problem: RoutingProblem, given: Any) -> Routes:
     if all(isinstance(route, Route) for route in listed):
         return Routes.of(listed)
     if not all(_is_list(route) for route in listed):
-        raise UsageError(f"{printable(repr(given), 80)} is no list of routes; Routes.of([[1, 2], [3]]) makes an answer")
+        raise UsageError(f"{printable(repr(given), 80)} is no list of routes; Routes.of([[1, 2], [3]]) makes an answer", "malformed")
     if all(isinstance(route, Visits) for route in listed):
         return _routes_of(problem, [(_type(problem, route.vehicle), route) for route in listed])
     if len(problem.fleet) > 1:
         (name,) = problem.vehicle_names(Routes((Route(()),)))
         raise UsageError(
             f"lists do not say which of the {len(problem.fleet)} vehicle types drives a route; give {{{name!r}: [...]}}, one list a"
-            " vehicle, or Route(visits, type)"
+            " vehicle, or Route(visits, type)",
+            "ambiguous",
         )
     return _routes_of(problem, [(0, route) for route in listed])
 
@@ -176,7 +178,9 @@ def _of_mapping(problem: RoutingProblem, routes_by_name: Mapping[Any, Any]) -> R
     routes: list[tuple[int, Any]] = []
     for name, listed in routes_by_name.items():
         if not _is_list(listed):
-            raise UsageError(f"the route of {printable(str(name), 40)} must be a list of sites, not {printable(repr(listed), 60)}")
+            raise UsageError(
+                f"the route of {printable(str(name), 40)} must be a list of sites, not {printable(repr(listed), 60)}", "malformed"
+            )
         several = len(listed) > 0 and all(_is_list(part) for part in listed)
         kind = _type(problem, name)
         routes += [(kind, part) for part in listed] if several else [(kind, listed)]
@@ -192,10 +196,11 @@ def _of_frame(problem: RoutingProblem, frame: Any) -> Routes:
     if site is None or vehicle is None:
         lacking = "site" if site is None else "vehicle"
         raise UsageError(
-            f"a table of visits needs the column {lacking!r}{did_you_mean(lacking, titles)}; it has {', '.join(map(str, frame.columns))}"
+            f"a table of visits needs the column {lacking!r}{did_you_mean(lacking, titles)}; it has {', '.join(map(str, frame.columns))}",
+            "missing",
         )
     if frame[[site, vehicle]].isna().to_numpy().any():
-        raise UsageError(f"a table of visits has a row without {site} or {vehicle}")
+        raise UsageError(f"a table of visits has a row without {site} or {vehicle}", "missing")
     rows = frame if order is None else frame.sort_values([order], kind="stable")
     times, digit = stated_times(problem.clock, {title: rows[titles[title]].tolist() for title in COLUMNS if title in titles})
     by_vehicle: dict[Any, tuple[list[str], list[Moments]]] = {}
@@ -224,7 +229,9 @@ def _type(problem: RoutingProblem, name: Any) -> int:
         return led[0]
     if len(names) == 1 and (isinstance(name, int) or text.isdigit()):
         return 0
-    raise UsageError(f"there is no vehicle {printable(text, 60)!r}{did_you_mean(short, names)}; the types are {', '.join(names)}")
+    raise UsageError(
+        f"there is no vehicle {printable(text, 60)!r}{did_you_mean(short, names)}; the types are {', '.join(names)}", "unknown-name"
+    )
 
 
 def _routes_of(

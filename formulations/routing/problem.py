@@ -324,7 +324,9 @@ class RoutingProblem(Problem):
         """Recompute everything from the data: visits, loads, windows with waiting and service, durations, distances, energy, fleet size,
         objective."""
         if not isinstance(answer, Routes):
-            raise UsageError(f"an answer to a routing problem is Routes, not {type(answer).__name__}: Routes.of([[1, 2], [3]]) makes one")
+            raise UsageError(
+                f"an answer to a routing problem is Routes, not {type(answer).__name__}: Routes.of([[1, 2], [3]]) makes one", "malformed"
+            )
         return evaluate_routes(self, answer)
 
     def continue_from(self, plan: Any, time: float) -> RoutingProblem:
@@ -391,10 +393,12 @@ class RoutingProblem(Problem):
     def check_start(self, answer: Routes) -> None:
         for number, route in enumerate(answer, start=1):
             if not 0 <= route.vehicle < len(self.fleet):
-                raise UsageError(f"route {number} has vehicle type {route.vehicle}, and there are {len(self.fleet)}, numbered from 0")
+                raise UsageError(
+                    f"route {number} has vehicle type {route.vehicle}, and there are {len(self.fleet)}, numbered from 0", "unknown-name"
+                )
             for site in route.visits:
                 if not 0 <= site < len(self.sites):
-                    raise UsageError(f"route {number} visits site {site}, and there are {len(self.sites)}, numbered from 0")
+                    raise UsageError(f"route {number} visits site {site}, and there are {len(self.sites)}, numbered from 0", "unknown-name")
 
     def searched_from(self, answer: Routes) -> Routes:
         """The routes without stated timetables."""
@@ -417,7 +421,9 @@ class RoutingProblem(Problem):
         if suffix in (".sol", ".tour"):
             self._need_one_type()
         if suffix == ".tour" and self.vehicle_limit != 1:
-            raise UsageError("a .tour file holds one route, and this problem allows more; use .sol or .json, or set vehicles=1")
+            raise UsageError(
+                "a .tour file holds one route, and this problem allows more; use .sol or .json, or set vehicles=1", "unsupported"
+            )
         if suffix == ".vroom":
             self._need_no_pauses()
         if suffix == ".geojson":
@@ -445,12 +451,14 @@ class RoutingProblem(Problem):
 
     def _need_one_type(self) -> None:
         if len(self.fleet) > 1:
-            raise UsageError(f"such a file cannot say which of the {len(self.fleet)} vehicle types drives a route; use .json")
+            raise UsageError(
+                f"such a file cannot say which of the {len(self.fleet)} vehicle types drives a route; use .json", "unsupported"
+            )
         self._need_no_pauses()
 
     def _need_no_pauses(self) -> None:
         if any(v.reloads or v.stations for v in self.fleet):
-            raise UsageError("such a file has no place for stops at depots on the way; use .json")
+            raise UsageError("such a file has no place for stops at depots on the way; use .json", "unsupported")
 
 
 def _numbered(name: str, taken: Collection[str]) -> Iterator[str]:

@@ -43,13 +43,13 @@ class UnderWay(NamedTuple):
 def continued(problem: RoutingProblem, plan: Routes, time: float) -> RoutingProblem:
     """The rest of ``problem`` at ``time``, if ``plan`` has been driven until then; see ``RoutingProblem.continue_from``."""
     if not math.isfinite(time):
-        raise UsageError(f"a horizon begins at a moment, not at {time}")
+        raise UsageError(f"a horizon begins at a moment, not at {time}", "out-of-range")
     _refuse(problem, plan)
     done, under_way, gone = _at(problem, plan, time)
     sites, starts = problem.sites, {v.stop for v in under_way}
     fleet = [*_fresh(problem, gone, time), *_committed(problem, under_way)]
     if not fleet:
-        raise UsageError(f"no vehicle is left at {moment_told(problem.clock, time)}")
+        raise UsageError(f"no vehicle is left at {moment_told(problem.clock, time)}", "missing")
     columns: dict[str, Any] = {name: np.array(getattr(sites, name)) for name in COLUMNS}
     for v in under_way:
         if not sites.depot[v.stop]:
@@ -64,7 +64,9 @@ def continued(problem: RoutingProblem, plan: Routes, time: float) -> RoutingProb
     used = {k for v in fleet for k in (v.start, v.end, *v.reloads, *v.stations)}
     unplanned = set(problem.customers.tolist()) - taken - decided
     if not unplanned:
-        raise UsageError(f"nothing is left to plan at {moment_told(problem.clock, time)}: every site is served or next on its route")
+        raise UsageError(
+            f"nothing is left to plan at {moment_told(problem.clock, time)}: every site is served or next on its route", "missing"
+        )
     keep = np.array(sorted(unplanned | used), dtype=np.int64)
     changed = replace(
         sites, windows=tuple(() if k in starts else w for k, w in enumerate(sites.windows)),
@@ -81,7 +83,7 @@ def _refuse(problem: RoutingProblem, plan: Routes) -> None:
     """Raise UsageError for a plan that breaks a constraint, but for the visits of sites that it does not know: those are new orders."""
     refused = problem.features() & set(REFUSED)
     if refused:
-        raise UsageError(f"a plan in progress cannot be continued with {', '.join(sorted(refused))}")
+        raise UsageError(f"a plan in progress cannot be continued with {', '.join(sorted(refused))}", "unsupported")
     problem.check_start(plan)
     visited = np.zeros(len(problem.sites), dtype=bool)
     visited[[site for route in plan for site in route.visits]] = True

@@ -102,20 +102,19 @@ class Timetable:
             if value is None:
                 return None
             if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-                raise InputError(f"{path}.{key} must be a finite number", found=printable(str(value), 40))
+                raise InputError(f"{path}.{key} must be a finite number", "out-of-range", found=printable(str(value), 40))
             return float(value)
 
         def listed(key: str) -> Moments:
             values = data.get(key, [None] * stops)
             if not isinstance(values, list) or len(values) != stops:
-                raise InputError(
-                    f"{path}.{key} must be a list with one time a visit", expected=str(stops), found=printable(str(values), 60)
-                )
+                found = printable(str(values), 60)
+                raise InputError(f"{path}.{key} must be a list with one time a visit", "wrong-shape", expected=str(stops), found=found)
             return tuple(real(value, f"{key}[{k}]") for k, value in enumerate(values))
 
         digit = real(data.get("digit"), "digit") or 0.0
         if digit < 0.0:
-            raise InputError(f"{path}.digit must be at least 0", found=f"{digit:g}")
+            raise InputError(f"{path}.digit must be at least 0", "out-of-range", found=f"{digit:g}")
         return cls(
             listed("arrival"),
             listed("begin"),

@@ -62,7 +62,7 @@ def parts_of(instance: RoutingInstance, problem: str | None, settings: Mapping[s
         read = FORMATS[instance.format].settings if instance.format in FORMATS.names() else ()
         keys = tuple(dict.fromkeys((*KNOWN, *read)))
         known = f"{', '.join(keys)}{did_you_mean(min(rest), keys)}"
-        raise UsageError(f"unknown setting {', '.join(sorted(rest))}; routing problems take {known}")
+        raise UsageError(f"unknown setting {', '.join(sorted(rest))}; routing problems take {known}", "unknown-name")
     return {
         "sites": instance.sites, "travel": travel, "fleet": fleet, "objective": _objective(instance, name, asked),
         "min_vehicles": least, "name": instance.name,
@@ -85,6 +85,7 @@ def _objective(instance: RoutingInstance, name: str, asked: Any) -> Objective:
     if not instance.min_vehicles and pointless(sites) == len(sites.customers):
         raise InputError(
             "all sites may be left out, and nothing tells what a visit is worth, so that none would be visited",
+            "missing",
             expected="a reward or a penalty, or the objective total-cost by name",
         )
     return usual
@@ -94,9 +95,9 @@ def _whole(name: str, value: Any) -> int:
     try:
         number = int(str(value))
     except ValueError:
-        raise UsageError(f"{name} must be a whole number, not {value!r}") from None
+        raise UsageError(f"{name} must be a whole number, not {value!r}", "malformed") from None
     if number < 1:
-        raise UsageError(f"{name} must be at least 1, not {number}")
+        raise UsageError(f"{name} must be at least 1, not {number}", "out-of-range")
     return number
 
 
@@ -104,7 +105,7 @@ def _positive(name: str, value: Any) -> float:
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise UsageError(f"{name} must be a number, not {value!r}") from None
+        raise UsageError(f"{name} must be a number, not {value!r}", "malformed") from None
     if not number > 0:
-        raise UsageError(f"{name} must be positive, not {value!r}")
+        raise UsageError(f"{name} must be positive, not {value!r}", "out-of-range")
     return number

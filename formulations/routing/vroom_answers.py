@@ -40,7 +40,9 @@ def routes_from_vroom(problem: RoutingProblem, data: Mapping[str, Any]) -> Route
     code = integer(data.get("code", 0), "code", 0)
     if code:
         said = data.get("error", "")
-        raise InputError(f"VROOM found no answer: error {code}", found=printable(said if isinstance(said, str) else kind_of(said), 80))
+        raise InputError(
+            f"VROOM found no answer: error {code}", "missing", found=printable(said if isinstance(said, str) else kind_of(said), 80)
+        )
     index = problem.sites.index() if _numbered(problem) else {str(k): k for k in problem.customers.tolist()}
     types = _types(problem)
     routes = []
@@ -50,7 +52,9 @@ def routes_from_vroom(problem: RoutingProblem, data: Mapping[str, Any]) -> Route
             raise InputError(f"{path} must be an object with the keys vehicle and steps", found=kind_of(route))
         number = integer(route["vehicle"], f"{path}.vehicle", 0)
         if types and number not in types:
-            raise InputError(f"{path}.vehicle names no vehicle", expected=", ".join(map(str, sorted(types)[:20])), found=str(number))
+            raise InputError(
+                f"{path}.vehicle names no vehicle", "unknown-name", expected=", ".join(map(str, sorted(types)[:20])), found=str(number)
+            )
         steps = [_step(step, f"{path}.steps[{s}]", index) for s, step in enumerate(array(route["steps"], f"{path}.steps"))]
         if types or len(problem.fleet) == 1:
             kind = types.get(number, 0)
@@ -77,7 +81,7 @@ def _named(problem: RoutingProblem, description: Any, path: str) -> int:
     text = description if isinstance(description, str) else ""
     short = text if text in names else text.rpartition(" ")[0]
     if short not in names:
-        raise InputError(f"{path} names no vehicle", expected=", ".join(names), found=printable(text, 60) or "nothing")
+        raise InputError(f"{path} names no vehicle", "unknown-name", expected=", ".join(names), found=printable(text, 60) or "nothing")
     return names[short]
 
 
@@ -104,12 +108,14 @@ def _step(step: Any, path: str, index: Mapping[str, int]) -> int | None:
     if what in ("start", "end"):
         return None
     if what not in PREFIXES:
-        raise InputError(f"{path}.type is not supported", expected=", ".join(("start", "end", *PREFIXES)), found=kind_of(what))
+        raise InputError(
+            f"{path}.type is not supported", "unsupported", expected=", ".join(("start", "end", *PREFIXES)), found=kind_of(what)
+        )
     if "id" not in step:
-        raise InputError(f"{path} lacks the key 'id'")
+        raise InputError(f"{path} lacks the key 'id'", "missing")
     site = f"{PREFIXES[what]}{integer(step['id'], f'{path}.id', 0)}"
     if site not in index:
-        raise InputError(f"{path} names a task that does not exist", expected="an id of the instance", found=site)
+        raise InputError(f"{path} names a task that does not exist", "unknown-name", expected="an id of the instance", found=site)
     return index[site]
 
 

@@ -43,7 +43,7 @@ def pure_greedy(problem: RoutingProblem, context: Context, *, distance_weight: f
     Source: Mitchell (2020), (6.1), corrected in docs/formulations/routing.md#approximations.
     """
     if not (isinstance(distance_weight, int | float) and 0 <= distance_weight < math.inf):
-        raise UsageError(f"distance_weight must be a finite number and not negative, not {distance_weight!r}")
+        raise UsageError(f"distance_weight must be a finite number and not negative, not {distance_weight!r}", "out-of-range")
     return _assigned(problem, context, float(distance_weight))
 
 

@@ -29,7 +29,7 @@ def greedy_orienteering(problem: RoutingProblem, context: Context, *, by: str | 
     docs/formulations/routing.md#approximations.
     """
     if by is not None and by not in RULES:
-        raise UsageError(f"by must be one of {', '.join(RULES)}, not {by!r}")
+        raise UsageError(f"by must be one of {', '.join(RULES)}, not {by!r}", "unknown-name")
     from .insertion_steps.insertion_kernels import best_insertion
 
     stop, vehicle, features = context.begin(), problem.fleet[0], problem.features()

@@ -51,9 +51,9 @@ def insertion(
     """
     for name, value, most in (("mu", mu, 1e6), ("lamda", lamda, 1e6), ("alpha1", alpha1, 1.0)):
         if value is not None and not (isinstance(value, int | float) and 0 <= value <= most):
-            raise UsageError(f"{name} must be a number from 0 to {most:g}, not {value!r}")
+            raise UsageError(f"{name} must be a number from 0 to {most:g}, not {value!r}", "out-of-range")
     if seeds is not None and seeds not in SEEDS:
-        raise UsageError(f"seeds must be one of {', '.join(SEEDS)}, not {seeds!r}")
+        raise UsageError(f"seeds must be one of {', '.join(SEEDS)}, not {seeds!r}", "unknown-name")
     from .insertion_steps.insertion_kernels import sequential_insertion
 
     stop, features = context.begin(), problem.features()

@@ -99,7 +99,7 @@ def safety_margins(
     """
     for name, value, least in (("rounds", rounds, 1), ("splits", splits, 0), ("steps", steps, 1)):
         if not (isinstance(value, int) and value >= least):
-            raise UsageError(f"{name} must be a whole number of at least {least}, not {value!r}")
+            raise UsageError(f"{name} must be a whole number of at least {least}, not {value!r}", "out-of-range")
     solver = _engine(engine, problem)
     stop, search = context.begin(), _Search(problem, context)
     if context.start is not None:

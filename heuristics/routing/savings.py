@@ -67,13 +67,13 @@ def savings(problem: RoutingProblem, context: Context, *, shape: float = 1.0) ->
     tried between the ``NEIGHBOURS`` nearest sites, then between the nearest ends of the routes that are left, until little changes.
     """
     if not (isinstance(shape, int | float) and 0 < shape <= 1e6):
-        raise UsageError(f"shape must be a positive number of at most 1e6, not {shape!r}")
+        raise UsageError(f"shape must be a positive number of at most 1e6, not {shape!r}", "out-of-range")
     from .savings_steps.merging_kernels import merge
 
     stop, vehicle, sites, travel = context.begin(), problem.fleet[0], problem.sites, problem.travel
     n, depot, every, limit = len(sites), vehicle.start, np.arange(len(sites)), problem.vehicle_limit
     if n > ALL_PAIRS and not fits(BYTES_A_JOIN * NEIGHBOURS * n):
-        raise UsageError(f"savings for {n:,} sites needs {readable(BYTES_A_JOIN * NEIGHBOURS * n)}, more than there is")
+        raise UsageError(f"savings for {n:,} sites needs {readable(BYTES_A_JOIN * NEIGHBOURS * n)}, more than there is", "too-large")
     out = np.stack([travel.distance(depot, every), travel.duration(depot, every)])
     back = np.stack([travel.distance(every, depot), travel.duration(every, depot)])
     both_ways = _symmetric(travel.matrix) and _symmetric(travel.duration_matrix) and not problem.features() & {"time-windows"}

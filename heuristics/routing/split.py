@@ -53,7 +53,7 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
     problem, Computers and Operations Research 69; docs/formulations/routing.md#approximations.
     """
     if not (isinstance(starts, int) and starts >= 1):
-        raise UsageError(f"starts must be a whole number of at least 1, not {starts!r}")
+        raise UsageError(f"starts must be a whole number of at least 1, not {starts!r}", "out-of-range")
     stop = context.begin()
     costs = moving_costs(problem, stop)
     if costs is None:

@@ -30,7 +30,7 @@ def check_endless_ray(problem: Any, data: Mapping[str, Any]) -> bool:
     Linear and Integer Programming", sections 8.2 and 16.2.
     """
     if problem.family != "arrays":
-        raise InputError("a ray is evidence for programs given as arrays", found=problem.family)
+        raise InputError("a ray is evidence for programs given as arrays", "foreign", found=problem.family)
     p = problem.program
     point, ray = numbers(data, "point", p.num_variables), numbers(data, "ray", p.num_variables)
     if p.cones or not problem.evaluate(point).feasible:

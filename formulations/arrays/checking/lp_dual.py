@@ -46,7 +46,7 @@ def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     docs/formulations/arrays.md#row-duals.
     """
     if problem.family != "arrays":
-        raise InputError("row duals are evidence for programs given as arrays", found=problem.family)
+        raise InputError("row duals are evidence for programs given as arrays", "foreign", found=problem.family)
     program = problem.program
     ray = "ray" in data
     duals = numbers(data, "ray" if ray else "duals", program.num_rows)

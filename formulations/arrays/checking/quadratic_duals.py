@@ -55,7 +55,7 @@ def check_quadratic_duals(problem: Any, data: Mapping[str, Any]) -> float:
     or of other than finite numbers.
     """
     if problem.family != "arrays" or problem.program.quadratic is None:
-        raise InputError("this is evidence for programs with a quadratic objective", found=problem.family)
+        raise InputError("this is evidence for programs with a quadratic objective", "foreign", found=problem.family)
     program = problem.program
     sign = 1.0 if program.sense == "min" else -1.0
     nothing = -sign * math.inf

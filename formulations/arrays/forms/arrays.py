@@ -39,9 +39,8 @@ def build(problem: ArrayProblem) -> Compiled:
     def encode(answer: Floats) -> Floats:
         x = np.asarray(answer, dtype=np.float64)
         if x.shape != (program.num_variables,):
-            raise InputError(
-                "the start is no vector with one number a variable", expected=f"({program.num_variables},)", found=str(x.shape)
-            )
+            expected = f"({program.num_variables},)"
+            raise InputError("the start is no vector with one number a variable", "wrong-shape", expected=expected, found=str(x.shape))
         return x
 
     def dual_evidence(row_duals: Floats, of: Problem = problem) -> Evidence:

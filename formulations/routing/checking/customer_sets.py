@@ -249,7 +249,7 @@ def check_customer_sets(problem: RoutingProblem, data: Mapping[str, Any]) -> flo
         raise InputError("evidence 'limits' must be a list of numbers", expected=f"at most {LIMITS}", found=str(stated)[:80])
     limits = sorted(map(float, stated))
     if not all(map(math.isfinite, limits)):
-        raise InputError("evidence 'limits' must be finite", found=str(stated)[:80])
+        raise InputError("evidence 'limits' must be finite", "out-of-range", found=str(stated)[:80])
     if terms is None or unknown_features(without_stops(problem)) or not 0 < len(problem.sites.customers) <= CUSTOMERS:
         return -math.inf
     with np.errstate(over="ignore", invalid="ignore"):

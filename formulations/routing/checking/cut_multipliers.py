@@ -60,7 +60,7 @@ def _cuts(problem: RoutingProblem, cuts: object) -> tuple[Flags, Longs, Floats]:
         if not isinstance(members, list) or not members or not all(type(site) is int and site in node for site in members):
             raise InputError("a cut of the evidence must be around customers", found=str(members)[:80])
         if visit is not None and (type(visit) is not int or visit not in members):
-            raise InputError("a cut of the evidence is for a visit outside of it", found=str(visit)[:80])
+            raise InputError("a cut of the evidence is for a visit outside of it", "contradiction", found=str(visit)[:80])
         inside[k, [node[site] for site in members]] = True
         of[k] = -1 if visit is None else node[visit]
     return inside, of, prices

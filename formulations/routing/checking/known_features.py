@@ -54,7 +54,7 @@ def routing_evidence(kind: str, subject: str = "") -> Callable[[Check], Check]:
         @functools.wraps(check)
         def checked(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
             if problem.family != "routing":
-                raise InputError(f"{subject or f'{kind} is'} evidence for routing problems", found=problem.family)
+                raise InputError(f"{subject or f'{kind} is'} evidence for routing problems", "foreign", found=problem.family)
             return check(problem, data) * (1.0 if problem.sense == "min" else -1.0)
 
         CHECKERS.add(kind, checked)
@@ -66,7 +66,7 @@ def routing_evidence(kind: str, subject: str = "") -> Callable[[Check], Check]:
 def refuse_unknown_resources(names: Any, known: tuple[str, ...], shown: str) -> None:
     """Raise InputError for evidence that names a resource which is not known."""
     if not set(names) <= set(known):
-        raise InputError("evidence names an unknown resource", expected=", ".join(known), found=shown[:80])
+        raise InputError("evidence names an unknown resource", "unknown-name", expected=", ".join(known), found=shown[:80])
 
 
 def unknown_features(problem: RoutingProblem) -> frozenset[str]:

@@ -43,7 +43,7 @@ def check_infeasible_site(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     name = data.get("site")
     index = problem.sites.index()
     if not isinstance(name, str) or name not in index:
-        raise InputError("evidence names an unknown site", expected="the id of a site", found=str(name)[:80])
+        raise InputError("evidence names an unknown site", "unknown-name", expected="the id of a site", found=str(name)[:80])
     if not problem.sites.required[index[name]] or not summable(without_stops(problem)):
         return verdict(proved=False)
     return verdict(proved=not _can_be_served(problem, named_customers(problem, [name])[0]))
@@ -133,7 +133,7 @@ def check_bin_packing(problem: RoutingProblem, data: Mapping[str, Any]) -> float
     """Infinity if the required demands need more vehicles than there are, by the bound L2 at ``data``'s ``threshold``."""
     k = data.get("threshold")
     if isinstance(k, bool) or not isinstance(k, int | float) or not math.isfinite(k):
-        raise InputError("evidence of bin packing has no finite threshold", found=str(k)[:80])
+        raise InputError("evidence of bin packing has no finite threshold", "out-of-range", found=str(k)[:80])
     largest = allowed(max(v.capacity for v in problem.fleet))
     if not summable(problem) or not 0 < largest < math.inf or not 0 <= k <= largest / 2:
         return verdict(proved=False)
@@ -149,7 +149,7 @@ def check_too_little_range(problem: RoutingProblem, data: Mapping[str, Any]) -> 
     """
     resource = data.get("resource")
     if resource not in RESOURCES:
-        raise InputError("evidence names an unknown resource", expected=", ".join(RESOURCES), found=str(resource)[:80])
+        raise InputError("evidence names an unknown resource", "unknown-name", expected=", ".join(RESOURCES), found=str(resource)[:80])
     sites, customers = problem.sites, problem.sites.customers
     if not summable(problem) or not sites.required.any():
         return verdict(proved=False)

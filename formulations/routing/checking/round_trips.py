@@ -120,7 +120,7 @@ def check_averaged_tour(problem: RoutingProblem, data: Mapping[str, Any]) -> flo
     """
     kind, inner = data.get("kind"), data.get("data")
     if kind not in SUMS or not isinstance(inner, Mapping):
-        raise InputError("evidence of an averaged tour lacks that of its sum", expected=", ".join(SUMS), found=str(kind)[:80])
+        raise InputError("evidence of an averaged tour lacks that of its sum", "missing", expected=", ".join(SUMS), found=str(kind)[:80])
     summed = totals(problem)
     if summed is None:
         return -math.inf

@@ -264,7 +264,7 @@ def named_customers(problem: RoutingProblem, names: object) -> list[int]:
     """Longs of the customers that evidence names; raises InputError if ``names`` is no list of different ids of customers."""
     index = problem.sites.index()
     if not isinstance(names, Sequence) or isinstance(names, str) or not names or not all(isinstance(x, str) and x in index for x in names):
-        raise InputError("evidence names unknown sites", expected="a list of ids of sites", found=str(names)[:80])
+        raise InputError("evidence names unknown sites", "unknown-name", expected="a list of ids of sites", found=str(names)[:80])
     node = {site: k for k, site in enumerate(problem.sites.customers.tolist(), start=1)}
     at = [index[x] for x in names]
     if len(set(at)) < len(at) or any(i not in node for i in at):

@@ -48,7 +48,7 @@ def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any
     """
     prices, memory, ray = numbers(data, "visits", len(problem.sites)), data.get("memory"), data.get("ray", False)
     if type(memory) is not int or memory < 0:
-        raise InputError("evidence 'memory' must be a whole number", expected="0 or more", found=str(memory)[:80])
+        raise InputError("evidence 'memory' must be a whole number", "out-of-range", expected="0 or more", found=str(memory)[:80])
     if not isinstance(ray, bool):
         raise InputError("evidence 'ray' must be true or false", found=str(ray)[:80])
     if len(problem.sites.customers) > CUSTOMERS:

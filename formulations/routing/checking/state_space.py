@@ -52,7 +52,7 @@ def check_state_space(problem: RoutingProblem, data: Mapping[str, Any]) -> float
     stated = data.get("shares", {})
     refuse_unknown_resources([str(name), *(stated if isinstance(stated, Mapping) else [repr(stated)])], COUNTED, f"{name} {stated}")
     if not step > 0:
-        raise InputError("evidence 'step' must be positive", found=str(step))
+        raise InputError("evidence 'step' must be positive", "out-of-range", found=str(step))
     shares = {str(r): max(0.0, number(stated, r)) for r in stated if r != name}
     relaxed, terms = relaxed_terms(problem)
     if terms is None:

@@ -39,7 +39,7 @@ def routes_of(prep: Preparation, arcs: NDArray[np.integer], names: Sequence[str]
         if tail == 0:
             firsts.append(head)
         elif tail in following:
-            raise InputError(f"site {names[prep.sites[tail]]} is left twice")
+            raise InputError(f"site {names[prep.sites[tail]]} is left twice", "duplicate")
         else:
             following[tail] = head
     routes = []
@@ -80,10 +80,14 @@ class ArcIndex:
         for site in route.visits:
             nodes = self._nodes.get(site)
             if nodes is None:
-                raise InputError(f"a route visits site {names[site] if 0 <= site < len(names) else site}, which is no customer")
+                raise InputError(
+                    f"a route visits site {names[site] if 0 <= site < len(names) else site}, which is no customer", "unknown-name"
+                )
             number = taken.get(site, 0) if len(nodes) > 1 else 0
             if number >= len(nodes):
-                raise InputError(f"the answer stops at {names[site]} more often than any answer has to", found=str(number + 1))
+                raise InputError(
+                    f"the answer stops at {names[site]} more often than any answer has to", "unsupported", found=str(number + 1)
+                )
             taken[site] = number + 1
             path.append(nodes[number])
         return np.array([*path, self.prep.end], dtype=np.int64)
@@ -94,7 +98,7 @@ class ArcIndex:
         if (at < 0).any():
             k = int(np.argmax(at < 0))
             i, j = (names[self.prep.sites[nodes[p]]] for p in (k, k + 1))
-            raise InputError(f"no feasible route goes from {i} to {j}")
+            raise InputError(f"no feasible route goes from {i} to {j}", "contradiction")
         return at
 
 
@@ -136,7 +140,7 @@ def point_of(program: Program, x: Floats) -> Floats:
     """``x``, if it keeps all rows; else raises InputError."""
     excess = scaled(program).residual(x)
     if excess > 1e-5:
-        raise InputError("the answer is no point of the program", found=f"a row exceeded by {excess:g}")
+        raise InputError("the answer is no point of the program", "contradiction", found=f"a row exceeded by {excess:g}")
     return x
 
 

@@ -77,10 +77,10 @@ def over(problem: RoutingProblem, routes: Iterable[Route]) -> Compiled:
     priced_routes = []
     for route in dict.fromkeys(routes):
         if not 0 <= route.vehicle < len(walks):
-            raise InputError(f"a route uses vehicle type {route.vehicle}, which does not exist")
+            raise InputError(f"a route uses vehicle type {route.vehicle}, which does not exist", "unknown-name")
         priced = walks[route.vehicle].given(route.visits)
         if priced is None:
-            raise InputError("a route breaks a limit", found=", ".join(map(str, route.visits)))
+            raise InputError("a route breaks a limit", "contradiction", found=", ".join(map(str, route.visits)))
         priced_routes.append(priced)
     return with_levels(problem, lambda p: _RouteColumns(p, priced_routes).compiled(Exactness.RESTRICTION))
 
@@ -228,7 +228,7 @@ class _RouteColumns(Blocks):
         depot = problem.sites.depot
         priced = Walk(problem, route.vehicle).given(route.visits) if 0 <= route.vehicle < len(problem.fleet) else None
         if priced is None:
-            raise InputError("a route breaks a limit", found=stops)
+            raise InputError("a route breaks a limit", "contradiction", found=stops)
         served = frozenset(k for k in route.visits if not depot[k])
         alike = [
             p for p, r in enumerate(self.routes) if r.kind == route.vehicle and served == frozenset(k for k in r.visits if not depot[k])
@@ -237,7 +237,7 @@ class _RouteColumns(Blocks):
         good = [p for p in alike if all(a <= b for a, b in zip(self._worth(self.routes[p]), worth, strict=True))]
         exact = [p for p in good if self.routes[p].visits == route.visits]
         if not good:
-            raise InputError("a route is none of those that the program holds", found=stops)
+            raise InputError("a route is none of those that the program holds", "unsupported", found=stops)
         return (exact or good)[0]
 
     def _worth(self, r: Priced) -> tuple[float, ...]:

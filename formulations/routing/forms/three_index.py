@@ -172,11 +172,13 @@ def _drives(blocks: VehicleBlocks, answer: Routes) -> Iterator[Drive]:
 
     for route in sorted(answer, key=first_customer):
         if not 0 <= route.vehicle < len(types):
-            raise InputError(f"a route uses vehicle type {route.vehicle}, which does not exist")
+            raise InputError(f"a route uses vehicle type {route.vehicle}, which does not exist", "unknown-name")
         kind = types[route.vehicle]
         index, k = ArcIndex(kind.prep), taken[route.vehicle]
         if k >= kind.count:
-            raise InputError(f"the answer uses more than the {kind.count} vehicles of type {problem.fleet[route.vehicle].name}")
+            raise InputError(
+                f"the answer uses more than the {kind.count} vehicles of type {problem.fleet[route.vehicle].name}", "contradiction"
+            )
         taken[route.vehicle] += 1
         nodes = index.nodes_of(route, names, stops)
         arcs = index.arcs_of(nodes, names)

@@ -275,7 +275,7 @@ def _filling(
                 least = np.maximum(least, needed)
             fits &= least <= pieces.share * (1.0 + ROUNDED)
             if not fits.any():
-                raise InputError("a route has no place in the pieces", found=f"a variance of {variance:g}")
+                raise InputError("a route has no place in the pieces", "unsupported", found=f"a variance of {variance:g}")
             at = min(np.nonzero(fits)[0].tolist(), key=lambda j: (least[j], pieces.slope[j]))
             start = many * drive.number
             x[chosen + start], x[chosen + start + at] = 0.0, 1.0

@@ -36,7 +36,7 @@ def dense(
     if n > MOST_SITES or not fits(24.0 * n * n):
         reason = f"needs {readable(24.0 * n * n)}" if n <= MOST_SITES else f"takes at most {MOST_SITES:,}"
         other = "; savings needs none of them" if savings else ""
-        raise UsageError(f"{what} of {n:,} sites holds all distances between them and {reason}{other}")
+        raise UsageError(f"{what} of {n:,} sites holds all distances between them and {reason}{other}", "too-large")
     matrix, step = np.empty((n, n)), max(1, STRIP // n)
     for first in range(0, n, step):
         if stop.reached():

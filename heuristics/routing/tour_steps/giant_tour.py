@@ -104,7 +104,7 @@ def _by_nature(travel: Any) -> bool:
 def giant_tour(costs: Costs, method: str, improved: bool, stop: Stop) -> GiantTour:
     """A tour by one of ``TOURS``, improved by 2-opt and Or-opt where wanted; cut short, it is no more than the nodes in some order."""
     if method not in TOURS:
-        raise UsageError(f"tour must be one of {', '.join(TOURS)}, not {method!r}")
+        raise UsageError(f"tour must be one of {', '.join(TOURS)}, not {method!r}", "unknown-name")
     from .tour_kernels import improve, nearest_neighbour
 
     paths, metric, ratio, source = costs.both_ways, costs.known, None, ""

@@ -33,7 +33,7 @@ def plot_loads(
     boards = [schedule(problem, route).on_board for route in answer]
     dimensions = 1 + problem.sites.further_demand.shape[1]
     if not 1 <= dimension <= dimensions:
-        raise UsageError(f"dimension must be from 1 to {dimensions}, not {dimension}")
+        raise UsageError(f"dimension must be from 1 to {dimensions}, not {dimension}", "out-of-range")
     ax = new_axes() if ax is None else ax
     roomy(ax, width=1.0 + 0.14 * len(answer))
     capacities, ranks = [], route_ranks(problem, answer)

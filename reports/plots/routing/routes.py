@@ -131,7 +131,7 @@ def _label_sites(ax: Any, problem: RoutingProblem, where: Floats, labels: str) -
     kept = problem.sites.attributes
     if labels and labels not in kept:
         known = f"; choose from {', '.join(kept)}{did_you_mean(labels, kept)}" if kept else ": the sites have no columns that are only kept"
-        raise UsageError(f"labels name the column {labels!r}, which is not kept{known}")
+        raise UsageError(f"labels name the column {labels!r}, which is not kept{known}", "unknown-name")
     below = [f"\n{value}" if value is not None else "" for value in kept[labels]] if labels else [""] * len(problem.sites)
     extent = float(np.ptp(where, axis=0).max()) or 1.0
     written: list[Floats] = []

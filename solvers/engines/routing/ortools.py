@@ -297,10 +297,10 @@ def _parameters(options: Options, seconds: float, guided: bool = True, rewarded:
             numbers = {v.name: v.number for v in fields[name].enum_type.values}
             word = str(value).upper().replace("-", "_")
             if word not in numbers:
-                raise UsageError(f"ortools: {name} is one of {', '.join(numbers)}, not {value!r}")
+                raise UsageError(f"ortools: {name} is one of {', '.join(numbers)}, not {value!r}", "unknown-name")
             value = numbers[word]
         try:
             setattr(parameters, name, value)
         except (TypeError, ValueError):
-            raise UsageError(f"ortools: {value!r} is no value for option {name}") from None
+            raise UsageError(f"ortools: {value!r} is no value for option {name}", "out-of-range") from None
     return parameters

@@ -196,7 +196,7 @@ def _parameters(extra: dict[str, Any]) -> Any:
     try:
         return pyvrp.SolveParams(**{group: kinds[group](**chosen[group]) for group in GROUPS})
     except (TypeError, ValueError) as fault:
-        raise UsageError(f"pyvrp: {fault}") from None
+        raise UsageError(f"pyvrp: {fault}", "out-of-range") from None
 
 
 class Model:

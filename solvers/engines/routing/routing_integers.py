@@ -408,7 +408,7 @@ def _check_headroom(integers: IntegerRouting, sites: int, largest: int, total: i
         limit = _room(largest, total, sites) // max(1, prices.get(what, 1))
         if top > limit:
             raise InputError(
-                f"the largest {what} is too large for an engine that counts in integers (scaled by {factor})",
+                f"the largest {what} is too large for an engine that counts in integers (scaled by {factor})", "out-of-range",
                 expected=f"at most {limit / factor:g}", found=f"{top / factor:g}",
             )  # fmt: skip
 

@@ -96,7 +96,7 @@ class VROOM(Bisecting):
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
         level = self.converted(options).extra.get("exploration_level", DEEPEST)
         if not FIRST <= level <= DEEPEST:
-            raise UsageError(f"vroom: exploration_level is a number from {FIRST} to {DEEPEST}, not {level}")
+            raise UsageError(f"vroom: exploration_level is a number from {FIRST} to {DEEPEST}, not {level}", "out-of-range")
         control.begin_set_up()
         ends = time.perf_counter() + options.time_limit
         asked = priorities(problem)

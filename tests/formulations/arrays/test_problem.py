@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from coded import coded
 from programs import program
 
 from waybound.api import solve
@@ -19,7 +20,7 @@ from waybound.formulations.programs.cones import Cones
 from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError
+from waybound.instances.errors import InputError, UsageError
 
 
 def knapsack(**changes: Any) -> Program:
@@ -63,7 +64,7 @@ def test_an_answer_that_holds_no_numbers_is_infeasible(bad: list[float]) -> None
 
 @pytest.mark.parametrize("bad", [[1.0], [[1.0, 2.0]], "ab", None, [1.0, 2.0, 3.0]])
 def test_an_answer_of_another_shape_is_an_error(bad: Any) -> None:
-    with pytest.raises(InputError, match="one number a variable"):
+    with pytest.raises(InputError, check=coded("wrong-shape")):
         ArrayProblem(knapsack()).evaluate(bad)
 
 
@@ -106,12 +107,21 @@ def test_bad_arrays_are_refused_by_name() -> None:
         ({"rows": (replace(row, indices=np.array([0, 2], dtype=np.int32)),)}, "a column that does not exist"),
         ({"rows": (replace(row, indptr=np.array([0, 1], dtype=np.int32)),)}, "row starts of rows size"),
         ({"rows": (replace(row, upper=np.zeros(2)),)}, "arrays of rows size have different lengths"),
-        ({"sense": "best"}, "min or max"),
         ({"offset": math.nan}, "constant of the objective"),
         ({"quadratic": sp.eye(3, format="csr")}, "quadratic part has the wrong shape"),
     ):
         with pytest.raises(InputError, match=message):
             ArrayProblem(knapsack(**changes))
+    with pytest.raises(InputError, check=coded("unknown-name")):
+        ArrayProblem(knapsack(sense="best"))
+
+
+def test_what_bare_programs_cannot_do_is_refused() -> None:
+    with pytest.raises(UsageError, check=coded("unsupported")):
+        ArrayProblem(knapsack()).to_instance()
+    x = knapsack().variables[0]
+    with pytest.raises(InputError, check=coded("contradiction")):
+        ArrayProblem(knapsack(variables=(replace(x, integer=False),))).restricted([({"variable": 0, "most": 1}, True)])
 
 
 def test_compiling_gives_the_arrays_back_with_vectors_as_answers() -> None:
@@ -120,7 +130,7 @@ def test_compiling_gives_the_arrays_back_with_vectors_as_answers() -> None:
     compiled = problem.compile()
     assert compiled.problem is problem and compiled.exactness is Exactness.EXACT
     assert compiled.encode is not None and compiled.encode([4, 0]).tolist() == [4.0, 0.0]
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, check=coded("wrong-shape")):
         compiled.encode([4])
     assert problem.compile(relax=True).exactness is Exactness.RELAXATION
 

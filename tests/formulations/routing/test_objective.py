@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from coded import coded
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -21,7 +22,7 @@ from waybound.formulations.routing.objective import (
     Weighted,
     objective_from,
 )
-from waybound.instances.errors import UsageError
+from waybound.instances.errors import Code, UsageError
 
 
 def test_the_sense_of_a_level_is_that_of_its_first_term():
@@ -48,7 +49,7 @@ def test_names_make_an_objective():
     assert Objective.named(("vehicles", "total-cost")) == Vehicles().then(TotalCost())
     with pytest.raises(UsageError, match="unknown objective term 'profit'"):
         Objective.named(("profit",))
-    with pytest.raises(UsageError, match="at least one term"):
+    with pytest.raises(UsageError, check=coded("missing")):
         Objective.named(())
 
 
@@ -66,7 +67,7 @@ def test_a_weight_must_be_finite_and_not_zero(weight):
 
 
 def test_levels_are_not_lost_in_a_sum():
-    with pytest.raises(UsageError, match="cannot be added"):
+    with pytest.raises(UsageError, check=coded("contradiction")):
         TotalCost() + Vehicles().then(TotalCost())  # type: ignore[operator]
     with pytest.raises(UsageError):
         Weighted(())
@@ -118,9 +119,6 @@ def test_terms_weights_and_priorities(text: str, expected: object, senses: tuple
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("", "a level is empty"),
-        ("vehicles then", "a level is empty"),
-        ("vehicles then then total-cost", "a level is empty"),
         ("total-costs", "did you mean 'total-cost'?"),
         ("TotalCost", "did you mean 'total-cost'?"),
         ("vehicle", "did you mean 'vehicles'?"),
@@ -129,12 +127,9 @@ def test_terms_weights_and_priorities(text: str, expected: object, senses: tuple
         ("2*", "ends without a term"),
         ("vehicles +", "ends without a term"),
         ("vehicles vehicles", "not expected there"),
-        ("vehicles + vehicles", "stands twice"),
         ("--vehicles", "not expected there"),
         ("vehicles * 2", "not expected there"),
         ("2 3*vehicles", "not expected there"),
-        ("0*vehicles", "finite and not zero"),
-        ("1e400*vehicles", "finite and not zero"),
         ("vehicles; total-cost", "not expected there"),
         ("vehicles\x1b[31m", "not expected there"),
     ],
@@ -143,6 +138,19 @@ def test_what_is_wrong_is_named_on_one_line(text: str, told: str) -> None:
     with pytest.raises(wb.UsageError) as refused:
         objective_from(text)
     assert told in str(refused.value)
+    assert str(refused.value).isprintable()
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("", "missing"), ("vehicles then", "missing"), ("vehicles then then total-cost", "missing"), ("vehicles + vehicles", "duplicate"),
+        ("0*vehicles", "out-of-range"), ("1e400*vehicles", "out-of-range"),
+    ],
+)  # fmt: skip
+def test_what_is_missing_twice_or_out_of_range_has_a_code(text: str, code: Code) -> None:
+    with pytest.raises(wb.UsageError, check=coded(code)) as refused:
+        objective_from(text)
     assert str(refused.value).isprintable()
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from coded import coded
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -108,6 +109,8 @@ def test_a_name_of_a_vehicle_that_is_suggested_is_none_of_another_type() -> None
     problem = wb.RoutingProblem.from_frame(sites, fleet=[{"name": "van", "count": 2}, {"name": "van 1"}])
     with pytest.raises(wb.UsageError, match=r"give \{'van 2': \[\.\.\.\]\}"):
         wb.judge(problem, [[1]])
+    with pytest.raises(wb.UsageError, check=coded("ambiguous")):
+        routes_given(problem, [[1]])
 
 
 DAY = Clock("min", "2026-05-04T00:00:00")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from coded import coded
 from told_schedules import a_problem, an_answer, changed, faults_of, horizon_agrees, of_changed
 from typer.testing import CliRunner
 
@@ -16,7 +17,7 @@ import waybound as wb
 from waybound.cli.app import app
 from waybound.formulations.routing.parse_routes import routes_given
 from waybound.formulations.routing.routes import Route, Routes, Timetable, last_digit
-from waybound.instances.errors import InputError
+from waybound.instances.errors import Code, InputError
 from waybound.reports.benchmarks.routing_variants import TURNS
 
 
@@ -147,18 +148,18 @@ def test_a_route_with_a_timetable_keeps_it_in_json_and_searches_begin_without() 
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "message"),
+    ("key", "value", "message", "code"),
     [
-        ("arrival", [1.0], "routes[0].timetable.arrival must be a list with one time a visit"),
-        ("begin", [1.0, "x"], "routes[0].timetable.begin[1] must be a finite number"),
-        ("digit", -1, "routes[0].timetable.digit must be at least 0"),
-        ("sleeps", 3, "routes[0].timetable must be an object with some of the keys"),
+        ("arrival", [1.0], "routes[0].timetable.arrival must be a list with one time a visit", "wrong-shape"),
+        ("begin", [1.0, "x"], "routes[0].timetable.begin[1] must be a finite number", "out-of-range"),
+        ("digit", -1, "routes[0].timetable.digit must be at least 0", "out-of-range"),
+        ("sleeps", 3, "routes[0].timetable must be an object with some of the keys", "malformed"),
     ],
 )
-def test_a_broken_timetable_in_json_is_refused_by_its_key(key: str, value: Any, message: str) -> None:
+def test_a_broken_timetable_in_json_is_refused_by_its_key(key: str, value: Any, message: str, code: Code) -> None:
     data = LONG.answer_to_json(routes_given(LONG, EARLY))
     data["routes"][0]["timetable"][key] = value
-    with pytest.raises(InputError) as error:
+    with pytest.raises(InputError, check=coded(code)) as error:
         LONG.answer_from_json(data)
     assert message in str(error.value)
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from coded import coded
 from draws import draws
 from small_routing import small
 
@@ -157,7 +158,7 @@ def test_a_forbidden_move_breaks_an_answer_in_words() -> None:
                   {"routes": 2, "arc": ["1", "2"]}]
 )  # fmt: skip
 def test_what_is_no_statement_on_a_move_is_refused(statement: object) -> None:
-    with pytest.raises(InputError, match="not a statement on a move"):
+    with pytest.raises(InputError, check=coded("malformed")):
         few("capacity", 0).restricted([(statement, True)])
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from coded import coded
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -76,7 +77,7 @@ def test_pure_greedy_weighs_reward_against_distance() -> None:
 
 @pytest.mark.parametrize("weight", [-1, math.nan, math.inf, "much"])
 def test_a_weight_out_of_range_is_refused(weight: object) -> None:
-    with pytest.raises(UsageError, match="distance_weight"):
+    with pytest.raises(UsageError, check=coded("out-of-range")):
         run_heuristic(robots(SQUARE, 2, 14.0), "pure-greedy", {"distance_weight": weight}, 1)
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from coded import coded
 from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -84,7 +85,7 @@ def test_a_fleet_too_small_is_said() -> None:
 
 @pytest.mark.parametrize("shape", [0, -1, math.nan, math.inf, "wide"])
 def test_a_shape_out_of_range_is_refused(shape: object) -> None:
-    with pytest.raises(UsageError, match="shape"):
+    with pytest.raises(UsageError, check=coded("out-of-range")):
         HEURISTICS["savings"].run(problem_of(np.random.default_rng(1), 3, windows=False, limit=False), CONTEXT, shape=shape)
 
 

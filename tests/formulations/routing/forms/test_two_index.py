@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from coded import coded
 from draws import draws
 from hypothesis import HealthCheck, assume, given, settings
 from oracles import SQUARE_4, TW_4, TWO_INDEX, agrees, optimum, routing, small_problems, solved
@@ -268,7 +269,7 @@ def test_a_start_that_breaks_a_limit_is_refused_with_the_reason() -> None:
         assert made.encode is not None
         from waybound.formulations.routing.routes import Routes
 
-        with pytest.raises(InputError, match="no point of the program"):
+        with pytest.raises(InputError, check=coded("contradiction")):
             made.encode(Routes.of([[1, 2, 3, 4]]))
         x = made.encode(Routes.of([[2, 1], [4, 3]]))
         assert program.residual(x) <= 1e-9 and program.value(x) == pytest.approx(24.0)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from coded import coded
 
 import waybound as wb
 from waybound.reports.plots import views
@@ -49,7 +50,7 @@ def test_without_capacity_there_is_no_line(solution: wb.Solution) -> None:
 
 
 def test_other_dimensions_than_there_are_are_refused(solution: wb.Solution) -> None:
-    with pytest.raises(wb.UsageError, match="dimension must be from 1 to 1"):
+    with pytest.raises(wb.UsageError, check=coded("out-of-range")):
         solution.plot(view="loads", dimension=2)
 
 

@@ -5,11 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from coded import coded
 from oracles import SQUARE_4, optimum, routing
 from small_routing import small
 from truth.routing import best_values
 
 from waybound import Group, Reward, Route, Routes, RoutingProblem, Sites, TotalCost, Travel, UsageError, VehicleType
+from waybound.instances.errors import Code
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.engines.routing.ortools import STATUS_MAP, ORTools, _Search, with_more_routes
 from waybound.solvers.engines.routing.routing_integers import integer_routing, with_slope
@@ -43,6 +45,15 @@ def test_options_of_the_library_are_taken_by_name(extra) -> None:
 def test_wrong_options_are_refused(extra, message: str) -> None:
     with pytest.raises(UsageError, match=message):
         ORTools().run(small("capacity", 0, "round"), Options(extra=extra), Control())
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "code"),
+    [("first_solution_strategy", "magic", "unknown-name"), ("relocate_expensive_chain_num_arcs_to_consider", 10**20, "out-of-range")],
+)
+def test_values_that_an_option_cannot_have_are_told_apart(name: str, value: object, code: Code) -> None:
+    with pytest.raises(UsageError, check=coded(code)):
+        ORTools().run(small("capacity", 0, "round"), Options(extra={name: value}), Control())
 
 
 def collecting(seed: int) -> RoutingProblem:

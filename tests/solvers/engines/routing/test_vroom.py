@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from coded import coded
 from small_routing import small
 
 from waybound import Route, Routes, RoutingProblem, Shipment, Sites, Travel, UsageError, VehicleType
@@ -171,7 +172,7 @@ def test_the_exploration_level_is_a_number_from_0_to_5() -> None:
     problem = small("capacity", 0, "round")
     assert run(problem, extra={"exploration_level": "0"}).statistics["exploration_level"] == 0
     for wrong in (-1, 6):
-        with pytest.raises(UsageError, match="exploration_level is a number from 0 to 5"):
+        with pytest.raises(UsageError, check=coded("out-of-range")):
             run(problem, extra={"exploration_level": wrong})
 
 
