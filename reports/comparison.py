@@ -197,7 +197,7 @@ class Comparison:
         for run in self.runs:
             if run.name == name:
                 return run.solution
-        raise UsageError(f"nothing was compared under the name {name!r}; there are {', '.join(r.name for r in self.runs)}")
+        raise UsageError(f"nothing was compared under the name {name!r}; there are {', '.join(r.name for r in self.runs)}", "unknown-name")
 
     def __repr__(self) -> str:
         return f"<Comparison of {', '.join(r.name for r in self.runs)} on {self.problem.name}>"
@@ -288,16 +288,20 @@ def _asked(methods: Methods) -> dict[str, dict[str, Any]]:
     from ..solvers.backend import BACKENDS
 
     if isinstance(methods, str):
-        raise UsageError(f"compare takes a list of names, not {methods!r}: [{methods!r}, ...]")
+        raise UsageError(f"compare takes a list of names, not {methods!r}: [{methods!r}, ...]", "malformed")
     if isinstance(methods, Mapping):
         keywords = {str(name): dict(own) for name, own in methods.items()}
     else:
         keywords = {}
         for name in methods:
             if name in keywords:
-                raise UsageError(f"{name} is to be compared with itself; a mapping gives runs of one method names of their own")
+                raise UsageError(
+                    f"{name} is to be compared with itself; a mapping gives runs of one method names of their own", "duplicate"
+                )
             if name not in HEURISTICS and name.partition(":")[0] not in BACKENDS:
-                raise UsageError(f"no solver and no heuristic is named {name!r}; there are {', '.join([*BACKENDS, *HEURISTICS])}")
+                raise UsageError(
+                    f"no solver and no heuristic is named {name!r}; there are {', '.join([*BACKENDS, *HEURISTICS])}", "unknown-name"
+                )
             keywords[name] = {"heuristic" if name in HEURISTICS else "solver": name}
     for own in keywords.values():
         if own.get("solver") is not None:
@@ -305,7 +309,7 @@ def _asked(methods: Methods) -> dict[str, dict[str, Any]]:
         if own.get("heuristic") is not None:
             _ = HEURISTICS[own["heuristic"]]
     if not keywords:
-        raise UsageError("there is nothing to compare: name some solvers and heuristics")
+        raise UsageError("there is nothing to compare: name some solvers and heuristics", "missing")
     return keywords
 
 

@@ -232,7 +232,7 @@ def check(problem: Problem, answer: Any, certificate: Source | Mapping[str, Any]
     _refuse_path("check", problem)
     answer, _ = answer_given(problem, answer, "the answer")
     if answer is None:
-        raise UsageError("there is no answer to check")
+        raise UsageError("there is no answer to check", "missing")
     evaluation = problem.evaluate(answer)
     if certificate is None:
         return certify(problem, evaluation)
@@ -279,7 +279,7 @@ def judge(problem: Problem, answer: Any, *, form: str | None = None) -> Certific
     _refuse_path("judge", problem)
     given, _ = answer_given(problem, answer, "the answer", form)
     if given is None:
-        raise UsageError("there is no answer to judge")
+        raise UsageError("there is no answer to judge", "missing")
     return certify(problem, problem.evaluate(given))
 
 
@@ -339,7 +339,7 @@ def explain(problem: Problem | Compiled | Program, *, time_limit: float = 60.0, 
 def _refuse_path(function: str, problem: object) -> None:
     """Raise UsageError for a path in place of a problem, which is what people try first."""
     if isinstance(problem, str | PathLike):
-        raise UsageError(f"{function} takes a problem, not a path: {function}(read({str(problem)!r}))")
+        raise UsageError(f"{function} takes a problem, not a path: {function}(read({str(problem)!r}))", "malformed")
 
 
 def _settings(convention: str | None, settings: Mapping[str, Any]) -> dict[str, Any]:

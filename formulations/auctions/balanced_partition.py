@@ -65,7 +65,9 @@ class BalancedPartition(RobotShares):
         lopsided = np.argwhere(instance.between != instance.between.T)
         if len(lopsided) and self.edges != "none":
             a, b = (instance.task_name(task) for task in lopsided[0].tolist())
-            raise InputError("distances between tasks must not depend on the direction", found=f"they do between {a} and {b}")
+            raise InputError(
+                "distances between tasks must not depend on the direction", "unsupported", found=f"they do between {a} and {b}"
+            )
 
     @property
     def weights(self) -> NDArray[np.float64]:

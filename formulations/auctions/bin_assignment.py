@@ -88,7 +88,9 @@ class BinAssignment(Problem):
 
     def __init__(self, instance: AssignmentInstance, *, objective: str = "sum", match: str = "most", waiting: str = "max") -> None:
         if not isinstance(instance, AssignmentInstance):
-            raise UsageError(f"a bin assignment is made of an AssignmentInstance, not of {type(instance).__name__}; see its from_matrix")
+            raise UsageError(
+                f"a bin assignment is made of an AssignmentInstance, not of {type(instance).__name__}; see its from_matrix", "malformed"
+            )
         self.instance = instance
         self.objective, self.match, self.waiting = (
             setting.value(name, chosen) for (name, setting), chosen in zip(SETTINGS.items(), (objective, match, waiting), strict=True)
@@ -287,9 +289,9 @@ class BinAssignment(Problem):
         for robot, name, line in pairs:
             for what, asked, known in (("robot", robot, robots), ("bin", name, bins)):
                 if not isinstance(asked, str) or asked not in known:
-                    raise InputError(f"the answer names an unknown {what} {str(asked)[:80]!r}", line=line)
+                    raise InputError(f"the answer names an unknown {what} {str(asked)[:80]!r}", "unknown-name", line=line)
             if bin_of_robot[robots[robot]] >= 0:
-                raise InputError(f"the answer names robot {robot[:80]!r} twice", line=line)
+                raise InputError(f"the answer names robot {robot[:80]!r} twice", "duplicate", line=line)
             bin_of_robot[robots[robot]] = bins[name]
         return tuple(bin_of_robot)
 
@@ -300,12 +302,14 @@ class BinAssignment(Problem):
         if isinstance(given, np.ndarray) and given.ndim == 1 and given.dtype.kind in "iu":
             return tuple(given.tolist())
         if not isinstance(given, tuple):
-            raise UsageError("an assignment is a tuple of one bin a robot, -1 for none, or a mapping of robots' names to bins' names")
+            raise UsageError(
+                "an assignment is a tuple of one bin a robot, -1 for none, or a mapping of robots' names to bins' names", "malformed"
+            )
         return given
 
     def check_start(self, answer: Any) -> None:
         if not isinstance(answer, tuple) or len(answer) != self.num_robots or not all(type(j) is int and j < self.num_bins for j in answer):
-            raise UsageError(f"the start is no assignment of {self.num_robots} robots to {self.num_bins} bins")
+            raise UsageError(f"the start is no assignment of {self.num_robots} robots to {self.num_bins} bins", "foreign")
 
     def answer_to_text(self, answer: Assignment, suffix: str, objective: float | None = None) -> str:
         """Rows of robot and bin."""
@@ -336,7 +340,7 @@ class BinAssignment(Problem):
         pairs: list[tuple[Any, Any, int | None]] = []
         for line, row in rows:
             if len(row) != len(titles):
-                raise InputError("row has a wrong length", line=line, expected=",".join(titles), found=f"{len(row)} values")
+                raise InputError("row has a wrong length", "wrong-shape", line=line, expected=",".join(titles), found=f"{len(row)} values")
             pairs.append((row[titles.index("robot")], row[titles.index("bin")], line))
         answer = self._numbered(pairs)
         if "cost" in titles:
@@ -347,7 +351,9 @@ class BinAssignment(Problem):
                     continue
                 listed, own = number(row[titles.index("cost")], line, "cost"), float(costs[place[robot]])
                 if math.isfinite(own) and not abs(listed - own) <= COSTS_AGREE * largest:
-                    raise InputError(f"the cost of robot {robot!r} is another one", line=line, expected=plain(own), found=plain(listed))
+                    raise InputError(
+                        f"the cost of robot {robot!r} is another one", "contradiction", line=line, expected=plain(own), found=plain(listed)
+                    )
         return answer
 
     def answer_to_frame(self, answer: Assignment) -> pd.DataFrame:
@@ -368,7 +374,7 @@ class BinAssignment(Problem):
 def make(instance: Any, name: str, settings: dict[str, Any]) -> BinAssignment:
     """The problem of an instance, ``bottleneck-assignment`` with that objective; settings ``objective``, ``match``, ``waiting``."""
     if not isinstance(instance, AssignmentInstance):
-        raise UsageError(f"{instance.name} holds no costs of robots and bins, so it cannot be read as {name}")
+        raise UsageError(f"{instance.name} holds no costs of robots and bins, so it cannot be read as {name}", "foreign")
     refuse_settings(name, settings, tuple(SETTINGS))
     asked = {key: settings[key] for key in SETTINGS if key in settings}
     if name == "bottleneck-assignment" and asked.setdefault("objective", "bottleneck") != "bottleneck":

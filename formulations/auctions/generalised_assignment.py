@@ -50,7 +50,9 @@ class GeneralisedAssignment(Problem):
 
     def __init__(self, instance: GeneralisedAssignmentInstance) -> None:
         if not isinstance(instance, GeneralisedAssignmentInstance):
-            raise UsageError(f"a generalised assignment is made of a GeneralisedAssignmentInstance, not of {type(instance).__name__}")
+            raise UsageError(
+                f"a generalised assignment is made of a GeneralisedAssignmentInstance, not of {type(instance).__name__}", "malformed"
+            )
         self.instance, self.objective = instance, instance.objective
         self.name, self.problem, self.notes = instance.name, "generalised-assignment", instance.notes
         self.num_agents, self.num_jobs = instance.num_agents, instance.num_jobs
@@ -174,7 +176,9 @@ class GeneralisedAssignment(Problem):
             return tuple(given.tolist())
         if not isinstance(given, Mapping):
             if not isinstance(given, tuple):
-                raise UsageError("an assignment is a tuple of one agent a job, -1 for none, or a mapping of jobs' names to agents' names")
+                raise UsageError(
+                    "an assignment is a tuple of one agent a job, -1 for none, or a mapping of jobs' names to agents' names", "malformed"
+                )
             return given
         agents = {self.instance.agent_name(i): i for i in range(self.num_agents)}
         jobs = {self.instance.job_name(j): j for j in range(self.num_jobs)}
@@ -182,14 +186,14 @@ class GeneralisedAssignment(Problem):
         for job, agent in given.items():
             for what, name, known in (("job", job, jobs), ("agent", agent, agents)):
                 if not isinstance(name, str) or name not in known:
-                    raise InputError(f"the answer names an unknown {what} {str(name)[:80]!r}")
+                    raise InputError(f"the answer names an unknown {what} {str(name)[:80]!r}", "unknown-name")
             agent_of_job[jobs[job]] = agents[agent]
         return tuple(agent_of_job)
 
     def check_start(self, answer: Any) -> None:
         m = self.num_agents
         if not isinstance(answer, tuple) or len(answer) != self.num_jobs or not all(type(i) is int and -1 <= i < m for i in answer):
-            raise UsageError(f"the start is no assignment of {self.num_jobs} jobs to {m} agents")
+            raise UsageError(f"the start is no assignment of {self.num_jobs} jobs to {m} agents", "foreign")
 
     def answer_to_frame(self, answer: AgentOfJob) -> pd.DataFrame:
         """One row a job that is done: job, agent, cost or profit, consumption."""
@@ -214,6 +218,6 @@ class GeneralisedAssignment(Problem):
 def make(instance: Any, name: str, settings: dict[str, Any]) -> GeneralisedAssignment:
     """The problem of an instance; no settings."""
     if not isinstance(instance, GeneralisedAssignmentInstance):
-        raise UsageError(f"{instance.name} holds no agents with capacities, so it cannot be read as {name}")
+        raise UsageError(f"{instance.name} holds no agents with capacities, so it cannot be read as {name}", "foreign")
     refuse_settings(name, settings)
     return GeneralisedAssignment(instance)

@@ -55,7 +55,7 @@ class JointAssignment(Problem):
 
     def __init__(self, instance: JointAssignmentInstance) -> None:
         if not isinstance(instance, JointAssignmentInstance):
-            raise UsageError(f"a joint assignment is made of a JointAssignmentInstance, not of {type(instance).__name__}")
+            raise UsageError(f"a joint assignment is made of a JointAssignmentInstance, not of {type(instance).__name__}", "malformed")
         self.instance = instance
         self.name, self.problem, self.notes = instance.name, "joint-assignment", instance.notes
         self.num_robots, self.num_bins, self.num_requests = instance.num_robots, instance.num_bins, instance.num_requests
@@ -197,7 +197,7 @@ class JointAssignment(Problem):
                 elif isinstance(name, str) and name in known[what]:
                     numbers[what] = known[what][name]
                 else:
-                    raise InputError(f"the answer names an unknown {what} {str(name)[:80]!r}")
+                    raise InputError(f"the answer names an unknown {what} {str(name)[:80]!r}", "unknown-name")
             answer[numbers["robot"]] = numbers["bin"], numbers["request"]
         return tuple(answer)
 
@@ -237,6 +237,6 @@ def _largest(allowed: NDArray[np.bool_]) -> NDArray[np.int64]:
 def make(instance: Any, name: str, settings: dict[str, Any]) -> JointAssignment:
     """The problem of an instance; no settings."""
     if not isinstance(instance, JointAssignmentInstance):
-        raise UsageError(f"{instance.name} holds no robots with bins and requests, so it cannot be read as {name}")
+        raise UsageError(f"{instance.name} holds no robots with bins and requests, so it cannot be read as {name}", "foreign")
     refuse_settings(name, settings)
     return JointAssignment(instance)

@@ -66,7 +66,7 @@ class OrchardDay(Problem):
 
     def __init__(self, jobs: OrchardJobs, objective: str = OBJECTIVE.default) -> None:
         if not isinstance(jobs, OrchardJobs):
-            raise UsageError(f"a day in the orchard is made of OrchardJobs, not of {type(jobs).__name__}")
+            raise UsageError(f"a day in the orchard is made of OrchardJobs, not of {type(jobs).__name__}", "malformed")
         self.jobs, self.objective = jobs, str(OBJECTIVE.value("objective", objective))
         self.name, self.problem, self.notes = jobs.name, "orchard-day", jobs.notes
 
@@ -129,7 +129,9 @@ class OrchardDay(Problem):
                 raise InputError("a robot's trips are a tuple of pairs (bin brought, bin fetched)", found=str(trips)[:80])
             for trip in trips:
                 if not all(type(k) is int and -1 <= k < jobs.num_bins for k in trip) or trip == (-1, -1):
-                    raise InputError(f"a trip names bins 0 to {jobs.num_bins - 1}, or -1 for one of the two", found=str(trip)[:80])
+                    raise InputError(
+                        f"a trip names bins 0 to {jobs.num_bins - 1}, or -1 for one of the two", "out-of-range", found=str(trip)[:80]
+                    )
 
     def timetable(self, answer: Trips) -> Integers:
         """Step at which each bin comes home, -1 for never."""
@@ -267,6 +269,6 @@ def in_order(jobs: OrchardJobs, order: Iterable[int], stop: Stop = NEVER) -> Tri
 def make(instance: Any, name: str, settings: dict[str, Any]) -> OrchardDay:
     """The problem of an instance; setting ``objective``."""
     if not isinstance(instance, OrchardJobs):
-        raise UsageError(f"{instance.name} holds no bins of an orchard, so it cannot be read as {name}")
+        raise UsageError(f"{instance.name} holds no bins of an orchard, so it cannot be read as {name}", "foreign")
     refuse_settings(name, settings, ("objective",))
     return OrchardDay(instance, settings.get("objective", OBJECTIVE.default))

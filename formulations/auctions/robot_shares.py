@@ -50,11 +50,11 @@ class RobotShares(Problem):
         if not isinstance(answer, tuple) or not all(isinstance(share, tuple) and all(type(t) is int for t in share) for share in answer):
             raise InputError("an answer is a tuple of tuples of tasks, one a robot, as numbers from 0", found=printable(repr(answer), 80))
         if len(answer) != self.num_robots:
-            raise InputError("an answer has one tuple a robot", expected=str(self.num_robots), found=str(len(answer)))
+            raise InputError("an answer has one tuple a robot", "wrong-shape", expected=str(self.num_robots), found=str(len(answer)))
         shared_out = [t for share in answer for t in share]
         unknown = [t for t in shared_out if not 0 <= t < tasks]
         if unknown:
-            raise InputError(f"task number {unknown[0]} does not exist", expected=f"0 to {tasks - 1}")
+            raise InputError(f"task number {unknown[0]} does not exist", "unknown-name", expected=f"0 to {tasks - 1}")
         count = np.bincount(np.array(shared_out, dtype=np.int64), minlength=tasks)
         name = self.instance.task_name
         checks: list[tuple[Check, list[Violation]]] = [
@@ -82,11 +82,14 @@ class RobotShares(Problem):
         for share in shares:
             robot, listed = str(share["robot"]), share["tasks"]
             if robot not in robots or robot in seen:
-                raise InputError(f"robot {printable(robot, 80)!r} {'stands twice' if robot in seen else 'does not exist'}")
+                raise InputError(
+                    f"robot {printable(robot, 80)!r} {'stands twice' if robot in seen else 'does not exist'}",
+                    "duplicate" if robot in seen else "unknown-name",
+                )
             seen.add(robot)
             unknown = next((t for t in listed if str(t) not in tasks), None) if isinstance(listed, list) else listed
             if not isinstance(listed, list) or unknown is not None:
-                raise InputError(f"the share of robot {robot} holds an unknown task {printable(str(unknown), 80)!r}")
+                raise InputError(f"the share of robot {robot} holds an unknown task {printable(str(unknown), 80)!r}", "unknown-name")
             tasks_of_robots[robots[robot]] = tuple(tasks[str(task)] for task in listed)
         return tuple(tasks_of_robots)
 
@@ -95,23 +98,25 @@ class RobotShares(Problem):
         if isinstance(given, tuple) and all(isinstance(share, tuple) and all(type(t) is int for t in share) for share in given):
             return given
         if isinstance(given, str | bytes | Mapping) or not isinstance(given, Iterable):
-            raise UsageError("shares are a list with one list of tasks a robot, by number from 0 or by name")
+            raise UsageError("shares are a list with one list of tasks a robot, by number from 0 or by name", "malformed")
         names = {self.instance.task_name(task): task for task in range(self.num_tasks)}
         shares = list(given)
         if any(isinstance(share, str | bytes | Mapping) or not isinstance(share, Iterable) for share in shares):
-            raise UsageError("shares are a list with one list of tasks a robot, by number from 0 or by name")
+            raise UsageError("shares are a list with one list of tasks a robot, by number from 0 or by name", "malformed")
         return tuple(tuple(indices_of(share, names, "task")) for share in shares)
 
     def check_start(self, answer: Any) -> None:
         shares = isinstance(answer, tuple) and len(answer) == self.num_robots and all(isinstance(share, tuple) for share in answer)
         if not shares or any(type(t) is not int or not 0 <= t < self.num_tasks for share in answer for t in share):
-            raise UsageError(f"the start is no answer of {self.name}: it has {self.num_robots} robots and {self.num_tasks} tasks")
+            raise UsageError(
+                f"the start is no answer of {self.name}: it has {self.num_robots} robots and {self.num_tasks} tasks", "foreign"
+            )
 
 
 def robot_tasks(instance: Any, name: str) -> RobotTasks:
     """The instance, if it holds robots and tasks; UsageError otherwise."""
     if not isinstance(instance, RobotTasks):
-        raise UsageError(f"{instance.name} holds no robots and tasks, so it cannot be read as {name}")
+        raise UsageError(f"{instance.name} holds no robots and tasks, so it cannot be read as {name}", "foreign")
     return instance
 
 

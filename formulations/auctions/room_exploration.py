@@ -55,7 +55,7 @@ class RoomExploration(Problem):
 
     def __init__(self, instance: ExplorationMap) -> None:
         if not isinstance(instance, ExplorationMap):
-            raise UsageError(f"a room exploration is made of an ExplorationMap, not of {type(instance).__name__}")
+            raise UsageError(f"a room exploration is made of an ExplorationMap, not of {type(instance).__name__}", "malformed")
         self.instance = instance
         self.name, self.problem, self.notes = instance.name, "room-exploration", instance.notes
 
@@ -112,7 +112,7 @@ class RoomExploration(Problem):
             raise InputError(f"an answer is a tuple of steps for each of {instance.num_robots} robots", found=str(answer)[:80])
         for deeds in answer:
             if not isinstance(deeds, tuple) or len(deeds) != instance.steps:
-                raise InputError(f"each robot makes {instance.steps} steps", found=str(deeds)[:80])
+                raise InputError(f"each robot makes {instance.steps} steps", "wrong-shape", found=str(deeds)[:80])
             for deed in deeds:
                 pair = isinstance(deed, tuple) and len(deed) == 2 and all(type(k) is int for k in deed)
                 if not pair or not (0 <= deed[0] < instance.num_rooms and 0 <= deed[1] < len(ACTIONS)):
@@ -194,6 +194,6 @@ class RoomExploration(Problem):
 def make(instance: Any, name: str, settings: dict[str, Any]) -> RoomExploration:
     """The problem of an instance; no settings."""
     if not isinstance(instance, ExplorationMap):
-        raise UsageError(f"{instance.name} holds no rooms to explore, so it cannot be read as {name}")
+        raise UsageError(f"{instance.name} holds no rooms to explore, so it cannot be read as {name}", "foreign")
     refuse_settings(name, settings)
     return RoomExploration(instance)

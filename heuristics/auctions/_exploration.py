@@ -35,7 +35,9 @@ class Sensors:
         if table.ndim != 2 or table.shape[0] != table.shape[1] or not (table >= 0).all() or (np.abs(table.sum(axis=1) - 1) > 1e-9).any():
             raise InputError("readings of types must be a square table of probabilities whose rows, the true types, sum to 1")
         if not (0 <= self.detection <= 1 and 0 <= self.false_alarm <= 1):
-            raise InputError("detection and false alarm must be probabilities", found=f"{self.detection}, {self.false_alarm}")
+            raise InputError(
+                "detection and false alarm must be probabilities", "out-of-range", found=f"{self.detection}, {self.false_alarm}"
+            )
         object.__setattr__(self, "types", table)
 
     @property
@@ -68,7 +70,7 @@ def after_target(belief: Floats, sensors: Sensors, reported: bool) -> Floats:
 def _normalised(belief: Floats) -> Floats:
     total = float(belief.sum())
     if not total > 0:
-        raise InputError("a reading that the belief holds impossible")
+        raise InputError("a reading that the belief holds impossible", "contradiction")
     return belief / total
 
 
@@ -101,9 +103,11 @@ class Rewards:
 
     def __post_init__(self) -> None:
         if len(self.weights) != 3 or min(self.weights) < 0 or abs(sum(self.weights) - 1) > 1e-9:
-            raise InputError("weights of exploring, mapping and searching must not be negative, and sum to 1", found=str(self.weights))
+            raise InputError(
+                "weights of exploring, mapping and searching must not be negative, and sum to 1", "out-of-range", found=str(self.weights)
+            )
         if not 0 < self.decay < 1 or not self.first >= 0 or self.gain not in ("mutual-information", "entropy"):
-            raise InputError("first must be at least 0, decay between 0 and 1, gain mutual-information or entropy")
+            raise InputError("first must be at least 0, decay between 0 and 1, gain mutual-information or entropy", "out-of-range")
 
     def explore(self, visits: int) -> float:
         return self.weights[0] * self.first * self.decay**visits
@@ -248,7 +252,9 @@ def steps_to_contact(adjacent: ArrayLike, contact: ArrayLike) -> Integers:
     """
     moves, near = np.asarray(adjacent, dtype=bool), np.asarray(contact, dtype=bool)
     if moves.ndim != 2 or moves.shape != (len(near),) * 2:
-        raise InputError("there must be one row and column of moves a room, and one flag of contact", found=f"{moves.shape}, {near.shape}")
+        raise InputError(
+            "there must be one row and column of moves a room, and one flag of contact", "wrong-shape", found=f"{moves.shape}, {near.shape}"
+        )
     steps = np.where(near, 0, -1)
     reached, count = near, 0
     while True:
@@ -267,5 +273,5 @@ def allowed(silent: int, to_contact: int, longest: int) -> bool:
     Source: Zhang (2015), section 5.3.6; docs/formulations/task-allocation.md#exploration.
     """
     if longest < 0:
-        raise InputError("the steps out of contact must be at least 0", found=str(longest))
+        raise InputError("the steps out of contact must be at least 0", "out-of-range", found=str(longest))
     return to_contact >= 0 and silent + to_contact - 1 <= longest if to_contact else True

@@ -27,14 +27,16 @@ def urgencies(rates: ArrayLike, times: ArrayLike, distances: ArrayLike, urgency:
     """
     rate, time, away = (np.asarray(array, dtype=np.float64) for array in (rates, times, distances))
     if rate.ndim != 1 or time.shape != rate.shape or away.shape[-1:] != rate.shape:
-        raise InputError("there must be one rate, time and distance a waypoint", found=f"{rate.shape}, {time.shape}, {away.shape}")
+        raise InputError(
+            "there must be one rate, time and distance a waypoint", "wrong-shape", found=f"{rate.shape}, {time.shape}, {away.shape}"
+        )
     if not (rate > 0).all() or not np.isfinite([rate, time]).all():
-        raise InputError("rates must be positive, and all times finite")
+        raise InputError("rates must be positive, and all times finite", "out-of-range")
     steps = np.maximum(1.0, away)
     if urgency == "rate":
         return np.asarray(rate / (np.maximum(time, 0.0) + steps))
     if urgency not in URGENCIES:
-        raise UsageError(f"urgency must be {', '.join(URGENCIES)}, not {urgency!r}")
+        raise UsageError(f"urgency must be {', '.join(URGENCIES)}, not {urgency!r}", "unknown-name")
     return np.asarray((rate - time + (time.max(initial=0.0) if urgency == "shifted" else 0.0)) / steps)
 
 
@@ -46,7 +48,9 @@ def next_stop(first: Floats, then: Floats, horizon: int) -> int:
     n = len(first)
     depth = min(horizon, n)
     if horizon < 1 or n == 0 or n**depth > MOST_ORDERS:
-        raise UsageError(f"a look ahead of {horizon} stops among {n} waypoints: at least 1, and at most {MOST_ORDERS:,} orders")
+        raise UsageError(
+            f"a look ahead of {horizon} stops among {n} waypoints: at least 1, and at most {MOST_ORDERS:,} orders", "out-of-range"
+        )
     total = first.copy()
     for level in range(1, depth):
         total = total[..., None] + then  # what comes next counts from the last one
@@ -78,7 +82,9 @@ def reward_split(available: ArrayLike, room: float) -> Floats:
     """
     held = np.asarray(available, dtype=np.float64)
     if held.ndim != 1 or not (held >= 0).all() or not np.isfinite(held).all() or not room >= 0:
-        raise InputError("what is available, and the room of the robot, must be numbers from 0 on", found=str(available)[:60])
+        raise InputError(
+            "what is available, and the room of the robot, must be numbers from 0 on", "out-of-range", found=str(available)[:60]
+        )
     return water_filled(held, held, room)
 
 

@@ -35,11 +35,11 @@ def bertsekas(
     scaling, free columns are made no dearer than the others. Source: docs/formulations/bin-assignment.md#auctions.
     """
     if epsilon is not None and (isinstance(epsilon, bool) or not isinstance(epsilon, int | float) or not 0.0 < epsilon < math.inf):
-        raise UsageError(f"epsilon must be a number above 0, not {epsilon!r}; leave it out for an optimal answer")
+        raise UsageError(f"epsilon must be a number above 0, not {epsilon!r}; leave it out for an optimal answer", "out-of-range")
     if isinstance(factor, bool) or not isinstance(factor, int | float) or not 1.0 < factor < math.inf:
-        raise UsageError(f"factor must be a number above 1, not {factor!r}")
+        raise UsageError(f"factor must be a number above 1, not {factor!r}", "out-of-range")
     if not isinstance(scaling, bool):
-        raise UsageError(f"scaling must be true or false, not {scaling!r}")
+        raise UsageError(f"scaling must be true or false, not {scaling!r}", "malformed")
     stop = context.begin()
     ended = auction(problem, stop, epsilon=epsilon or 0.0, factor=float(factor), scaling=scaling)
     statistics = {"bids": ended.bids, "phases": ended.phases, "epsilon": ended.epsilon}

@@ -50,7 +50,7 @@ def conflict_auction(problem: BinAssignment, context: Context, *, mode: str = "d
     from .conflict_kernels import conflict_rounds
 
     if mode not in MODES:
-        raise UsageError(f"mode must be one of {', '.join(MODES)}, not {mode!r}")
+        raise UsageError(f"mode must be one of {', '.join(MODES)}, not {mode!r}", "unknown-name")
     stop = context.begin()
     order = _by_cost(problem, stop)
     if order is None:

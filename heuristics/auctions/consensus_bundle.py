@@ -34,9 +34,9 @@ def consensus_bundle(problem: TaskAllocation, context: Context, *, communication
     docs/formulations/task-allocation.md#consensus-based-bundles.
     """
     if communication not in GRAPHS:
-        raise UsageError(f"communication must be {', '.join(GRAPHS)}, not {communication!r}")
+        raise UsageError(f"communication must be {', '.join(GRAPHS)}, not {communication!r}", "unknown-name")
     if most is not None and (isinstance(most, bool) or not isinstance(most, int) or most < 1):
-        raise UsageError(f"most must be a whole number of at least 1, not {most!r}")
+        raise UsageError(f"most must be a whole number of at least 1, not {most!r}", "out-of-range")
     stop = context.begin()
     agreement = _agree(problem, communication, most, stop)
     paths = agreement.paths

@@ -32,9 +32,9 @@ def distributed_sampling(
     (docs/formulations/balanced-partition.md#errata).
     """
     if initial not in ("nearest", "first"):
-        raise UsageError(f"initial must be nearest or first, not {initial!r}")
+        raise UsageError(f"initial must be nearest or first, not {initial!r}", "unknown-name")
     if most_moves is not None and (isinstance(most_moves, bool) or not isinstance(most_moves, int) or most_moves < 0):
-        raise UsageError(f"most_moves must be a whole number from 0 on, not {most_moves!r}")
+        raise UsageError(f"most_moves must be a whole number from 0 on, not {most_moves!r}", "out-of-range")
     stop = context.begin()
     start = _initial(problem, initial) if context.start is None else context.start
     most = 10 * problem.num_tasks * problem.num_robots if most_moves is None else most_moves

@@ -60,5 +60,7 @@ def _order(problem: TaskAllocation, asked: Any) -> NDArray[np.int64]:
     except TypeError:
         numbers = []
     if sorted(numbers) != list(range(tasks)):
-        raise UsageError(f"order must be a permutation of all {tasks} tasks, by number from 0 or by name, not {str(asked)[:80]!r}")
+        raise UsageError(
+            f"order must be a permutation of all {tasks} tasks, by number from 0 or by name, not {str(asked)[:80]!r}", "malformed"
+        )
     return np.array(numbers, dtype=np.int64)

@@ -30,7 +30,7 @@ def list_schedule(problem: OrchardDay, context: Context, *, order: str = "neares
     A bin comes after those that its group fills before it, unless all are full.
     """
     if order not in ORDERS:
-        raise UsageError(f"list-schedule: order must be one of {', '.join(ORDERS)}, not {order!r}")
+        raise UsageError(f"list-schedule: order must be one of {', '.join(ORDERS)}, not {order!r}", "unknown-name")
     jobs = problem.jobs
     length = (jobs.out + jobs.home).tolist()
     after = [-1] * jobs.num_bins if is_ready(jobs) else jobs.after.tolist()  # full bins wait for none

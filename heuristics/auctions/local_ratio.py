@@ -32,7 +32,7 @@ def local_ratio(problem: GeneralisedAssignment, context: Context, *, order: tupl
     instance, m, n = problem.instance, problem.num_agents, problem.num_jobs
     turns = list(range(m)) if order is None else list(order)
     if sorted(turns) != list(range(m)):
-        raise UsageError(f"local-ratio: order must name each of {m} agents once")
+        raise UsageError(f"local-ratio: order must name each of {m} agents once", "malformed")
     agent, worth = np.full(n, -1), np.zeros(n)  # profit of each job where it is
     exact, whole = True, True
     rooms = [room(row, b) for row, b in zip(instance.consumption, instance.capacity.tolist(), strict=True)]

@@ -39,7 +39,7 @@ def online_greedy(problem: BinAssignment, context: Context, *, order: str | Sequ
     n, stop = problem.num_robots, context.begin()
     if isinstance(order, str):
         if order not in ("id", "random"):
-            raise UsageError(f"order must be id, random, or the numbers of all robots, not {order!r}")
+            raise UsageError(f"order must be id, random, or the numbers of all robots, not {order!r}", "unknown-name")
         turns = np.arange(n) if order == "id" else context.rng.permutation(n)
     else:
         try:
@@ -47,7 +47,7 @@ def online_greedy(problem: BinAssignment, context: Context, *, order: str | Sequ
         except (TypeError, ValueError, OverflowError):
             turns = np.zeros(0, dtype=np.int64)
         if sorted(turns.tolist()) != list(range(n)):
-            raise UsageError(f"order must name each of the {n} robots once, as numbers from 0")
+            raise UsageError(f"order must name each of the {n} robots once, as numbers from 0", "malformed")
     data = problem.indptr.astype(np.int64), problem.bins.astype(np.int64), problem.cost
     taken, whole = serial_choice(stop.flag, *data, problem.num_bins, turns)
     if not whole:

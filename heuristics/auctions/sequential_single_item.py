@@ -35,7 +35,7 @@ def sequential_single_item(problem: TaskAllocation, context: Context, *, bids: s
 
     rule = rule_of(problem, bids)
     if paths not in ("insertion", "optimal"):
-        raise UsageError(f"paths must be insertion or optimal, not {paths!r}")
+        raise UsageError(f"paths must be insertion or optimal, not {paths!r}", "unknown-name")
     stop = context.begin()
     number = [objective.removeprefix("mini-") for objective in OBJECTIVES].index(rule)
     path, count, awarded = sequential(stop.flag, *arrays_of(problem), number, MOST_ORDERED if paths == "optimal" else 0)

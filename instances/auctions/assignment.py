@@ -109,7 +109,7 @@ class AssignmentInstance(Declared):
             stored = matrix.nnz
             matrix.sum_duplicates()
             if matrix.nnz != stored:
-                raise InputError("a pair of robot and bin stands twice in the sparse matrix")
+                raise InputError("a pair of robot and bin stands twice in the sparse matrix", "duplicate")
             n, m = matrix.shape
             return cls(n, m, matrix.indptr, matrix.indices, matrix.data, **further)
         try:
@@ -117,9 +117,9 @@ class AssignmentInstance(Declared):
         except (TypeError, ValueError, OverflowError):
             raise _not_rectangular(costs) from None
         if table.shape == (0,):
-            raise InputError("there are no robots", expected="one at least")
+            raise InputError("there are no robots", "missing", expected="one at least")
         if table.ndim != 2:
-            raise InputError("costs must be a matrix, one row a robot and one column a bin", found=f"shape {table.shape}")
+            raise InputError("costs must be a matrix, one row a robot and one column a bin", "wrong-shape", found=f"shape {table.shape}")
         n, m = table.shape
         own, spread = arrays.copied(table)
         if table.size and spread.largest < math.inf:  # every pair is allowed, and none is NaN
@@ -128,9 +128,9 @@ class AssignmentInstance(Declared):
         if bad.any():
             robot, column = np.argwhere(bad)[0].tolist()
             raise InputError(
-                f"the cost in row {robot + 1}, column {column + 1} is not a number",
+                f"the cost in row {robot + 1}, column {column + 1} is not a number", "out-of-range",
                 expected="a number, or infinity for a forbidden pair",
-            )
+            )  # fmt: skip
         kept = table < math.inf
         pairs = np.concatenate([[0], np.cumsum(kept.sum(axis=1))]), np.nonzero(kept)[1].astype(np.int32), table[kept]
         return cls(n, m, *pairs, **further)
@@ -144,7 +144,7 @@ class AssignmentInstance(Declared):
         i, j = arrays.whole_numbers("robots", robots), arrays.whole_numbers("bins", bins)
         c = arrays.reals("costs", costs)
         if not i.shape == j.shape == c.shape:
-            raise InputError("robots, bins and costs must have one entry a pair", found=f"{len(i)}, {len(j)} and {c.size}")
+            raise InputError("robots, bins and costs must have one entry a pair", "wrong-shape", found=f"{len(i)}, {len(j)} and {c.size}")
         arrays.refuse_outside("the robot of pair {}", i, n, "robot")
         arrays.refuse_outside("the bin of pair {}", j, m, "bin")
         order = np.lexsort((j, i))
@@ -154,7 +154,7 @@ class AssignmentInstance(Declared):
             ends = (("robot", i, n), ("bin", j, m))
             named = [(what, int(at[k]), arrays.names(what, further.get(f"{what}_names"), count)) for what, at, count in ends]
             pair = " and ".join(f"{what} {number + 1 if names is None else names[number]}" for what, number, names in named)
-            raise InputError(f"the pair of {pair} stands twice")
+            raise InputError(f"the pair of {pair} stands twice", "duplicate")
         kept = order[~(c[order] == math.inf)]
         return cls(n, m, arrays.row_starts(i[kept], n), j[kept], c[kept], **further)  # type: ignore[arg-type]
 
@@ -203,14 +203,17 @@ class AssignmentInstance(Declared):
         bins: Any = self.bins
         if len(indptr) != self.num_robots + 1 or cost.shape != (many,):
             raise InputError(
-                "indptr must have one entry more than robots, bins and cost one a pair", found=f"{len(indptr)}, {many}, {cost.size}"
-            )
+                "indptr must have one entry more than robots, bins and cost one a pair", "wrong-shape",
+                found=f"{len(indptr)}, {many}, {cost.size}",
+            )  # fmt: skip
         if bins is not None:
             bins = arrays.indices("bins", bins)
             arrays.check_csr(indptr, bins, self.num_bins, "robot", "bin", "pairs")
             self.put(bins=arrays.frozen(bins))
         elif (np.diff(indptr) != self.num_bins).any() or indptr[0]:
-            raise InputError("where every pair is allowed, each robot has as many as there are bins", expected=str(self.num_bins))
+            raise InputError(
+                "where every pair is allowed, each robot has as many as there are bins", "wrong-shape", expected=str(self.num_bins)
+            )
         else:
             del self.__dict__["bins"]  # they are made when they are asked for
             indptr = indptr.copy()
@@ -223,7 +226,7 @@ class AssignmentInstance(Declared):
             k = int(np.argmax(~(np.abs(cost) <= LARGEST)))
             robot = self.robot_name(int(np.searchsorted(self.indptr, k, side="right")) - 1)
             pair = f"robot {robot} and bin {self.bin_name(int(self.bins[k]))}"
-            raise InputError(f"the cost of {pair} must be a number of at most {LARGEST:g}", found=str(cost[k]))
+            raise InputError(f"the cost of {pair} must be a number of at most {LARGEST:g}", "out-of-range", found=str(cost[k]))
 
     # -- lookups -----------------------------------------------------------------------------------------------------
 
@@ -304,7 +307,7 @@ class AssignmentInstance(Declared):
     @classmethod
     def read_own(cls, data: Mapping[str, Any], counts: Mapping[str, int]) -> dict[str, Any]:
         if ("cost" in data) == ("pairs" in data):
-            raise InputError("costs stand in one of two ways", expected="the key 'cost', a matrix, or the key 'pairs'")
+            raise InputError("costs stand in one of two ways", "contradiction", expected="the key 'cost', a matrix, or the key 'pairs'")
         if "cost" in data:
             return {"costs": matrix(data["cost"], "cost", counts["robot"], counts["bin"], null=math.inf)}
         pairs = fields(data["pairs"], "pairs", PAIR_KEYS, PAIR_KEYS)
@@ -327,5 +330,7 @@ def _not_rectangular(costs: Iterable[Any]) -> InputError:
         return InputError("costs must be a matrix of numbers, one row a robot and one column a bin", found=repr(costs)[:40])
     odd = next((k for k, length in enumerate(lengths) if length != lengths[0]), None)
     if odd is not None:
-        return InputError(f"row {odd + 1} of the costs has a wrong length", expected=str(lengths[0]), found=str(lengths[odd]))
+        return InputError(
+            f"row {odd + 1} of the costs has a wrong length", "wrong-shape", expected=str(lengths[0]), found=str(lengths[odd])
+        )
     return InputError("costs must hold numbers", found=repr(costs)[:40])

@@ -58,16 +58,16 @@ def _pairs(frame: pd.DataFrame, titles: list[str]) -> dict[str, Any]:
     known = (*COLUMNS, *FURTHER)
     for k, title in enumerate(titles):
         if title in titles[:k]:
-            raise InputError(f"column {title} stands twice", expected="different titles")
+            raise InputError(f"column {title} stands twice", "duplicate", expected="different titles")
     for theirs, title in zip(frame.columns, titles, strict=True):
         if title not in known:
             lacking = [name for name in COLUMNS if name not in titles]
             cure = f"; rename it: there is no {' and no '.join(lacking)}" if lacking else "; leave it out"
             hint = did_you_mean(title, known)
-            raise InputError(f"column {shown(str(theirs))} is unknown{hint or cure}", expected=", ".join(known))
+            raise InputError(f"column {shown(str(theirs))} is unknown{hint or cure}", "unknown-name", expected=", ".join(known))
     for title in COLUMNS:
         if title not in titles:
-            raise InputError(f"column {title} is missing", expected=", ".join(COLUMNS), found=", ".join(map(str, frame.columns)))
+            raise InputError(f"column {title} is missing", "missing", expected=", ".join(COLUMNS), found=", ".join(map(str, frame.columns)))
     columns = {title: frame.iloc[:, k] for k, title in enumerate(titles)}
     robots, robot_names = _numbered(columns["robot"])
     bins, bin_names = _numbered(columns["bin"])
@@ -79,14 +79,14 @@ def _pairs(frame: pd.DataFrame, titles: list[str]) -> dict[str, Any]:
         (~named & ~np.isnan(costs), "has a cost, and no pair of a robot and a bin", "the names of both"),
     ):
         if wrong.any():
-            raise InputError(f"row {int(np.argmax(wrong)) + 1} {why}", expected=expected)
+            raise InputError(f"row {int(np.argmax(wrong)) + 1} {why}", "missing", expected=expected)
     owners = {"robot": (robots, robot_names), "bin": (bins, bin_names)}
     columns_of_owners = {title: _told(title, columns[title], *owners[what]) for title, what in FURTHER.items() if title in titles}
     arguments: dict[str, Any] = {"filled": columns_of_owners["filled"]} if "filled" in columns_of_owners else {}
     for what in ("robot", "bin"):
         x, y = columns_of_owners.get(f"{what}-x"), columns_of_owners.get(f"{what}-y")
         if (x is None) != (y is None):
-            raise InputError(f"places of {what}s need both {what}-x and {what}-y", found=", ".join(map(str, frame.columns)))
+            raise InputError(f"places of {what}s need both {what}-x and {what}-y", "missing", found=", ".join(map(str, frame.columns)))
         if x is not None and y is not None:
             arguments[f"{what}_positions"] = np.column_stack([x, y])
     return {
@@ -137,17 +137,20 @@ def _told(title: str, column: Any, owner: NDArray[np.int64], names: tuple[str, .
         numbers[owner[k]], row[owner[k]] = values[k], k
     stray = (owner < 0) & ~np.isnan(values)
     if stray.any():
-        raise InputError(f"{title} stands in row {int(np.argmax(stray)) + 1}, which names no {FURTHER[title]}", expected="an empty cell")
+        raise InputError(
+            f"{title} stands in row {int(np.argmax(stray)) + 1}, which names no {FURTHER[title]}", "contradiction", expected="an empty cell"
+        )
     rows = np.nonzero(owner >= 0)[0]
     same = (values[rows] == numbers[owner[rows]]) & ~np.isnan(values[rows])
     if not same.all():
         k = int(rows[int(np.argmin(same))])
         what, first = f"{title} of {FURTHER[title]} {names[owner[k]]}", int(row[owner[k]])
         if np.isnan(values[k]):
-            raise InputError(f"{what} is missing in row {k + 1}", expected="a number")
+            raise InputError(f"{what} is missing in row {k + 1}", "missing", expected="a number")
         raise InputError(
-            f"{what} is another one in row {k + 1} than in row {first + 1}", expected=f"{numbers[owner[k]]:g}", found=f"{values[k]:g}"
-        )
+            f"{what} is another one in row {k + 1} than in row {first + 1}", "contradiction", expected=f"{numbers[owner[k]]:g}",
+            found=f"{values[k]:g}",
+        )  # fmt: skip
     return numbers
 
 

@@ -37,7 +37,7 @@ class Gains(Numbers):
         if wrong.any():
             room, time = np.argwhere(wrong)[0].tolist()
             what = f"{key} of room {room + 1}, time {time + 1}"
-            raise InputError(f"{what} must be at least 0, and no more than the time before", found=str(value[room, time]))
+            raise InputError(f"{what} must be at least 0, and no more than the time before", "out-of-range", found=str(value[room, time]))
 
 
 class Links(Part):
@@ -50,7 +50,9 @@ class Links(Part):
     def refuse(self, key: str, value: Integers, instance: Declared) -> None:
         arrays.refuse_outside(f"a room of {key}, entry {{}}", value.ravel(), instance.counts["room"], "room")
         if (value[:, 0] == value[:, 1]).any():
-            raise InputError(f"{key} must join two different rooms", found=f"room {value[value[:, 0] == value[:, 1]][0, 0]} twice")
+            raise InputError(
+                f"{key} must join two different rooms", "duplicate", found=f"room {value[value[:, 0] == value[:, 1]][0, 0]} twice"
+            )
 
     def read(self, data: Any, path: str, counts: Mapping[str, int]) -> Integers:
         pairs = [wholes(pair, f"{path}[{k}]", 2) for k, pair in enumerate(array(data, path))]
@@ -125,12 +127,15 @@ class ExplorationMap(Declared):
         if alone:
             names = ", ".join(map(self.room_name, alone[:SHOWN])) + ", ..." * (len(alone) > SHOWN)
             raise InputError(
-                f"no doors lead from a robot to {len(alone)} of the {self.num_rooms} rooms: {names}", expected="doors to every room"
-            )
+                f"no doors lead from a robot to {len(alone)} of the {self.num_rooms} rooms: {names}", "contradiction",
+                expected="doors to every room",
+            )  # fmt: skip
         heard = np.nonzero(_reached(self.linked, np.array([self.base])))[0]
         lost = np.nonzero(~_reached(doors, heard)[self.starts])[0]
         if len(lost):
-            raise InputError(f"robot {lost[0] + 1} can enter no room from which links lead to the base", expected="doors or links to it")
+            raise InputError(
+                f"robot {lost[0] + 1} can enter no room from which links lead to the base", "contradiction", expected="doors or links to it"
+            )
 
     @property
     def adjacent(self) -> Flags:

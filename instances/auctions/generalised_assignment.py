@@ -101,10 +101,10 @@ class GeneralisedAssignmentInstance(Declared):
         listed = np.zeros(table.shape, dtype=bool)
         for who, what, value, part in zip(agent, job, values.tolist(), consumption.tolist(), strict=True):
             if who not in numbers[0]:
-                raise InputError(f"agent {who} has no capacity", expected="one of each agent")
+                raise InputError(f"agent {who} has no capacity", "missing", expected="one of each agent")
             at = numbers[0][who], numbers[1][what]
             if listed[at]:
-                raise InputError(f"the pair of agent {who} and job {what} stands twice")
+                raise InputError(f"the pair of agent {who} and job {what} stands twice", "duplicate")
             listed[at], table[at], used[at] = True, value, part
         names = {"agent_names": agents, "job_names": jobs}
         return cls(table, used, arrays.reals("capacity", capacity), objective, **{**names, **further})
@@ -146,7 +146,7 @@ class GeneralisedAssignmentInstance(Declared):
     @classmethod
     def read_own(cls, data: Mapping[str, Any], counts: Mapping[str, int]) -> dict[str, Any]:
         if (OBJECTIVES[0] in data) == (OBJECTIVES[1] in data):
-            raise InputError("pairs have either costs or profits", expected="the key 'cost' or the key 'profit'")
+            raise InputError("pairs have either costs or profits", "contradiction", expected="the key 'cost' or the key 'profit'")
         objective = next(key for key in OBJECTIVES if key in data)
         values = matrix(data[objective], objective, counts["agent"], counts["job"], null=forbidden_value(objective))
         return {"objective": objective, "values": values}

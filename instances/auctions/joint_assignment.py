@@ -65,7 +65,7 @@ class JointAssignmentInstance(Declared):
     def refuse_counts(self) -> None:
         super().refuse_counts()
         if len(self.counts) == 3 and (n := self.num_robots) * ((m := self.num_bins) + 1) * ((q := self.num_requests) + 1) > MOST_TRIPLES:
-            raise InputError(f"{n} robots, {m} bins and {q} requests make more than {MOST_TRIPLES:,} triples")
+            raise InputError(f"{n} robots, {m} bins and {q} requests make more than {MOST_TRIPLES:,} triples", "too-large")
 
     def facts(self) -> dict[str, Any]:
         """Sizes, as plain JSON values."""

@@ -37,11 +37,13 @@ class OrchardGrid:
         for name, least in (("rows", 1), ("columns", 3), ("empty_speed", 1), ("full_speed", 1)):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, int) or value < least:
-                raise InputError(f"an orchard's {name} must be a whole number of at least {least}", found=str(value)[:40])
+                raise InputError(f"an orchard's {name} must be a whole number of at least {least}", "out-of-range", found=str(value)[:40])
         if self.rows * self.columns > MOST_CELLS:
-            raise InputError(f"an orchard has at most {MOST_CELLS} cells", found=f"{self.rows} x {self.columns}")
+            raise InputError(f"an orchard has at most {MOST_CELLS} cells", "too-large", found=f"{self.rows} x {self.columns}")
         if isinstance(self.repository, bool) or not isinstance(self.repository, int) or not 0 <= self.repository < self.rows:
-            raise InputError("the repository must lie in a row", expected=f"0 to {self.rows - 1}", found=str(self.repository)[:40])
+            raise InputError(
+                "the repository must lie in a row", "out-of-range", expected=f"0 to {self.rows - 1}", found=str(self.repository)[:40]
+            )
 
     @property
     def home(self) -> int:
@@ -80,7 +82,9 @@ class OrchardGrid:
     def cell(self, row: int, column: int) -> int:
         """The number of a cell."""
         if not (0 <= row < self.rows and 0 <= column < self.columns):
-            raise InputError(f"cell ({row}, {column}) lies outside", expected=f"rows to {self.rows - 1}, columns to {self.columns - 1}")
+            raise InputError(
+                f"cell ({row}, {column}) lies outside", "out-of-range", expected=f"rows to {self.rows - 1}, columns to {self.columns - 1}"
+            )
         return row * self.columns + column
 
     def cells(self, places: ArrayLike) -> Integers:

@@ -96,7 +96,7 @@ class OrchardJobs(Declared):
             [int(first), *(int(c) for c in order if c not in (NONE, first))] for first, order in zip(start.cells, start.orders, strict=True)
         ]
         if sorted(cell for route in routes for cell in route) != rules.grid.harvested.tolist():
-            raise InputError("the routes of groups must share no cell, and name each harvest cell")
+            raise InputError("the routes of groups must share no cell, and name each harvest cell", "contradiction")
         cells: list[int] = []
         after: list[int] = []
         standing: list[bool] = []
@@ -116,16 +116,18 @@ class OrchardJobs(Declared):
         harvested = np.isin(self.bin_cells, self.grid.harvested)
         if not harvested.all():
             k = int(np.argmin(harvested))
-            raise InputError(f"bin {k + 1} does not stand in a harvest cell", found=f"cell {self.bin_cells[k]}")
+            raise InputError(f"bin {k + 1} does not stand in a harvest cell", "contradiction", found=f"cell {self.bin_cells[k]}")
 
     def check_rest(self) -> None:
         wrong = (self.after < NONE) | (self.after >= np.arange(self.num_bins))
         if wrong.any():
             k = int(np.argmax(wrong))
-            raise InputError(f"bin {k + 1} is filled after one that has no lower number", found=f"{self.after[k]}, counted from 0")
+            raise InputError(
+                f"bin {k + 1} is filled after one that has no lower number", "contradiction", found=f"{self.after[k]}, counted from 0"
+            )
         twice = np.sort(self.after[self.after >= 0])
         if (np.diff(twice) == 0).any():
-            raise InputError(f"two bins are filled next after bin {twice[int(np.argmax(np.diff(twice) == 0))] + 1}")
+            raise InputError(f"two bins are filled next after bin {twice[int(np.argmax(np.diff(twice) == 0))] + 1}", "duplicate")
 
     @cached_property
     def out(self) -> Integers:

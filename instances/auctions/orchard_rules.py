@@ -95,9 +95,9 @@ def checked_start(rules: OrchardRules, start: OrchardStart) -> OrchardStart:
     cells, orders = np.asarray(start.cells, np.int64), np.asarray(start.orders, np.int64)
     harvested = set(rules.grid.harvested.tolist())
     if cells.shape != (rules.groups,) or len(set(cells.tolist())) < len(cells) or not set(cells.tolist()) <= harvested:
-        raise InputError("each group starts in a harvest cell of its own", found=str(cells.tolist())[:80])
+        raise InputError("each group starts in a harvest cell of its own", "contradiction", found=str(cells.tolist())[:80])
     if orders.ndim != 2 or len(orders) != rules.groups or not set(orders.ravel().tolist()) <= harvested | {NONE}:
-        raise InputError("the orders of groups name harvest cells, one row a group", found=str(orders.shape))
+        raise InputError("the orders of groups name harvest cells, one row a group", "contradiction", found=str(orders.shape))
     return OrchardStart(cells, orders)
 
 

@@ -102,7 +102,7 @@ class RobotTasks(Declared):
         tasks = second.shape[1]
         if second.shape[0] != tasks or first.shape[1] != tasks:
             found = f"{first.shape} and {second.shape}"
-            raise InputError("distances must be of shapes (robots, tasks) and (tasks, tasks)", found=found)
+            raise InputError("distances must be of shapes (robots, tasks) and (tasks, tasks)", "wrong-shape", found=found)
         return cls(len(first), tasks, "matrix", matrix=np.vstack([first, second]), **further)
 
     @classmethod
@@ -150,7 +150,7 @@ class RobotTasks(Declared):
         for what, places in (("robot", robots), ("task", tasks)):
             for node in places:
                 if node not in nodes:
-                    raise InputError(f"{an(what)} stands at {node!r}, which is no node of the graph")
+                    raise InputError(f"{an(what)} stands at {node!r}, which is no node of the graph", "unknown-name")
         shortest: dict[tuple[int, int], float] = {}
         for tail, head, data in graph.edges(data=True):
             try:
@@ -158,7 +158,9 @@ class RobotTasks(Declared):
             except (TypeError, ValueError):
                 length = -1.0
             if not 0.0 <= length < np.inf:
-                raise InputError(f"the length of edge {tail!r} to {head!r} must be finite and not negative", found=str(data.get(weight)))
+                raise InputError(
+                    f"the length of edge {tail!r} to {head!r} must be finite and not negative", "out-of-range", found=str(data.get(weight))
+                )
             for pair in ((nodes[tail], nodes[head]),) if graph.is_directed() else ((nodes[tail], nodes[head]), (nodes[head], nodes[tail])):
                 shortest[pair] = min(length, shortest.get(pair, np.inf))
         ends = np.array(list(shortest), dtype=np.int64).reshape(-1, 2)
@@ -170,7 +172,7 @@ class RobotTasks(Declared):
         if len(lost):
             i, j = lost[0].tolist()
             begin = f"robot {robots[i]!r}" if i < len(robots) else f"task {tasks[i - len(robots)]!r}"
-            raise InputError(f"no way leads from {begin} to task {tasks[j]!r}", expected="tasks that robots can reach")
+            raise InputError(f"no way leads from {begin} to task {tasks[j]!r}", "contradiction", expected="tasks that robots can reach")
         named = [tuple(map(str, places)) if len(set(map(str, places))) == len(places) else None for places in (robots, tasks)]
         return cls(
             len(robots), len(tasks), "matrix", matrix=matrix, robot_names=named[0], task_names=named[1],
@@ -182,7 +184,9 @@ class RobotTasks(Declared):
         rows = sum(self.counts.values())
         if len(self.counts) == 2 and not fits(24.0 * rows * self.num_tasks):
             size = readable(8.0 * rows * self.num_tasks)
-            raise InputError(f"distances of {self.num_robots:,} robots and {self.num_tasks:,} tasks need {size}, more than there is")
+            raise InputError(
+                f"distances of {self.num_robots:,} robots and {self.num_tasks:,} tasks need {size}, more than there is", "too-large"
+            )
 
     def check_rest(self) -> None:
         self.put(positions=self._positions(), matrix=self._matrix())
@@ -191,30 +195,33 @@ class RobotTasks(Declared):
     def _positions(self) -> Floats | None:
         points = arrays.positions("place", self.positions, self.num_robots + self.num_tasks)
         if points is None and self.metric != "matrix":
-            raise InputError(f"the metric {self.metric} needs positions of all robots and tasks")
+            raise InputError(f"the metric {self.metric} needs positions of all robots and tasks", "missing")
         if points is not None and (np.abs(points) > LARGEST).any():
             k = int(np.argmax((np.abs(points) > LARGEST).any(axis=1)))
-            raise InputError(f"coordinates of {self.row_name(k)} must be at most {LARGEST:g}", found=str(points[k]))
+            raise InputError(f"coordinates of {self.row_name(k)} must be at most {LARGEST:g}", "out-of-range", found=str(points[k]))
         return points
 
     def _matrix(self) -> Floats | None:
         if self.metric != "matrix":
             if self.matrix is not None:
-                raise InputError(f"the metric {self.metric} measures distances itself; a matrix goes with the metric 'matrix'")
+                raise InputError(
+                    f"the metric {self.metric} measures distances itself; a matrix goes with the metric 'matrix'", "contradiction"
+                )
             return None
         if self.matrix is None:
-            raise InputError("the metric 'matrix' needs a matrix of distances")
+            raise InputError("the metric 'matrix' needs a matrix of distances", "missing")
         table, shape = _table("distances", self.matrix).copy(), (self.num_robots + self.num_tasks, self.num_tasks)
         if table.shape != shape:
             raise InputError(
-                "distances must have one row a robot and task, and one column a task", expected=str(shape), found=str(table.shape)
-            )
+                "distances must have one row a robot and task, and one column a task", "wrong-shape", expected=str(shape),
+                found=str(table.shape),
+            )  # fmt: skip
         table[np.arange(self.num_robots, shape[0]), np.arange(self.num_tasks)] = 0.0
         wrong = ~((table >= 0) & (table <= LARGEST))
         if wrong.any():
             i, j = (int(v[0]) for v in np.nonzero(wrong))
             what = f"the distance from {self.row_name(i)} to task {self.task_name(j)}"
-            raise InputError(f"{what} must be from 0 to {LARGEST:g}", found=str(table[i, j]))
+            raise InputError(f"{what} must be from 0 to {LARGEST:g}", "out-of-range", found=str(table[i, j]))
         return arrays.frozen(table)
 
     def _measured(self) -> Floats:
@@ -269,7 +276,7 @@ class RobotTasks(Declared):
     def from_values(cls, **values: Any) -> RobotTasks:
         places = [values.pop(key) for key in ("robot_positions", "task_positions")]
         if (places[0] is None) != (places[1] is None):
-            raise InputError("positions are given of robots or of tasks alone", expected="x and y of both, or of neither")
+            raise InputError("positions are given of robots or of tasks alone", "missing", expected="x and y of both, or of neither")
         return cls(**values, positions=None if places[0] is None else np.vstack(places))
 
 
@@ -278,7 +285,7 @@ def _points(what: str, places: ArrayLike | Iterable[Any]) -> Floats:
     if points.ndim == 1:
         points = np.column_stack([points, np.zeros(len(points))])
     if points.ndim != 2 or points.shape[1] != 2:
-        raise InputError(f"{what} positions must be two numbers each, or one on a line", found=f"shape {points.shape}")
+        raise InputError(f"{what} positions must be two numbers each, or one on a line", "wrong-shape", found=f"shape {points.shape}")
     return points
 
 
@@ -288,5 +295,5 @@ def _table(what: str, values: Any, several: bool = True) -> Floats:
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{what} must be numbers, as many in each row", found=repr(values)[:40]) from None
     if several and table.ndim != 2:
-        raise InputError(f"{what} must be a table", found=f"shape {table.shape}")
+        raise InputError(f"{what} must be a table", "wrong-shape", found=f"shape {table.shape}")
     return table

@@ -34,7 +34,7 @@ class Draw:
 
     def __post_init__(self) -> None:
         if self.kind is not None and self.kind not in KINDS:
-            raise UsageError(f"the battery has no kind {self.kind!r}; it has {', '.join(KINDS)}")
+            raise UsageError(f"the battery has no kind {self.kind!r}; it has {', '.join(KINDS)}", "unknown-name")
         if self.form is not None and FORMS[self.form] and not self.kinds:
             raise UsageError(f"no program of the battery has the form {self.form}" + (f" and the kind {self.kind}" if self.kind else ""))
 

@@ -86,7 +86,7 @@ def examine(
     """
     backend = solver_named(solver)
     if not isinstance(backend, ProgramBackend):
-        raise UsageError(f"{solver} takes problems, not programs; the battery is for {', '.join(examinable())}")
+        raise UsageError(f"{solver} takes problems, not programs; the battery is for {', '.join(examinable())}", "unsupported")
     outcomes, interrupted = list[Outcome](), False
     while len(outcomes) < draw.count and not interrupted:
         begun = len(outcomes)

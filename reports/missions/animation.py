@@ -24,7 +24,7 @@ class Film:
 
     def __init__(self, mission: Mission) -> None:
         if not mission.drawable:
-            raise UsageError(f"mission {mission.name} has no pictures")
+            raise UsageError(f"mission {mission.name} has no pictures", "unsupported")
         self.mission = mission
         self.shots: list[tuple[Scene, float]] = []
         self.over = False
@@ -70,13 +70,15 @@ def save_side_by_side(films: Mapping[str, Film], path: str | PathLike[str]) -> N
     """
     suffix = Path(path).suffix.lower()
     if suffix not in (".gif", ".html"):
-        raise UsageError(f"{path}: an animation is written as .gif or .html")
+        raise UsageError(f"{path}: an animation is written as .gif or .html", "unsupported")
     lengths = {len(film.shots) for film in films.values()}
     if lengths <= {0}:
-        raise UsageError("nothing was played, so there is nothing to show")
+        raise UsageError("nothing was played, so there is nothing to show", "missing")
     longest = max(lengths)
     if any(len(film.shots) < longest and not film.over for film in films.values()):
-        raise UsageError(f"films side by side must be of one length, not of {' and '.join(map(str, sorted(lengths)))} pictures")
+        raise UsageError(
+            f"films side by side must be of one length, not of {' and '.join(map(str, sorted(lengths)))} pictures", "wrong-shape"
+        )
     held = {name: film.held(longest) for name, film in films.items()}
     picture, steps = Picture(held), next(iter(held.values())).frames()
     if suffix == ".gif":

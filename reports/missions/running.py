@@ -93,7 +93,7 @@ def run(
 
     played = MISSIONS[mission]() if isinstance(mission, str) else mission
     if not isinstance(played, Mission):
-        raise UsageError(f"run takes a mission or its name, not {type(mission).__name__}")
+        raise UsageError(f"run takes a mission or its name, not {type(mission).__name__}", "malformed")
     deciders = {"solver": solver, "heuristic": heuristic, "policy": policy}
     most = played.lasting if steps is None else steps
     rules = played.policies()
@@ -147,14 +147,14 @@ def _check_asked(
         raise UsageError("give one of solver, heuristic and policy, not several")
     for name, value, least in (("steps", steps, 1), ("seed", seed, 0)):
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-            raise UsageError(f"{name} must be a whole number of at least {least}, not {value!r}")
+            raise UsageError(f"{name} must be a whole number of at least {least}, not {value!r}", "out-of-range")
     if solver is not None:
         _ = BACKENDS[solver.partition(":")[0]]
     if heuristic is not None:
         HEURISTICS[heuristic].check_parameters(options)
     if policy is not None and policy not in rules:
         hint = did_you_mean(policy, rules)
-        raise UsageError(f"{mission} has no policy {policy!r}; choose from {', '.join(rules) or 'none'}{hint}")
+        raise UsageError(f"{mission} has no policy {policy!r}; choose from {', '.join(rules) or 'none'}{hint}", "unknown-name")
     if policy is not None and options:
         raise UsageError(f"policy {policy} takes no options")
 

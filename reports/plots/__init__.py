@@ -44,9 +44,11 @@ def views(problem: Problem) -> list[str]:
 def check_drawable(problem: Problem, view: str | None = None) -> None:
     """Raise UsageError if no plot is registered for the problem's family, or no such view."""
     if view is not None and view not in views(problem):
-        raise UsageError(f"answers to {problem.problem} problems have no view {view!r}; there are {', '.join(views(problem))}")
+        raise UsageError(
+            f"answers to {problem.problem} problems have no view {view!r}; there are {', '.join(views(problem))}", "unknown-name"
+        )
     if view != HISTORY and problem.family not in PLOTS:
-        raise UsageError(f"answers to {problem.problem} problems cannot be drawn")
+        raise UsageError(f"answers to {problem.problem} problems cannot be drawn", "unsupported")
 
 
 def plot_solution(solution: Solution, *, view: str | None = None, **options: Any) -> Any:
@@ -76,7 +78,7 @@ def save_plot(solution: Solution, path: str | PathLike[str], view: str | None = 
 def _suffix(path: str | PathLike[str]) -> str:
     suffix = Path(path).suffix.lower()
     if suffix not in SUFFIXES:
-        raise UsageError(f"{path}: a plot is written as .png, .svg or .pdf")
+        raise UsageError(f"{path}: a plot is written as .png, .svg or .pdf", "unsupported")
     return suffix
 
 

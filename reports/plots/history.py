@@ -53,10 +53,10 @@ def plot_history(history: History, *, ax: Any = None, title: str | None = None, 
     """
     named = _named(history)
     if not named:
-        raise UsageError("there is no history to draw: no run brought a solution")
+        raise UsageError("there is no history to draw: no run brought a solution", "missing")
     first = next(iter(named.values()))
     if not 1 <= level <= len(first.problem.senses):
-        raise UsageError(f"level must be from 1 to {len(first.problem.senses)}, not {level}")
+        raise UsageError(f"level must be from 1 to {len(first.problem.senses)}, not {level}", "out-of-range")
     ax = new_axes() if ax is None else ax
     ends = max(s.events[-1].seconds if s.events else 0.0 for s in named.values()) or 1.0
     for k, (name, solution) in enumerate(named.items()):

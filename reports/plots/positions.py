@@ -18,7 +18,7 @@ def scaled_positions(distances: Floats) -> Floats:
     """Positions in the plane whose distances come close to ``distances``, shape (sites, 2): classical scaling."""
     n = len(distances)
     if n > SCALED_SITES:
-        raise UsageError(f"{n} sites without coordinates are too many to be placed on a map; at most {SCALED_SITES} are")
+        raise UsageError(f"{n} sites without coordinates are too many to be placed on a map; at most {SCALED_SITES} are", "too-large")
     if n == 1:
         return np.zeros((1, 2))
     from scipy.linalg import eigh

@@ -97,6 +97,22 @@ def test_a_failure_is_one_json_object_where_json_is_asked_for(arguments, told, r
     assert run(*arguments).stdout == ""
 
 
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        (("compare", "demo-tiny"), "missing"),
+        (("solvers", "--examine", "highs", "--by", "size"), "unknown-name"),
+        (("solve", "demo-tiny", "--set", "k"), "malformed"),
+        (("solve", "demo-tiny", "--set", "k=1", "--set", "k=2"), "duplicate"),
+        (("solve", "demo-tiny", "--gap", "inf"), "out-of-range"),
+        (("solve", "demo-tiny", "--plot", "a.txt"), "unsupported"),
+        (("solve", "demo-tiny", "--solver", "highs", "--heuristic", "savings"), "contradiction"),
+    ],
+)
+def test_json_tells_the_code_of_what_is_wrong(arguments, code, json_of):
+    assert json_of(*arguments, code=2)["error_code"] == code
+
+
 def test_a_failure_names_file_and_line_as_json(json_of, tmp_path):
     path = tmp_path / "costs.csv"
     path.write_text("robot,bin,cost\na,b,3\na,c,x\n")

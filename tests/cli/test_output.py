@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import pytest
+from coded import coded
 
 from waybound.cli.output import print_json, print_table, write_out
 from waybound.instances.errors import InputError
@@ -21,7 +22,7 @@ class Failing(io.StringIO):
 
 def test_what_the_system_refuses_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdout", Failing())
-    with pytest.raises(InputError, match="standard output cannot be written to: No space left on device"):
+    with pytest.raises(InputError, match=r"standard output .*No space left on device", check=coded("file")):
         write_out("x")
 
 

@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
+from coded import coded
 
 import waybound as wb
 from waybound.instances.errors import InputError, UsageError
@@ -117,7 +118,7 @@ def test_a_start_for_another_instance_is_refused(run, tmp_path):
         (wb.Routes.of([[1, 2], [3, 7]]), "the start is for another instance: route 2 visits site 7, and there are 4"),
         (wb.Routes((wb.Route((1, 2), 3),)), "the start is for another instance: route 1 has vehicle type 3, and there are 1"),
     ):
-        with pytest.raises(UsageError, match=message):
+        with pytest.raises(UsageError, match=message, check=coded("foreign")):
             wb.solve(problem, "highs", start=routes)
 
 

@@ -7,11 +7,13 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from coded import coded
 
 import waybound as wb
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.levels import LevelBound
 from waybound.formulations.problem import Problem
+from waybound.instances.errors import Code
 from waybound.reports.comparison import Compared, Comparison, _contradictions
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 
@@ -164,17 +166,22 @@ def test_the_log_holds_all_runs(problem: wb.Problem, tmp_path: Any) -> None:
 
 
 @pytest.mark.parametrize(
+    ("methods", "code"), [("pyvrp", "malformed"), ([], "missing"), (["savings", "savings"], "duplicate"), (["no-such"], "unknown-name")]
+)
+def test_what_cannot_be_compared_is_refused_before_anything_runs(problem: wb.Problem, methods: Any, code: Code) -> None:
+    with pytest.raises(wb.UsageError, check=coded(code)):
+        wb.compare(problem, methods)
+
+
+@pytest.mark.parametrize(
     ("methods", "told"),
     [
-        ("pyvrp", "takes a list of names"),
-        ([], "nothing to compare"),
-        (["savings", "savings"], "compared with itself"),
         (["no-such"], "no solver and no heuristic is named 'no-such'"),
         ({"a": {"solver": "no-such"}}, "unknown solver 'no-such'"),
         ({"a": {"heuristic": "no-such"}}, "unknown heuristic 'no-such'"),
     ],
 )
-def test_what_cannot_be_compared_is_refused_before_anything_runs(problem: wb.Problem, methods: Any, told: str) -> None:
+def test_a_name_that_does_not_exist_is_told(problem: wb.Problem, methods: Any, told: str) -> None:
     with pytest.raises(wb.UsageError, match=told):
         wb.compare(problem, methods)
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from coded import coded
 from programs import program
 
 import waybound as wb
@@ -211,7 +212,7 @@ def test_a_heuristics_broken_answer_is_none_and_its_false_evidence_proves_nothin
 
 @pytest.mark.parametrize("asked", [{"iterations": 5}, {"gap": 0.1}, {"no_improvement": 5}])
 def test_a_heuristic_refuses_by_name_what_it_does_not_keep_to(asked: dict[str, Any]) -> None:
-    with pytest.raises(UsageError, match=f"heuristic savings does not keep to {next(iter(asked))}"):
+    with pytest.raises(UsageError, match=f"heuristic savings .*{next(iter(asked))}", check=coded("unsupported")):
         wb.solve(SQUARE, heuristic="savings", **asked)
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from coded import coded
 from programs import program
 from sata_cases import CASES
 
@@ -214,6 +215,12 @@ def test_a_missing_feature_names_solvers_that_have_it(square: RoutingProblem, en
 def test_an_unknown_solver_is_named_with_the_choices(square: RoutingProblem) -> None:
     with pytest.raises(UsageError, match=r"unknown solver .cplex.; choose from .*highs"):
         solve(square, "cplex")
+
+
+def test_without_any_solver_a_package_is_missing(square: RoutingProblem, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(method, "BACKENDS", {})
+    with pytest.raises(UsageError, check=coded("missing-package")):
+        method.default_solver(square)
 
 
 def test_a_heuristic_checks_its_parameters(square: RoutingProblem) -> None:
@@ -421,7 +428,7 @@ def test_an_engine_without_the_memory_or_the_time_for_its_model_is_not_begun(wha
         assert (found.solver, found.objective, limits) == (NAME, 260.0, [8.0])
         assert f"deaf was not used: {words}" in found.message
         if "needed" in what:
-            with pytest.raises(UsageError, match="deaf needs"):
+            with pytest.raises(UsageError, check=coded("too-large")):
                 solve(star(), "deaf", time_limit=8.0, bound_time=0)
 
 

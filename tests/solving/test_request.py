@@ -7,6 +7,7 @@ from dataclasses import fields
 from typing import Any
 
 import pytest
+from coded import coded
 
 import waybound as wb
 from waybound.formulations.arrays.problem import ArrayProblem
@@ -55,5 +56,5 @@ def test_a_bare_program_is_compiled(square: Any) -> None:
     compiled = searchable(program)
     assert isinstance(compiled, Compiled) and isinstance(compiled.problem, ArrayProblem)
     assert compiled.program.num_variables == program.num_variables
-    with pytest.raises(UsageError, match="takes a problem or a program, not list"):
+    with pytest.raises(UsageError, check=coded("malformed")):
         searchable([])

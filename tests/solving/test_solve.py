@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+from coded import coded
 from programs import Counting
 from random_sensing import random_graph
 
@@ -67,7 +68,7 @@ def test_savings_gives_a_verified_answer(square: RoutingProblem) -> None:
 
 @pytest.mark.parametrize("thing", [None, "C101.txt", [[1, 2]]])
 def test_what_is_no_problem_is_refused(thing: Any) -> None:
-    with pytest.raises(UsageError, match="takes a problem or a program"):
+    with pytest.raises(UsageError, check=coded("malformed")):
         solve(thing)
 
 

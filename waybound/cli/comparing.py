@@ -43,7 +43,7 @@ def compare(
     """
     names = [*(solver or ()), *(heuristic or ())]
     if not names:
-        raise UsageError("name what is to be compared: --solver NAME, --heuristic NAME, several times")
+        raise UsageError("name what is to be compared: --solver NAME, --heuristic NAME, several times", "missing")
     bounded(time_limit=time_limit, bound_time=bound_time, seed=seed, threads=threads)
     asked = source.read()
     check_outputs(source.inputs(), log, out=(out, TABLE_SUFFIXES), plot=(plot, PLOT_SUFFIXES))

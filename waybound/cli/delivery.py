@@ -23,13 +23,13 @@ def output_path(option: str, path: Path | None, suffixes: Sequence[str] = (), *,
     if path is None:
         return
     if suffixes and path.suffix.lower() not in suffixes:
-        raise UsageError(f"{option} {path}: the suffix must be one of {', '.join(suffixes)}")
+        raise UsageError(f"{option} {path}: the suffix must be one of {', '.join(suffixes)}", "unsupported")
     from ..instances.atomic import check_writable
 
     try:
         check_writable(path)
     except InputError as fault:
-        raise UsageError(f"{option} {fault}") from None
+        raise UsageError(f"{option} {fault}", fault.code) from None
     if path.exists() and any(os.path.exists(file) and path.samefile(file) for file in unlike):  # noqa: PTH110 - a name may be too long
         raise UsageError(f"{option} {path} would overwrite the input")
 

@@ -65,7 +65,7 @@ def generate(
     bounded(seed=seed)
     recipe_settings = parse_pairs(settings, "--set")
     if recipe_settings.keys() & {"kind", "seed"}:
-        raise UsageError("--set has neither a kind nor a seed; the kind is the command's argument, the seed is --seed")
+        raise UsageError("--set has neither a kind nor a seed; the kind is the command's argument, the seed is --seed", "unknown-name")
     output_path("--out", out)
     instance = make(kind, seed, **recipe_settings)
     write_instance(instance, out, to_format)

@@ -116,7 +116,7 @@ def bound(
     """
     bounded(bound_time=bound_time, seed=seed, threads=threads)
     if bound_time <= 0:
-        raise UsageError(f"--bound-time must be positive, not {bound_time:g}")
+        raise UsageError(f"--bound-time must be positive, not {bound_time:g}", "out-of-range")
     asked = source.read()
     output_path("--certificate", certificate, (".json",), unlike=source.inputs())
 

@@ -134,7 +134,7 @@ def _examine(
     if count is not None:
         check_whole("instances", count, least=1, option="--count")
     if by not in (None, "kind", "form"):
-        raise UsageError(f"--by takes kind or form, not {by!r}")
+        raise UsageError(f"--by takes kind or form, not {by!r}", "unknown-name")
     own = parse_pairs(option, "--option")
     if own and solver is None:
         raise UsageError("--option is for one solver: --examine NAME --option KEY=VALUE")

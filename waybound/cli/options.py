@@ -83,12 +83,12 @@ def parse_pairs(pairs: Sequence[str] | None, option: str) -> dict[str, Any]:
     for pair in pairs or ():
         key, equals, value = (part.strip() for part in pair.partition("="))
         if not key or not equals or not value:
-            raise UsageError(f"{option} takes KEY=VALUE, not {pair!r}")
+            raise UsageError(f"{option} takes KEY=VALUE, not {pair!r}", "malformed")
         if key in values:
-            raise UsageError(f"{option} {key} is given twice")
+            raise UsageError(f"{option} {key} is given twice", "duplicate")
         values[key] = parse_value(value)
         if isinstance(values[key], int) and abs(values[key]) > MOST_WHOLE:
-            raise UsageError(f"{option} {key}={value}: whole numbers go up to {MOST_WHOLE}")
+            raise UsageError(f"{option} {key}={value}: whole numbers go up to {MOST_WHOLE}", "out-of-range")
     return values
 
 
@@ -96,10 +96,10 @@ def parse_settings(settings: Sequence[str] | None, objective: str | None) -> dic
     """The pairs of ``--set`` and ``--objective``, a setting too, as settings of a problem; what says how FILE is read is refused."""
     values = parse_pairs(settings, "--set")
     if objective is not None and "objective" in values:
-        raise UsageError("the objective is given twice: by --objective and by --set objective")
+        raise UsageError("the objective is given twice: by --objective and by --set objective", "duplicate")
     for key in ("format", "problem", "convention", "path"):
         if key in values:
-            raise UsageError(f"--set has no key {key!r}" + (f"; use --{key}" if key != "path" else ""))
+            raise UsageError(f"--set has no key {key!r}" + (f"; use --{key}" if key != "path" else ""), "unknown-name")
     if objective is not None:
         values["objective"] = objective
     return values
@@ -152,5 +152,5 @@ def bounded(**options: Any) -> None:
             )
         elif value is not None:
             if not math.isfinite(value):
-                raise UsageError(f"{option} must be a finite number, not {value}")
+                raise UsageError(f"{option} must be a finite number, not {value}", "out-of-range")
             check_number(name, value, above=0 if name in ("time_limit", "memory_limit") else None, option=option)

@@ -49,7 +49,7 @@ def write_out(text: str) -> None:
 def unprinted(fault: Exception) -> InputError:
     """The error for a standard output that fails; it is given up."""
     silence(sys.stdout)
-    return InputError(f"standard output cannot be written to: {in_words(fault)}")
+    return InputError(f"standard output cannot be written to: {in_words(fault)}", "file")
 
 
 def silence(stream: Any) -> None:

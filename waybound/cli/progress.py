@@ -123,7 +123,7 @@ def _opened(path: str) -> IO[str]:
     try:
         return Path(path).open("w", encoding="utf-8")
     except OSError as fault:
-        raise UsageError(f"--log {path}: cannot be written: {in_words(fault)}") from fault
+        raise UsageError(f"--log {path}: cannot be written: {in_words(fault)}", "file") from fault
 
 
 class PartsCounter:

@@ -104,7 +104,7 @@ def _check_outputs(mission: Mission, out: Path | None, animation: Path | None) -
     check_outputs((), out=(out, (".csv",)), animation=(animation, ANIMATION_SUFFIXES))
     if animation is not None:
         if not mission.drawable:
-            raise UsageError(f"--animation: mission {mission.name} has no pictures")
+            raise UsageError(f"--animation: mission {mission.name} has no pictures", "unsupported")
         check_matplotlib("--animation")
 
 
@@ -112,7 +112,7 @@ def _decider(text: str) -> dict[str, Any]:
     """The deciding method as a keyword for ``run``."""
     kind, colon, name = text.partition(":")
     if kind not in ("solver", "heuristic", "policy") or not colon or not name:
-        raise UsageError(f"--against takes solver:NAME, heuristic:NAME or policy:NAME, not {text!r}")
+        raise UsageError(f"--against takes solver:NAME, heuristic:NAME or policy:NAME, not {text!r}", "malformed")
     return {kind: name}
 
 

@@ -23,7 +23,7 @@ def warm(names: _Names = None, quiet: Quiet = False, verbose: Verbose = False) -
     every = [one for module in kernel_modules() for one in kernels(module)]
     for name in names or ():
         if not any(name in one.title for one in every):
-            raise UsageError(f"no loop is named like {name!r}; without names all are compiled")
+            raise UsageError(f"no loop is named like {name!r}; without names all are compiled", "unknown-name")
     asked = [one for one in every if not names or any(name in one.title for name in names)]
     missing = [one for one in asked if not one.kept()]
     with contextlib.ExitStack() as stack:

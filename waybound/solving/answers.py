@@ -48,7 +48,7 @@ def answer_given(problem: Problem, given: Any, called: str, form: str | None = N
         try:
             answer, name = answer_of_solver(problem, solved, form)
         except InputError as error:
-            raise InputError(f"{called} {error.message}", expected=error.expected, found=error.found) from None
+            raise InputError(f"{called} {error.message}", error.code, expected=error.expected, found=error.found) from None
         return answer, (f"{called}: a solution of {solved.solver} to the form {name}",)
     try:
         if isinstance(given, Solution):
@@ -62,7 +62,7 @@ def answer_given(problem: Problem, given: Any, called: str, form: str | None = N
                 return read.answer, tuple(f"{called}: {note}" for note in read.notes)
         return problem.answer_of(given), ()
     except (InputError, UsageError) as error:
-        raise UsageError(f"{called} cannot be read: {error}") from None
+        raise UsageError(f"{called} cannot be read: {error}", error.code) from None
 
 
 def start_given(problem: Problem, given: Any) -> tuple[Any, tuple[str, ...]]:
@@ -72,6 +72,6 @@ def start_given(problem: Problem, given: Any) -> tuple[Any, tuple[str, ...]]:
         try:
             problem.check_start(start)
         except UsageError as error:
-            raise UsageError(f"the start is for another instance: {error}") from None
+            raise UsageError(f"the start is for another instance: {error}", "foreign") from None
         start = problem.searched_from(start)
     return start, told

@@ -142,7 +142,7 @@ def explain(problem: Problem | Compiled | Program, *, time_limit: float = 60.0, 
     ORSA Journal on Computing 3(2). Rows are dropped in halving groups first, so that few of many rows take few solves.
     """
     if not time_limit > 0:
-        raise UsageError(f"the time limit must be positive, not {time_limit!r}")
+        raise UsageError(f"the time limit must be positive, not {time_limit!r}", "out-of-range")
     if form is not None and not isinstance(problem, Problem):
         raise UsageError(f"the program is already compiled, as {problem.form if isinstance(problem, Compiled) else problem.name}")
     end = time.perf_counter() + time_limit
@@ -201,7 +201,7 @@ def _explain_by_rows(problem: Problem | Compiled | Program, form: str | None, en
 def _refuse_restriction(form: str | None, exactness: Exactness) -> None:
     if not exactness.infeasibility_is_valid:
         what = "neither relaxation nor restriction" if exactness is Exactness.NEITHER else f"a {exactness.value}"
-        raise UsageError(f"form {form} is {what}: that it has no point would prove nothing")
+        raise UsageError(f"form {form} is {what}: that it has no point would prove nothing", "unsupported")
 
 
 def _exact_form(problem: Problem) -> bool:

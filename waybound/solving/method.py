@@ -91,7 +91,7 @@ def default_solver(problem: Problem, given: Program | None = None, form: str | N
                 return name
             lacking[name] = missing
     if not lacking:
-        raise UsageError("no solver is installed")
+        raise UsageError("no solver is installed", "missing-package")
     if meant is None and usable_forms(problem):
         default_form(problem)  # says so where all of them are inexact
     nearest = min(lacking, key=lambda name: (f"{problem.family} problems" in lacking[name], len(lacking[name])))
@@ -230,7 +230,7 @@ def solver_run(
     versions = {backend.package: backend.version()}
     if isinstance(backend, Engine):
         if form is not None or relax or given is not None:
-            raise UsageError(f"{solver} takes problems as they are: it has no forms and no relaxation")
+            raise UsageError(f"{solver} takes problems as they are: it has no forms and no relaxation", "unsupported")
         missing = backend.missing(problem)
         if missing:
             raise UnsupportedError(solver, missing, able_solvers(problem))
@@ -238,7 +238,7 @@ def solver_run(
         needed = backend.memory(problem)
         if not fits(needed):
             most = f"more than the {readable(SHARE * available())} that may be taken of what is free"
-            raise UsageError(f"{solver} needs {readable(needed)} for a problem of size {problem.size:,}, {most}")
+            raise UsageError(f"{solver} needs {readable(needed)} for a problem of size {problem.size:,}, {most}", "too-large")
         notes = [f"{solver} searches on one thread"] if backend.one_thread and options.threads > 1 else []
         going = _going(SolverWork(solver, problem, options), options, isolate or backend.apart(problem))
         return Run(solver, going, versions, notes, bounds=backend.bounds_itself, isolated=isolate)
@@ -293,7 +293,7 @@ def _refuse_ignored(who: str, honours: frozenset[str], options: Options) -> None
     for name, value in options.asked().items():
         if name not in honours:
             able = sorted(n for n in BACKENDS if name in BACKENDS[n].honours)
-            raise UsageError(f"{who} does not keep to {name} ({value:g}); solvers that do: {', '.join(able)}")
+            raise UsageError(f"{who} does not keep to {name} ({value:g}); solvers that do: {', '.join(able)}", "unsupported")
 
 
 # -- the heuristic that opens --------------------------------------------------------------------------------------------------

@@ -104,7 +104,9 @@ def searchable(problem: Any) -> Problem | Compiled:
     if isinstance(problem, Program):
         return ArrayProblem(problem).compile()
     if not isinstance(problem, Problem | Compiled):
-        raise UsageError(f"solve takes a problem or a program, not {type(problem).__name__}; read(path) makes a problem of a file")
+        raise UsageError(
+            f"solve takes a problem or a program, not {type(problem).__name__}; read(path) makes a problem of a file", "malformed"
+        )
     return problem
 
 

@@ -235,11 +235,11 @@ def shown(log: Log) -> Iterator[SearchLog | None]:
         try:
             stream = Path(log).open("w", encoding="utf-8", buffering=1)  # noqa: SIM115 - closed below
         except OSError as fault:
-            raise InputError(f"the log cannot be written: {in_words(fault)}").at(file=fspath(log)) from fault
+            raise InputError(f"the log cannot be written: {in_words(fault)}", "file").at(file=fspath(log)) from fault
         with stream, SearchLog(lambda line: print(line, file=stream)) as made:
             yield made
     else:
-        raise UsageError(f"log is True, the name of a file, or a SearchLog, not {type(log).__name__}")
+        raise UsageError(f"log is True, the name of a file, or a SearchLog, not {type(log).__name__}", "malformed")
 
 
 def in_notebook() -> bool:

@@ -41,7 +41,7 @@ def check_assignment_prices(problem: Any, data: Mapping[str, Any]) -> float:
     Source: linear programming duality (Kuhn 1955; Bertsekas 1981); docs/formulations/bin-assignment.md#evidence.
     """
     if problem.family != "bin-assignment":
-        raise InputError("prices of bins are evidence for bin-assignment problems", found=problem.problem)
+        raise InputError("prices of bins are evidence for bin-assignment problems", "foreign", found=problem.problem)
     if problem.objective != "sum":
         return -math.inf
     listed, level = data.get("prices"), data.get("level", 0.0)

@@ -35,7 +35,7 @@ def check_average_part(problem: Any, data: Mapping[str, Any]) -> float:
     Source: docs/formulations/balanced-partition.md#evidence.
     """
     if problem.family != "balanced-partition":
-        raise InputError("the average part is evidence for balanced-partition problems", found=problem.problem)
+        raise InputError("the average part is evidence for balanced-partition problems", "foreign", found=problem.problem)
     instance = problem.instance
     weights, parts = np.asarray(instance.weights), int(instance.num_robots)
     if problem.objective == "min-difference":

@@ -24,7 +24,7 @@ def check_best_increments(problem: Any, data: Mapping[str, Any]) -> float:
     Source: docs/formulations/room-exploration.md#evidence.
     """
     if problem.family != "room-exploration":
-        raise InputError("best increments are evidence for room-exploration problems", found=problem.problem)
+        raise InputError("best increments are evidence for room-exploration problems", "foreign", found=problem.problem)
     if data:
         raise InputError("evidence best-increments holds no data", found=str(data)[:40])
     instance = problem.instance

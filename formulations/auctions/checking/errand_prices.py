@@ -33,7 +33,7 @@ def check_errand_prices(problem: Any, data: Mapping[str, Any]) -> float:
     Source: Lagrangean duality, Burkard, Dell'Amico and Martello (2009), section 10.2; docs/formulations/joint-assignment.md#evidence.
     """
     if problem.family != "joint-assignment":
-        raise InputError("prices of errands are evidence for joint-assignment problems", found=problem.problem)
+        raise InputError("prices of errands are evidence for joint-assignment problems", "foreign", found=problem.problem)
     instance = problem.instance
     bins, requests = (
         np.maximum(finite_numbers(data, key, count, f"prices of {key}"), 0.0)

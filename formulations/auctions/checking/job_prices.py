@@ -129,7 +129,7 @@ def check_capacity_need(problem: Any, data: Mapping[str, Any]) -> float:
 
 def _instance(problem: Any, what: str) -> Any:
     if problem.family != "generalised-assignment":
-        raise InputError(f"{what} are evidence for generalised-assignment problems", found=problem.problem)
+        raise InputError(f"{what} are evidence for generalised-assignment problems", "foreign", found=problem.problem)
     return problem.instance
 
 

@@ -24,7 +24,7 @@ def check_pair_cover(problem: Any, data: Mapping[str, Any]) -> float:
     Source: König (1931); docs/formulations/bin-assignment.md#evidence. Nothing is added up, so nothing is rounded.
     """
     if problem.family != "bin-assignment":
-        raise InputError("robots and bins that meet pairs are evidence for bin-assignment problems", found=problem.problem)
+        raise InputError("robots and bins that meet pairs are evidence for bin-assignment problems", "foreign", found=problem.problem)
     robots, bins = _marked(data, "robots", problem.num_robots), _marked(data, "bins", problem.num_bins)
     if int(robots.sum()) + int(bins.sum()) >= problem.pairs:
         return -math.inf

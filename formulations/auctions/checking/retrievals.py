@@ -27,7 +27,7 @@ def check_retrievals(problem: Any, data: Mapping[str, Any]) -> float:
     """
     jobs = getattr(problem, "jobs", None)
     if problem.family != "orchard-day" or jobs is None:
-        raise InputError("retrievals are evidence for orchard-day problems", found=problem.problem)
+        raise InputError("retrievals are evidence for orchard-day problems", "foreign", found=problem.problem)
     if data:
         raise InputError("evidence of retrievals holds no data", found=str(sorted(data))[:80])
     grid, columns = jobs.grid, jobs.grid.columns

@@ -41,7 +41,7 @@ def check_task_forest(problem: Any, data: Mapping[str, Any]) -> float:
     Source: Lagoudakis et al. (2005) for the forest; Held and Karp (1971) for the prices; docs/formulations/task-allocation.md#evidence.
     """
     if problem.family != "task-allocation":
-        raise InputError("a forest of tasks is evidence for task-allocation problems", found=problem.problem)
+        raise InputError("a forest of tasks is evidence for task-allocation problems", "foreign", found=problem.problem)
     instance = problem.instance
     robots, tasks = instance.num_robots, instance.num_tasks
     p, q = np.maximum(numbers(data, "tasks", tasks), 0.0), np.maximum(numbers(data, "robots", robots), 0.0)
@@ -77,7 +77,7 @@ def check_shortest_ways(problem: Any, data: Mapping[str, Any]) -> float:
     Source: docs/formulations/task-allocation.md#evidence.
     """
     if problem.family != "task-allocation":
-        raise InputError("shortest ways to tasks are evidence for task-allocation problems", found=problem.problem)
+        raise InputError("shortest ways to tasks are evidence for task-allocation problems", "foreign", found=problem.problem)
     instance = problem.instance
     distances, robots, tasks = np.asarray(instance.distances), instance.num_robots, instance.num_tasks
     ways = _shortest_ways(distances[:robots].min(axis=0), distances[robots:])

@@ -49,7 +49,7 @@ def build(problem: GeneralisedAssignment) -> Compiled:
     def encode(answer: Any) -> Floats:
         chosen = np.asarray(np.array(answer)[jobs] == agents)
         if int(chosen.sum()) != sum(i >= 0 for i in answer):
-            raise InputError("the assignment has a pair that is not allowed")
+            raise InputError("the assignment has a pair that is not allowed", "unsupported")
         return chosen.astype(np.float64)
 
     def dual_evidence(row_duals: Floats) -> Evidence:

@@ -62,7 +62,7 @@ def encoded(problem: BinAssignment, answer: Any) -> Floats:
     """The binaries of an answer."""
     chosen: NDArray[np.bool_] = np.array(answer)[problem.robots] == problem.bins
     if int(chosen.sum()) != sum(j >= 0 for j in answer):
-        raise InputError("the assignment has a pair that is not allowed")
+        raise InputError("the assignment has a pair that is not allowed", "unsupported")
     return np.asarray(chosen, dtype=np.float64)
 
 

@@ -61,7 +61,7 @@ def build(problem: JointAssignment) -> Compiled:
         own = np.where(errands < 0, [m, q], errands)
         chosen = (own[i, 0] == j) & (own[i, 1] == k)
         if int(chosen.sum()) != int((errands >= 0).any(axis=1).sum()):
-            raise InputError("the answer has an errand that is not allowed")
+            raise InputError("the answer has an errand that is not allowed", "unsupported")
         return np.asarray(chosen, dtype=np.float64)
 
     def dual_evidence(row_duals: Floats) -> Evidence:

@@ -77,7 +77,7 @@ def build(problem: BalancedPartition) -> Compiled:
     def encode(answer: Any) -> Floats:
         judged = problem.evaluate(answer)
         if not judged.feasible:
-            raise InputError(judged.violations[0].message)
+            raise InputError(judged.violations[0].message, "unsupported")
         vector, own = np.zeros(z + 1 + spread), np.zeros(tasks, dtype=np.int64)
         for robot, members in enumerate(answer):
             own[list(members)] = robot

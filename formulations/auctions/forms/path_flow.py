@@ -113,7 +113,7 @@ class _Arcs:
     def encode(self, answer: Any) -> Floats:
         judged = self.problem.evaluate(answer)
         if not judged.feasible:
-            raise InputError(judged.violations[0].message)
+            raise InputError(judged.violations[0].message, "unsupported")
         size = self.size
         place = {(int(i), int(j)): k for k, (i, j) in enumerate(zip(self.tail, self.head, strict=True))}
         vector = np.zeros(3 * size + 1 if self.longest else 2 * size)

@@ -138,7 +138,7 @@ class _PlanColumns:
     def encode(self, answer: Any) -> Floats:
         judged = self.problem.evaluate(answer)
         if not judged.feasible:
-            raise InputError(judged.violations[0].message)
+            raise InputError(judged.violations[0].message, "unsupported")
         vector = np.zeros(self.size)
         number = {move: k for k, move in enumerate(zip(self.tail.tolist(), self.head.tolist(), self.action.tolist(), strict=True))}
         for robot, deeds in enumerate(answer):

@@ -137,7 +137,7 @@ class _Starts:
             step, fetched = int(self.step[at]), int(self.bin[at])
             robot = min((k for k in range(len(free)) if free[k] <= step), key=lambda k: (free[k], k), default=-1)
             if robot < 0:
-                raise InputError(f"at step {step} more robots are away than there are")
+                raise InputError(f"at step {step} more robots are away than there are", "contradiction")
             trips[robot].append((-1, fetched))
             free[robot] = step + int(self.length[fetched])
         return tuple(tuple(own) for own in trips)
@@ -154,7 +154,7 @@ class _Starts:
             if k not in taken:
                 at = int(times[k] - self.length[k] - self.begin[k])
                 if not 0 <= at < self.count[k]:
-                    raise InputError(f"bin {k + 1} is not fetched within the steps of the program")
+                    raise InputError(f"bin {k + 1} is not fetched within the steps of the program", "unsupported")
                 vector[self.offset[k] + at] = 1.0
         if self.makespan:
             vector[self.size] = times.max()

@@ -43,7 +43,7 @@ def rule_of(problem: TaskAllocation, asked: Any) -> str:
     names = tuple(objective.removeprefix("mini-") for objective in OBJECTIVES)
     chosen = problem.objective.removeprefix("mini-") if asked is None else asked
     if chosen not in names:
-        raise UsageError(f"bids must be {', '.join(names)}, not {asked!r}")
+        raise UsageError(f"bids must be {', '.join(names)}, not {asked!r}", "unknown-name")
     return str(chosen)
 
 

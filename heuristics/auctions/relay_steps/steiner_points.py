@@ -68,9 +68,9 @@ def spanning_tree_relays(terminals: ArrayLike, reach: float, *, strict: bool = F
     """
     points = np.asarray(terminals, dtype=np.float64)
     if points.ndim != 2 or points.shape[1:] != (2,) or not len(points) or not np.isfinite(points).all():
-        raise InputError("terminals must be points of the plane, at least one", found=f"shape {points.shape}")
+        raise InputError("terminals must be points of the plane, at least one", "wrong-shape", found=f"shape {points.shape}")
     if not 0.0 < reach < math.inf:
-        raise InputError("the reach must be positive and finite", found=str(reach))
+        raise InputError("the reach must be positive and finite", "out-of-range", found=str(reach))
     relays: list[Floats] = []
     links: list[tuple[int, int]] = []
     near = np.hypot(*(points - points[0]).T)
@@ -125,10 +125,13 @@ def fewest_relays(linked: ArrayLike, terminals: ArrayLike, most: int | None = No
     """
     links = np.asarray(linked, dtype=bool)
     if links.ndim != 2 or links.shape[0] != links.shape[1] or (links != links.T).any():
-        raise InputError("links must be a square symmetric table", found=f"shape {links.shape}")
+        raise InputError("links must be a square symmetric table", "wrong-shape", found=f"shape {links.shape}")
     ends = np.unique(np.asarray(terminals, dtype=np.int64))
     if len(ends) == 0 or ends[0] < 0 or ends[-1] >= len(links):
-        raise InputError("terminals must be nodes of the graph, at least one", expected=f"0 to {len(links) - 1}", found=str(terminals)[:40])
+        raise InputError(
+            "terminals must be nodes of the graph, at least one", "unknown-name", expected=f"0 to {len(links) - 1}",
+            found=str(terminals)[:40],
+        )  # fmt: skip
     within = _component(links, np.ones(len(links), dtype=bool), int(ends[0]))
     if not within[ends].all():
         return None
@@ -185,7 +188,7 @@ def fermat_weber(points: ArrayLike, weights: ArrayLike | None = None, steps: int
     at = np.asarray(points, dtype=np.float64)
     heavy = np.ones(len(at)) if weights is None else np.asarray(weights, dtype=np.float64)
     if at.ndim != 2 or at.shape[1:] != (2,) or not len(at) or heavy.shape != (len(at),) or not (heavy > 0).all():
-        raise InputError("there must be points of the plane, and a positive weight each", found=f"shape {at.shape}")
+        raise InputError("there must be points of the plane, and a positive weight each", "wrong-shape", found=f"shape {at.shape}")
     size = float(np.abs(at - at.mean(axis=0)).max())
     here: Floats = (heavy[:, None] * at).sum(axis=0) / heavy.sum()
     for _ in range(steps):

@@ -38,25 +38,34 @@ def read(text: str, path: Path) -> GeneralisedAssignmentInstance:
     for k, line in enumerate(table.at):
         for what, cell in (("agent", agent[k]), ("job", job[k])):
             if (not cell and not (what == "job" and most[k])) or (cell and not cell.isprintable()):
-                raise InputError(f"{what} must have a name", line=line, expected="a printable name", found=ascii(cell)[:40])
+                raise InputError(
+                    f"{what} must have a name", "malformed" if cell else "missing", line=line, expected="a printable name",
+                    found=ascii(cell)[:40],
+                )  # fmt: skip
         if bool(job[k]) == bool(most[k]):
-            raise InputError("a row is that of a capacity or of a job", line=line, expected="a job, or a capacity and no job")
+            raise InputError(
+                "a row is that of a capacity or of a job", "contradiction", line=line, expected="a job, or a capacity and no job"
+            )
         if not job[k]:
             if agent[k] in capacity:
-                raise InputError(f"agent {shown(agent[k])} has two capacities", line=line)
+                raise InputError(f"agent {shown(agent[k])} has two capacities", "duplicate", line=line)
             if value[k] or used[k]:
-                raise InputError("a capacity stands alone", line=line, expected=f"empty cells under {objective} and consumption")
+                raise InputError(
+                    "a capacity stands alone", "contradiction", line=line, expected=f"empty cells under {objective} and consumption"
+                )
             capacity[agent[k]] = number(most[k], line, "capacity")
         else:
             if (agent[k], job[k]) in pairs:
-                raise InputError(f"the pair stands twice, first in line {pairs[agent[k], job[k]]}", line=line)
+                raise InputError(f"the pair stands twice, first in line {pairs[agent[k], job[k]]}", "duplicate", line=line)
             pairs[agent[k], job[k]] = line
             numbers.append((number(value[k], line, objective), number(used[k], line, "consumption")))
     lacking = next((line for (who, _), line in pairs.items() if who not in capacity), None)
     if lacking is not None:
-        raise InputError("the agent has no capacity", line=lacking, expected="a row of the agent, without a job, with a capacity")
+        raise InputError(
+            "the agent has no capacity", "missing", line=lacking, expected="a row of the agent, without a job, with a capacity"
+        )
     if not pairs:
-        raise InputError("holds no pairs of agents and jobs", expected="one row each")
+        raise InputError("holds no pairs of agents and jobs", "missing", expected="one row each")
     (agents, jobs), (values, consumption) = zip(*pairs, strict=True), np.array(numbers).T
     return GeneralisedAssignmentInstance.from_pairs(
         tuple(capacity), tuple(dict.fromkeys(jobs)), agents, jobs, values, consumption, list(capacity.values()), objective,
@@ -67,10 +76,13 @@ def read(text: str, path: Path) -> GeneralisedAssignmentInstance:
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
     if not isinstance(instance, GeneralisedAssignmentInstance):
-        raise UsageError(f"{getattr(instance, 'name', 'this')} has no agents with capacities and cannot be written as agent-jobs; use json")
+        raise UsageError(
+            f"{getattr(instance, 'name', 'this')} has no agents with capacities and cannot be written as agent-jobs; use json",
+            "unsupported",
+        )
     there = instance.listed
     if not there.any(axis=0).all():
-        raise UsageError(f"{instance.name} cannot be written as agent-jobs: a job has no agent; use json")
+        raise UsageError(f"{instance.name} cannot be written as agent-jobs: a job has no agent; use json", "unsupported")
     rows = [[instance.agent_name(i), "", "", "", plain(b)] for i, b in enumerate(instance.capacity.tolist())]
     order = sorted(np.argwhere(there).tolist(), key=lambda pair: pair[1])  # so that jobs appear in the order of their numbers
     for i, j in order:

@@ -51,14 +51,18 @@ def read(text: str, path: Path) -> AssignmentInstance:
             if titles[0].lower() != CORNER:
                 raise InputError("is a matrix without its corner", line=line, expected=TITLES, found=shown(titles[0]))
             if len(titles) < 2:
-                raise InputError("there are no bins", line=line, expected=f"{CORNER} and one title a bin")
+                raise InputError("there are no bins", "missing", line=line, expected=f"{CORNER} and one title a bin")
             continue
         if len(cells) != len(titles):
-            raise InputError("row has a wrong length", line=line, expected=f"{len(titles)} values", found=f"{len(cells)} values")
+            raise InputError(
+                "row has a wrong length", "wrong-shape", line=line, expected=f"{len(titles)} values", found=f"{len(cells)} values"
+            )
         robots.append(cells[0])
         costs.append([math.inf if c.lower() in FORBIDDEN else number(c, line, "cost") for c in cells[1:]])
     if not robots:
-        raise InputError("holds no robots", line=start + 1, expected="at least one row below the titles", found="the end of the file")
+        raise InputError(
+            "holds no robots", "missing", line=start + 1, expected="at least one row below the titles", found="the end of the file"
+        )
     return AssignmentInstance.from_matrix(
         np.array(costs), robot_names=tuple(robots), bin_names=tuple(titles[1:]), name=name_of(settings, path), format="assignment-matrix"
     )
@@ -68,11 +72,13 @@ def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
     if not isinstance(instance, AssignmentInstance):
         name = getattr(instance, "name", "this")
-        raise UsageError(f"{name} has no costs of robots and bins and cannot be written as assignment-matrix; use json")
+        raise UsageError(f"{name} has no costs of robots and bins and cannot be written as assignment-matrix; use json", "unsupported")
     positions = (instance.robot_positions, instance.bin_positions)
     for what, values in (("times of being filled", instance.filled), *(("positions", places) for places in positions)):
         if values is not None:
-            raise UsageError(f"{instance.name} cannot be written as assignment-matrix, which has no place for {what}; use json")
+            raise UsageError(
+                f"{instance.name} cannot be written as assignment-matrix, which has no place for {what}; use json", "unsupported"
+            )
     rows = (
         [instance.robot_name(i), *("-" if math.isinf(c) else plain(c) for c in costs)] for i, costs in enumerate(instance.matrix().tolist())
     )

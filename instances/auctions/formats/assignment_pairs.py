@@ -35,11 +35,16 @@ def read(text: str, path: Path) -> AssignmentInstance:
     for robot, name, cost, line in zip(cells["robot"], cells["bin"], cells["cost"], table.at, strict=True):
         for what, own, other in (("robot", robot, name), ("bin", name, robot)):
             if not own.isprintable() or (not own and (cost or not other)):
-                raise InputError(f"{what} must have a name", line=line, expected="a printable name", found=ascii(own)[:40])
+                raise InputError(
+                    f"{what} must have a name", "malformed" if own else "missing", line=line, expected="a printable name",
+                    found=ascii(own)[:40],
+                )  # fmt: skip
         if not robot or not name:
             continue  # a robot or a bin that has no pair, perhaps
         if (robot, name) in seen:
-            raise InputError(f"the pair stands twice, first in line {seen[robot, name]}", line=line, found=f"{shown(robot)}, {shown(name)}")
+            raise InputError(
+                f"the pair stands twice, first in line {seen[robot, name]}", "duplicate", line=line, found=f"{shown(robot)}, {shown(name)}"
+            )
         seen[robot, name] = line
         costs.append(number(cost, line, "cost"))
     names = [[name for name in dict.fromkeys(cells[title]) if name] for title in COLUMNS[:2]]
@@ -59,20 +64,23 @@ def _further(table: Table, owners: dict[str, list[str]]) -> dict[str, Floats]:
         for name, cell, line in zip(owners[what], table.column(title) or [], table.at, strict=title in table.titles):
             if not name:
                 if cell:
-                    raise InputError(f"{title} stands in a row without {an(what)}", line=line, expected="an empty cell", found=shown(cell))
+                    raise InputError(
+                        f"{title} stands in a row without {an(what)}", "contradiction", line=line, expected="an empty cell",
+                        found=shown(cell),
+                    )  # fmt: skip
                 continue
             value = math.inf if title == "filled" and cell.lower() == "inf" else number(cell, line, title)
             first, at = values.setdefault(name, (value, line))
             if first != value:
                 message = f"{title} of {what} {shown(name)} is another one than in line {at}"
-                raise InputError(message, line=line, expected=plain(first), found=shown(cell))
+                raise InputError(message, "contradiction", line=line, expected=plain(first), found=shown(cell))
         if values:
             columns[title] = np.array([value for value, _ in values.values()])
     further = {"filled": columns["filled"]} if "filled" in columns else {}
     for what in ("robot", "bin"):
         places = [columns[title] for title in (f"{what}-x", f"{what}-y") if title in columns]
         if len(places) == 1:
-            raise InputError(f"places of {what}s need both {what}-x and {what}-y", found=", ".join(table.titles))
+            raise InputError(f"places of {what}s need both {what}-x and {what}-y", "missing", found=", ".join(table.titles))
         if places:
             further[f"{what}_positions"] = np.column_stack(places)
     return further
@@ -82,7 +90,7 @@ def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
     if not isinstance(instance, AssignmentInstance):
         name = getattr(instance, "name", "this")
-        raise UsageError(f"{name} has no costs of robots and bins and cannot be written as assignment-pairs; use json")
+        raise UsageError(f"{name} has no costs of robots and bins and cannot be written as assignment-pairs; use json", "unsupported")
     further: dict[str, Floats | None] = {"filled": instance.filled}
     for what in ("robot", "bin"):
         places = getattr(instance, f"{what}_positions")

@@ -31,7 +31,7 @@ def read(text: str, path: Path) -> RobotTasks:
     role, *_ = table.columns(("role", "x", "y"), start + 1, ("role", "x", "y"))
     for cell, line in zip(role, table.at, strict=True):
         if cell not in ROLES:
-            raise InputError("role is unknown", line=line, expected="robot or task", found=shown(cell))
+            raise InputError("role is unknown", "unknown-name", line=line, expected="robot or task", found=shown(cell))
     robots, tasks = ([k for k, cell in enumerate(role) if cell == wanted] for wanted in ROLES)
     place = np.column_stack([table.numbers(title, [*robots, *tasks]) for title in ("x", "y")])
     weights = None
@@ -39,7 +39,9 @@ def read(text: str, path: Path) -> RobotTasks:
         column = table.column("weight") or []
         wrong = next((k for k in robots if column[k]), None)
         if wrong is not None:
-            raise InputError("a robot has no weight", line=table.at[wrong], expected="an empty cell", found=shown(column[wrong]))
+            raise InputError(
+                "a robot has no weight", "contradiction", line=table.at[wrong], expected="an empty cell", found=shown(column[wrong])
+            )
         weights = table.numbers("weight", tasks)
     names = [_names(table, members, wanted) for members, wanted in zip((robots, tasks), ROLES, strict=True)]
     return RobotTasks(
@@ -56,9 +58,12 @@ def _names(table: Table, members: list[int], role: str) -> tuple[str, ...] | Non
     seen: dict[str, int] = {}
     for k in members:
         if not column[k] or not column[k].isprintable():
-            raise InputError(f"{an(role)} must have a name", line=table.at[k], expected="a printable name", found=ascii(column[k])[:40])
+            raise InputError(
+                f"{an(role)} must have a name", "malformed" if column[k] else "missing", line=table.at[k], expected="a printable name",
+                found=ascii(column[k])[:40],
+            )  # fmt: skip
         if column[k] in seen:
-            raise InputError(f"the {role} {shown(column[k])} stands twice, first in line {seen[column[k]]}", line=table.at[k])
+            raise InputError(f"the {role} {shown(column[k])} stands twice, first in line {seen[column[k]]}", "duplicate", line=table.at[k])
         seen[column[k]] = table.at[k]
     return tuple(seen)
 
@@ -66,9 +71,14 @@ def _names(table: Table, members: list[int], role: str) -> tuple[str, ...] | Non
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
     if not isinstance(instance, RobotTasks):
-        raise UsageError(f"{getattr(instance, 'name', 'this')} holds no robots and tasks, so it cannot be written as robot-tasks; use json")
+        raise UsageError(
+            f"{getattr(instance, 'name', 'this')} holds no robots and tasks, so it cannot be written as robot-tasks; use json",
+            "unsupported",
+        )
     if instance.metric == METRICS[-1] or instance.positions is None:
-        raise UsageError(f"{instance.name} cannot be written as robot-tasks, which has no place for a matrix of distances; use json")
+        raise UsageError(
+            f"{instance.name} cannot be written as robot-tasks, which has no place for a matrix of distances; use json", "unsupported"
+        )
     settings = [("name", instance.name), ("problem", instance.problem), ("metric", instance.metric)]
     n, weights = instance.num_robots, np.asarray(instance.weights)
     names = [*map(instance.robot_name, range(n)), *map(instance.task_name, range(instance.num_tasks))]

@@ -48,7 +48,7 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> AssignmentInstance:
     """Costs of the kind that is asked for."""
     n, m, kind, arcs = (settings[key] for key in ("robots", "bins", "costs", "arcs"))
     if n * (arcs or m) > MOST_PAIRS:
-        raise UsageError(f"{n} robots x {arcs or m} bins are more than {MOST_PAIRS:,} pairs; set arcs")
+        raise UsageError(f"{n} robots x {arcs or m} bins are more than {MOST_PAIRS:,} pairs; set arcs", "too-large")
     name = settings["name"] or f"assignment-{kind}-{n}x{m}{f'-a{arcs}' * bool(arcs)}-s{settings['seed']}"
     places: list[NDArray[Any]] = []
     further: dict[str, Any] = {"name": name, "format": "generated"}

@@ -119,7 +119,7 @@ class GatheringWorld(World):
         if places.shape != (count, 2) or (places < 0).any() or (places >= [self.rules.rows, self.rules.columns]).any():
             raise InputError(f"there must be {count} cells of the grid", found=str(places.tolist())[:80])
         if len(np.unique(places, axis=0)) < count:
-            raise InputError("two sensors stand in one cell")
+            raise InputError("two sensors stand in one cell", "duplicate")
         return places.copy()
 
     def observe(self) -> GatheringObservation:
@@ -163,7 +163,7 @@ class GatheringWorld(World):
         moves = {}
         for robot in sorted(actions):
             if not 0 <= robot < self.rules.robots:
-                raise InputError(f"there is no robot number {robot}", expected=f"0 to {self.rules.robots - 1}")
+                raise InputError(f"there is no robot number {robot}", "unknown-name", expected=f"0 to {self.rules.robots - 1}")
             try:
                 (row, column), amount = actions[robot]
                 cell, much = (int(row), int(column)), float(amount)
@@ -172,11 +172,11 @@ class GatheringWorld(World):
                     f"robot number {robot} must be told a move", expected="((row, column), amount)", found=str(actions[robot])[:80]
                 ) from None
             if not (0 <= cell[0] < self.rules.rows and 0 <= cell[1] < self.rules.columns):
-                raise InputError(f"robot number {robot} must stay inside", found=str(cell))
+                raise InputError(f"robot number {robot} must stay inside", "out-of-range", found=str(cell))
             if max(abs(cell[0] - self.robots[robot][0]), abs(cell[1] - self.robots[robot][1])) > 1:
-                raise InputError(f"robot number {robot} moves to one of the eight cells around it at most", found=str(cell))
+                raise InputError(f"robot number {robot} moves to one of the eight cells around it at most", "out-of-range", found=str(cell))
             if not 0.0 <= much < np.inf:
-                raise InputError(f"robot number {robot} takes a finite amount from 0 on", found=str(amount)[:40])
+                raise InputError(f"robot number {robot} takes a finite amount from 0 on", "out-of-range", found=str(amount)[:40])
             moves[robot] = (cell, much)
         return moves
 

@@ -125,22 +125,24 @@ class OrchardWorld(World):
         o = self._observation
         for robot, trip in actions.items():
             if not 0 <= robot < self.rules.robots:
-                raise InputError(f"there is no robot number {robot}", expected=f"0 to {self.rules.robots - 1}")
+                raise InputError(f"there is no robot number {robot}", "unknown-name", expected=f"0 to {self.rules.robots - 1}")
             if self.states[robot] != IDLE:
-                raise InputError(f"robot number {robot} has not finished its trip")
+                raise InputError(f"robot number {robot} has not finished its trip", "contradiction")
             try:
                 deliver, fetch = (int(part) for part in trip)
             except (TypeError, ValueError):
                 raise InputError(f"robot number {robot} must be told a trip", expected="(cell, bin)", found=str(trip)[:80]) from None
             if deliver != NONE:
                 if self.goals[robot] != self.rules.grid.home:
-                    raise InputError(f"robot number {robot} is not at the repository, where new bins are")
+                    raise InputError(f"robot number {robot} is not at the repository, where new bins are", "contradiction")
                 if not 0 <= deliver < self.rules.grid.size or not o.wanting[deliver] or deliver in cells:
-                    raise InputError(f"no new bin may be brought to cell number {deliver} by robot number {robot}")
+                    raise InputError(f"no new bin may be brought to cell number {deliver} by robot number {robot}", "contradiction")
                 cells.add(deliver)
             if fetch != NONE:
                 if fetch not in o.bins or fetch in bins:
-                    raise InputError(f"robot number {robot} cannot fetch bin number {fetch}: it does not stand free in the orchard")
+                    raise InputError(
+                        f"robot number {robot} cannot fetch bin number {fetch}: it does not stand free in the orchard", "contradiction"
+                    )
                 bins.add(fetch)
 
     def _send(self, robot: int, trip: Trip) -> None:

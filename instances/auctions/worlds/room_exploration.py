@@ -106,13 +106,13 @@ class ExplorationWorld(World):
 
     def _refuse(self, robot: Any, deed: Any) -> None:
         if not isinstance(robot, int) or not 0 <= robot < len(self.robots):
-            raise InputError("there is no such robot", expected=f"0 to {len(self.robots) - 1}", found=str(robot)[:40])
+            raise InputError("there is no such robot", "unknown-name", expected=f"0 to {len(self.robots) - 1}", found=str(robot)[:40])
         fine = isinstance(deed, tuple) and len(deed) == 2 and all(isinstance(k, int) for k in deed)
         if not fine or not (0 <= deed[0] < self.building.num_rooms and deed[1] in (GO, MAP, SEARCH)):
             raise InputError(f"robot {robot} is told a room and an action from 0 to 2", found=str(deed)[:40])
         here = int(self.robots[robot])
         if deed[0] != here and (deed[1] != GO or not self._adjacent[here, deed[0]]):
-            raise InputError(f"robot {robot} cannot do that in room {deed[0]}: it is in room {here}", found=str(deed)[:40])
+            raise InputError(f"robot {robot} cannot do that in room {deed[0]}: it is in room {here}", "contradiction", found=str(deed)[:40])
 
 
 def make(rng: np.random.Generator, settings: Mapping[str, Any]) -> ExplorationWorld:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from coded import coded
 from draws import draws
 from knapsack_assignments import enumerated, random_assignment, worked
 
@@ -36,7 +37,7 @@ def test_rounding_of_sums_is_let_pass_and_nothing_else(scale: float) -> None:
 
 @pytest.mark.parametrize("answer", [(0, 1), (0, 1, 2), (0, 1, -2), [0, 1, 0], (0, 1, True), None])
 def test_what_is_no_answer_is_refused(answer: object) -> None:
-    with pytest.raises(InputError, match="one agent a job"):
+    with pytest.raises(InputError, check=coded("malformed")):
         worked().evaluate(answer)
 
 
@@ -88,10 +89,12 @@ def test_answers_go_to_json_and_frames_and_back_by_name() -> None:
         "job": ["x", "y"], "agent": ["q", "p"], "profit": [3.0, 2.0], "consumption": [1.0, 1.0]
     }  # fmt: skip
     assert problem.answer_of({"y": "p"}) == (-1, 0) == problem.answer_of(np.array([-1, 0]))
-    for wrong in ({"kind": "x"}, {"kind": "generalised-assignment", "agent_of_job": {"z": "p"}}, [1]):
-        with pytest.raises(InputError):
+    for wrong, code in (
+        ({"kind": "x"}, "malformed"), ({"kind": "generalised-assignment", "agent_of_job": {"z": "p"}}, "unknown-name"), ([1], "malformed"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, check=coded(code)):
             problem.answer_from_json(wrong)
-    with pytest.raises(UsageError):
+    with pytest.raises(UsageError, check=coded("foreign")):
         problem.check_start((5, 0))
 
 

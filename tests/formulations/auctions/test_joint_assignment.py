@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from coded import coded
 from draws import draws
 from joint_assignments import WORKED, enumerated, random_joint
 
@@ -32,7 +33,7 @@ def test_each_rule_is_tested() -> None:
 
 @pytest.mark.parametrize("answer", [((0, 1),), ((0, 1), (1, 2)), ((0, 1), [1, 0]), ((0, 1), (True, 0)), None, ((-2, 0), (1, 1))])
 def test_what_is_no_answer_is_refused(answer: object) -> None:
-    with pytest.raises(InputError, match="one errand"):
+    with pytest.raises(InputError, check=coded("malformed")):
         WORKED.evaluate(answer)
 
 

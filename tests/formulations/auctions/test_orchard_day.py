@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+from coded import coded
 from draws import draws
 from orchard_cases import FOUR, LANE, ONE_ROUTE, SCHEDULES, TWO_ROUTES, WHOLE_DAYS, lane, random_jobs, retrievals
 
@@ -106,10 +107,16 @@ def test_what_is_wrong_with_an_answer_is_told():
     assert "robot 1 waits for a bin that is never full" in {v.message for v in deadlock.violations}
 
 
-@pytest.mark.parametrize("answer", [None, (), ((),), (((0, 9),), ()), (((-1, -1),), ()), ([(0, 0)], ()), (((0, True),), ())])
-def test_what_is_no_answer_is_refused(answer):
+@pytest.mark.parametrize(
+    ("answer", "code"),
+    [
+        (None, "malformed"), ((), "malformed"), (((),), "malformed"), ((((0, 9),), ()), "out-of-range"),
+        ((((-1, -1),), ()), "out-of-range"), (([(0, 0)], ()), "malformed"), ((((0, True),), ()), "out-of-range"),
+    ],
+)  # fmt: skip
+def test_what_is_no_answer_is_refused(answer, code):
     problem = OrchardDay(EIGHT_BINS)
-    with pytest.raises(InputError, match="trip"):
+    with pytest.raises(InputError, check=coded(code)):
         problem.evaluate(answer)
 
 
@@ -129,7 +136,7 @@ def test_settings_are_checked():
     jobs = OrchardJobs.of_routes(lane(ONE_ROUTE, 1), ONE_ROUTE)
     with pytest.raises(UsageError, match="objective must be one of makespan, completion"):
         OrchardDay(jobs, "cost")
-    with pytest.raises(UsageError, match="made of OrchardJobs"):
+    with pytest.raises(UsageError, check=coded("malformed")):
         OrchardDay(LANE)
     assert problem_from_instance(jobs, objective="completion").objective == "completion"
     with pytest.raises(UsageError, match="has no setting 'robots'; it takes objective"):

@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from coded import coded
 from draws import draws
 from explorations import enumerated, path, random_map
 
 import waybound as wb
 from waybound.formulations.auctions.room_exploration import GO, MAP, SEARCH, RoomExploration
 from waybound.instances.auctions.exploration_map import ExplorationMap
-from waybound.instances.errors import InputError
+from waybound.instances.errors import Code, InputError
 
 TWO = RoomExploration(ExplorationMap([(0, 1), (1, 2)], [[0, 0], [4, 2], [9, 0]], [[1.0]] * 3, [[2.0]] * 3, [0, 0], 0, [(1, 2)], 1, 3))
 
@@ -62,9 +63,15 @@ def test_solvers_find_what_enumeration_finds(solver: str) -> None:
         assert found.status == "optimal" and found.objective == enumerated(problem)
 
 
-@pytest.mark.parametrize("answer", [None, ((),), (((0, 0),) * 3,), (((0, 0),) * 2, ((0, 0),) * 3), (((0, 3),) * 3, ((0, 0),) * 3)])
-def test_what_is_no_answer_is_refused(answer: object) -> None:
-    with pytest.raises(InputError):
+@pytest.mark.parametrize(
+    ("answer", "code"),
+    [
+        (None, "malformed"), (((),), "malformed"), ((((0, 0),) * 3,), "malformed"), ((((0, 0),) * 2, ((0, 0),) * 3), "wrong-shape"),
+        ((((0, 3),) * 3, ((0, 0),) * 3), "malformed"),
+    ],
+)  # fmt: skip
+def test_what_is_no_answer_is_refused(answer: object, code: Code) -> None:
+    with pytest.raises(InputError, check=coded(code)):
         TWO.evaluate(answer)
 
 

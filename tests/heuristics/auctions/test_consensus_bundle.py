@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+from coded import coded
 from draws import draws
 from task_problems import OBJECTIVES, drawn, line
 
@@ -48,9 +49,12 @@ def test_bundles_may_be_small_and_what_is_left_is_inserted():
     assert problem.evaluate(found.answer).feasible and "2 tasks that nobody had room for" in found.message
 
 
-@pytest.mark.parametrize("options", [{"communication": "pigeons"}, {"most": 0}, {"most": "two"}])
-def test_other_options_are_refused(options):
-    with pytest.raises(wb.UsageError):
+@pytest.mark.parametrize(
+    ("options", "code"),
+    [({"communication": "pigeons"}, "unknown-name"), ({"most": 0}, "out-of-range"), ({"most": "two"}, "out-of-range")],
+)
+def test_other_options_are_refused(options, code):
+    with pytest.raises(wb.UsageError, check=coded(code)):
         run_heuristic(line([0], [1]), CBBA, options, 1)
 
 

@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+from coded import coded
 from task_problems import best_partition_value, drawn, parts
 
 import waybound as wb
@@ -40,9 +41,9 @@ def test_it_begins_with_the_nearest_robot_or_with_a_start():
     assert wb.solve(problem, heuristic=DSA, start=((), (0, 1, 2)), bound_time=0).answer == ((), (0, 1, 2))
 
 
-@pytest.mark.parametrize("options", [{"initial": "random"}, {"most_moves": -1}])
-def test_other_options_are_refused(options):
-    with pytest.raises(wb.UsageError):
+@pytest.mark.parametrize(("options", "code"), [({"initial": "random"}, "unknown-name"), ({"most_moves": -1}, "out-of-range")])
+def test_other_options_are_refused(options, code):
+    with pytest.raises(wb.UsageError, check=coded(code)):
         run_heuristic(parts([0, 1]), DSA, options, 1)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from coded import coded
 from draws import draws
 
 from waybound.formulations.auctions.room_exploration import GO, MAP
@@ -89,10 +90,12 @@ def test_tables_that_are_no_probabilities_are_refused():
     for make in (
         lambda: Sensors(TABLE.T, 0.9, 0.05), lambda: Sensors([[0.5, 0.3], [0.05, 0.9]], 0.9, 0.1), lambda: Sensors(TABLE, 1.2, 0.1),
         lambda: prior([0.5, 0.6], [0, 1]), lambda: prior([0.5, 0.5], [0, 2]), lambda: Rewards((0.5, 0.5, 0.5)),
-        lambda: Rewards((1, 0, 0), decay=1.0), lambda: after_target(prior([1, 0], [0, 0]), Sensors(np.eye(2), 1.0, 0.0), True),
+        lambda: Rewards((1, 0, 0), decay=1.0),
     ):  # fmt: skip
         with pytest.raises(InputError):
             make()
+    with pytest.raises(InputError, check=coded("contradiction")):
+        after_target(prior([1, 0], [0, 0]), Sensors(np.eye(2), 1.0, 0.0), True)
 
 
 def contact(linked: np.ndarray, base: int, rooms: list[int]) -> list[bool]:
@@ -199,6 +202,6 @@ def test_steps_to_contact():
     assert steps_to_contact(PATH, np.arange(14) == 2).tolist() == [2, 1, 0, *range(1, 12)]
     assert steps_to_contact(np.zeros((2, 2)), [True, False]).tolist() == [0, -1]
     assert not allowed(1, -1, 9)
-    for call in (lambda: steps_to_contact(PATH, [True]), lambda: allowed(1, 1, -1)):
-        with pytest.raises(InputError):
+    for call, code in ((lambda: steps_to_contact(PATH, [True]), "wrong-shape"), (lambda: allowed(1, 1, -1), "out-of-range")):
+        with pytest.raises(InputError, check=coded(code)):
             call()

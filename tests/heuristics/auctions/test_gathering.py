@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+from coded import coded
 
 from waybound.heuristics.auctions._gathering import expected_contents, next_stop, receding_order, reward_split, urgencies, water_filled
 from waybound.instances.errors import InputError, UsageError
@@ -51,12 +52,14 @@ def test_equal_orders_go_to_the_first_and_no_waypoint_is_left_out():
 
 
 def test_what_makes_no_sense_is_refused():
-    for given in (([1, 2], [1], [1, 1]), ([0], [1], [1]), ([1], [np.nan], [1])):
-        with pytest.raises(InputError):
+    for given, code in (
+        (([1, 2], [1], [1, 1]), "wrong-shape"), (([0], [1], [1]), "out-of-range"), (([1], [np.nan], [1]), "out-of-range"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, check=coded(code)):
             urgencies(*given)
     with pytest.raises(UsageError, match="urgency must be shifted, literal, rate"):
         urgencies([1], [1], [1], "soon")
-    with pytest.raises(UsageError, match="a look ahead of 0 stops"):
+    with pytest.raises(UsageError, check=coded("out-of-range")):
         next_stop(np.ones(2), np.ones((2, 2)), 0)
 
 
@@ -90,5 +93,5 @@ def test_what_caps_cut_off_goes_to_the_others():
 def test_an_empty_store_and_a_full_robot_take_nothing():
     assert reward_split([0, 0], 5).tolist() == [0, 0] and reward_split([3, 1], 0).tolist() == [0, 0]
     for given in (([-1], 1), ([np.nan], 1), ([1], -1), ([[1]], 1)):
-        with pytest.raises(InputError):
+        with pytest.raises(InputError, check=coded("out-of-range")):
             reward_split(*given)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from coded import coded
 
 from waybound.instances.auctions.generalised_assignment import GeneralisedAssignmentInstance
 from waybound.instances.errors import InputError
@@ -25,9 +26,9 @@ def test_a_frame_gives_pairs_by_name_and_a_series_the_capacities() -> None:
     made = GeneralisedAssignmentInstance.from_frame(pairs, pd.Series({"a": 7.0, "b": 8.0}))
     assert made.agent_names == ("a", "b") and made.job_names == ("x", "y")
     assert made.values.tolist() == [[1.0, math.inf], [2.0, 3.0]] and made.consumption.tolist() == [[4.0, 0.0], [5.0, 6.0]]
-    with pytest.raises(InputError, match="agent b has no capacity"):
+    with pytest.raises(InputError, match="agent b has no capacity", check=coded("missing")):
         GeneralisedAssignmentInstance.from_frame(pairs, {"a": 7.0})
-    with pytest.raises(InputError, match="other columns"):
+    with pytest.raises(InputError, check=coded("malformed")):
         GeneralisedAssignmentInstance.from_frame(pairs, {"a": 7.0}, "profit")
 
 

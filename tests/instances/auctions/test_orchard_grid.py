@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from coded import coded
 
 from waybound.instances.auctions.orchard_grid import OrchardGrid
 from waybound.instances.errors import InputError
@@ -63,10 +64,14 @@ def test_headlands_are_not_harvested():
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"rows": 0}, {"columns": 2}, {"repository": 5}, {"empty_speed": 0}, {"full_speed": 1.5}, {"rows": 100, "columns": 100}]
-)
-def test_sizes_out_of_range_are_refused(wrong):
-    with pytest.raises(InputError, match=r"orchard|repository"):
+    ("wrong", "code"),
+    [
+        ({"rows": 0}, "out-of-range"), ({"columns": 2}, "out-of-range"), ({"repository": 5}, "out-of-range"),
+        ({"empty_speed": 0}, "out-of-range"), ({"full_speed": 1.5}, "out-of-range"), ({"rows": 100, "columns": 100}, "too-large"),
+    ],
+)  # fmt: skip
+def test_sizes_out_of_range_are_refused(wrong, code):
+    with pytest.raises(InputError, check=coded(code)):
         OrchardGrid(**{"rows": 5, "columns": 6, **wrong})
 
 

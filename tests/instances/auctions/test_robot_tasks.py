@@ -6,6 +6,7 @@ import networkx as nx
 import numpy as np
 import pandas as pd
 import pytest
+from coded import coded
 
 import waybound as wb
 from waybound.instances.auctions.robot_tasks import RobotTasks
@@ -115,7 +116,7 @@ def test_walls_and_strange_lengths_are_refused():
     graph.add_node(2)
     with pytest.raises(InputError, match="no way leads from robot 0 to task 2"):
         RobotTasks.from_networkx(graph, [0], [2])
-    with pytest.raises(InputError, match="a task stands at 9, which is no node"):
+    with pytest.raises(InputError, match="a task stands at 9, which is no node", check=coded("unknown-name")):
         RobotTasks.from_networkx(graph, [0], [9])
     graph.edges[0, 1]["weight"] = -1
     with pytest.raises(InputError, match="the length of edge 0 to 1 must be finite and not negative"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from coded import coded
 
 import waybound as wb
 from waybound.formulations.search_history import Event
@@ -62,9 +63,9 @@ def test_it_is_a_view_of_every_solution(solution: wb.Solution, tmp_path) -> None
 
 
 def test_an_unknown_view_or_level_is_refused(solution: wb.Solution) -> None:
-    with pytest.raises(wb.UsageError, match="no view 'x'; there are"):
+    with pytest.raises(wb.UsageError, match="no view 'x'; there are", check=coded("unknown-name")):
         solution.plot(view="x")
-    with pytest.raises(wb.UsageError, match="level must be from 1 to 1"):
+    with pytest.raises(wb.UsageError, check=coded("out-of-range")):
         wb.plot_history(solution, level=2)
-    with pytest.raises(wb.UsageError, match="no history to draw"):
+    with pytest.raises(wb.UsageError, check=coded("missing")):
         wb.plot_history([])

@@ -7,11 +7,13 @@ import sys
 
 import numpy as np
 import pytest
+from coded import coded
 from outside_family import Jobs, LeastWaiting, register
 
 import waybound as wb
 from waybound.formulations.sata.selections import Selection
 from waybound.reports.plots import PLOTS, check_drawable, plot_solution, save_plot
+from waybound.reports.plots.positions import SCALED_SITES, scaled_positions
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +45,7 @@ def test_answers_without_pictures_are_refused_by_their_problem(registered, tmp_p
     register(registered)
     bare = wb.solve(LeastWaiting(Jobs({"a": 4, "b": 1})), heuristic="shortest-first", bound_time=0)
     for draw in (bare.plot, lambda: save_plot(bare, tmp_path / "a.png"), lambda: check_drawable(bare.problem)):
-        with pytest.raises(wb.UsageError, match="answers to least-waiting problems cannot be drawn"):
+        with pytest.raises(wb.UsageError, match="answers to least-waiting problems", check=coded("unsupported")):
             draw()
     assert list(tmp_path.iterdir()) == []
 
@@ -57,6 +59,11 @@ def test_files_are_whole_and_repeat_themselves(solution, tmp_path, suffix, head)
     assert a.startswith(head)
     assert a == b
     assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_more_sites_than_are_placed_are_too_large():
+    with pytest.raises(wb.UsageError, check=coded("too-large")):
+        scaled_positions(np.zeros((SCALED_SITES + 1, 1)))
 
 
 def test_an_unknown_suffix_is_refused(solution, tmp_path):

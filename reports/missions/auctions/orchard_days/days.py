@@ -38,7 +38,7 @@ class Day:
     def makespan(self) -> int:
         """The step at which the last bin came home."""
         if (self.returned < 0).any():
-            raise UsageError(f"after {self.steps} steps not all bins are at the repository")
+            raise UsageError(f"after {self.steps} steps not all bins are at the repository", "missing")
         return int(self.returned.max())
 
     def returned_by(self, step: int) -> int:
@@ -66,7 +66,7 @@ def play_day(
 
     for what, value, known in (("choice", choice, CHOICES), ("delivery", delivery, DELIVERIES), ("cost", cost, COSTS)):
         if value not in known:
-            raise UsageError(f"{what} must be one of {', '.join(known)}, not {value!r}")
+            raise UsageError(f"{what} must be one of {', '.join(known)}, not {value!r}", "unknown-name")
     grid = rules.grid
     begin = draw_start(rules, Draw(np.random.Generator(np.random.PCG64(seed)))) if start is None else start
     fruit = np.zeros(grid.size, np.int64)

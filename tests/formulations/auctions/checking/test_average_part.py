@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from coded import coded
 from task_problems import best_partition_value, drawn, line, parts
 
 from waybound.formulations.auctions.balanced_partition import BalancedPartition
@@ -53,5 +54,5 @@ def test_no_least_difference_of_weights_is_below():
 
 
 def test_other_families_are_refused():
-    with pytest.raises(InputError, match="evidence for balanced-partition problems"):
+    with pytest.raises(InputError, check=coded("foreign")):
         check(line([0], [1]), {})

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from bin_assignments import worked
+from coded import coded
 from draws import draws
 from explorations import enumerated, path, random_map
 
@@ -27,6 +28,6 @@ def test_a_room_out_of_reach_gains_nothing() -> None:
 
 
 def test_other_problems_and_data_are_refused() -> None:
-    for problem, data in ((worked("O"), {}), (path(3, 0, 1), {"x": 1})):
-        with pytest.raises(InputError):
+    for problem, data, code in ((worked("O"), {}, "foreign"), (path(3, 0, 1), {"x": 1}, "malformed")):
+        with pytest.raises(InputError, check=coded(code)):
             check_best_increments(problem, data)

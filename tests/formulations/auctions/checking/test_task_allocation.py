@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from coded import coded
 from task_problems import OBJECTIVES, best_paths_value, drawn, line, parts
 
 from waybound.formulations.auctions.task_allocation import TaskAllocation
@@ -50,7 +51,7 @@ def test_evidence_of_another_shape_is_refused(data, message):
     with pytest.raises(InputError, match=message):
         forest(line([0], [1, 2]), data)
     for check in (forest, ways):
-        with pytest.raises(InputError, match="evidence for task-allocation problems"):
+        with pytest.raises(InputError, check=coded("foreign")):
             check(parts([0, 1]), data)
 
 

@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
+from coded import coded
 from file_cases import check_refused
 
 from waybound.instances.auctions.formats.agent_jobs import read, recognises, write
@@ -55,4 +56,5 @@ def test_what_is_wrong_is_named_with_its_line(old: str, new: str, message: str) 
 
 def test_what_a_table_has_no_place_for_is_refused() -> None:
     check_refused(UsageError, "a job has no agent", write, GeneralisedAssignmentInstance([[1.0, math.inf]], [[1.0, 1.0]], [1.0]))
-    check_refused(UsageError, "has no agents with capacities", write, object())
+    with pytest.raises(UsageError, check=coded("unsupported")):
+        write(object())

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from file_cases import check_fault, check_refused, error_of
+from coded import coded
+from file_cases import check_fault, error_of
 
 from waybound.instances.auctions.formats.assignment_matrix import read, recognises, write
 from waybound.instances.errors import UsageError
@@ -36,4 +37,5 @@ def test_what_is_wrong_is_named_with_its_line(text: str, line: int | None, messa
 
 
 def test_what_the_format_has_no_place_for_is_refused() -> None:
-    check_refused(UsageError, "no place for", write, generate("assignment", 1, costs="euclidean"))
+    with pytest.raises(UsageError, check=coded("unsupported")):
+        write(generate("assignment", 1, costs="euclidean"))

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from file_cases import check_fault, check_refused, error_of
+from coded import coded
+from file_cases import check_fault, error_of
 
 from waybound.instances.auctions.assignment import AssignmentInstance
 from waybound.instances.auctions.formats.assignment_pairs import read, recognises, write
@@ -95,4 +96,5 @@ def test_only_what_has_no_pair_has_a_row_of_its_own() -> None:
 
 
 def test_what_the_format_has_no_place_for_is_refused() -> None:
-    check_refused(UsageError, "cannot be written as assignment-pairs", write, generate("generalised-assignment", 1))
+    with pytest.raises(UsageError, check=coded("unsupported")):
+        write(generate("generalised-assignment", 1))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from coded import coded
 
 from waybound.instances.errors import InputError
 from waybound.instances.worlds import make_world
@@ -44,9 +45,15 @@ def test_the_building_and_its_truth_are_the_seeds_whatever_robots_do():
     assert still.types.tolist() == busy.types.tolist() and still.readings[-1] == busy.readings[-1]
 
 
-@pytest.mark.parametrize("actions", [{7: (0, 0)}, {0: (21, 0)}, {0: (0, 3)}, {0: (99, 0)}, {0: 1}, {"a": (0, 0)}, {0: (1, 1)}])
-def test_what_cannot_be_done_is_refused_and_changes_nothing(actions):
+@pytest.mark.parametrize(
+    ("actions", "code"),
+    [
+        ({7: (0, 0)}, "unknown-name"), ({0: (21, 0)}, "contradiction"), ({0: (0, 3)}, "malformed"), ({0: (99, 0)}, "malformed"),
+        ({0: 1}, "malformed"), ({"a": (0, 0)}, "unknown-name"), ({0: (1, 1)}, "contradiction"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_done_is_refused_and_changes_nothing(actions, code):
     world = make_world("room-exploration", 1)
-    with pytest.raises(InputError):
+    with pytest.raises(InputError, check=coded(code)):
         world.step(actions)
     assert world.time == 0 and not world.readings
