@@ -100,6 +100,9 @@ def test_a_failure_is_one_json_object_where_json_is_asked_for(arguments, told, r
 @pytest.mark.parametrize(
     ("arguments", "code"),
     [
+        (("solve", "demo-tiny", "--fast"), "unknown-name"),
+        (("solve", "demo-tiny", "--time-limit", "soon"), "malformed"),
+        (("explain",), "missing"),
         (("compare", "demo-tiny"), "missing"),
         (("solvers", "--examine", "highs", "--by", "size"), "unknown-name"),
         (("solve", "demo-tiny", "--set", "k"), "malformed"),

@@ -23,7 +23,7 @@ class Commands(TyperGroup):
             return super().invoke(ctx)
         except Exception as fault:
             if ctx.meta["waybound.json"] and hasattr(fault, "format_message"):  # Typer's own, which goes on to tell it in words
-                print_failure(fault.format_message(), getattr(fault, "exit_code", 2))
+                print_failure(fault.format_message(), getattr(fault, "exit_code", 2), fault)
             raise
 
 

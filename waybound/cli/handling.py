@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import typer
 
-from ..instances.errors import InputError, SearchFailedError, WayboundError
+from ..instances.errors import Code, InputError, SearchFailedError, WayboundError
 from ..instances.printable import one_line, printable
 from ..solvers import interrupts
 from .options import Source
@@ -89,10 +89,22 @@ def print_failure(message: str, code: int, error: BaseException | None = None) -
     from .output import print_json
 
     place = {"file": str(error.file), "line": error.line} if isinstance(error, InputError) and error.file is not None else {}
-    kind = {"error_code": error.code} if isinstance(error, WayboundError) else {}
-    failure = {"error": one_line(message), "code": code, **kind, **place}
+    failure = {"error": one_line(message), "code": code, "error_code": _error_code(error), **place}
     with contextlib.suppress(InputError):  # standard output cannot be written to
         print_json({key: value for key, value in failure.items() if value is not None})
+
+
+_OF_THE_PARSER: dict[str, Code] = {"NoSuchOption": "unknown-name", "NoSuchCommand": "unknown-name", "MissingParameter": "missing"}
+
+
+def _error_code(error: BaseException | None) -> Code:
+    if isinstance(error, WayboundError):
+        return error.code
+    if isinstance(error, MemoryError):
+        return "too-large"
+    if hasattr(error, "format_message"):  # the parser's own
+        return _OF_THE_PARSER.get(type(error).__name__, "malformed")
+    return "internal"
 
 
 def nothing_found() -> int:
