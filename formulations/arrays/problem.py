@@ -16,7 +16,7 @@ from ...instances.instance import digest
 from ...instances.printable import printable
 from ..evaluation import Evaluation, judge
 from ..evidence import Evidence
-from ..problem import Decision, Problem
+from ..problem import PROBLEMS, Decision, Problem, refuse_settings
 from ..programs.cones import KINDS as CONE_KINDS
 from ..programs.names import own_names
 from ..programs.program import Floats, Program
@@ -238,6 +238,14 @@ class ArrayProblem(Problem):
                 "the answer to a program is a vector with one number a variable", "wrong-shape", expected=expected, found=f"{x.shape}"
             )
         return x
+
+
+@PROBLEMS.register("arrays")
+def _build(program: Any, name: str, settings: dict[str, Any]) -> ArrayProblem:
+    if not isinstance(program, Program):
+        raise UsageError(f"{program.name} is no bare program, so it cannot be read as {name}", "unsupported")
+    refuse_settings(name, settings)
+    return ArrayProblem(program)
 
 
 def _outside(name: str, value: float, low: float, high: float) -> str:

@@ -48,11 +48,6 @@ CONSTRAINTS: Registry[JsonPart[Constraint]] = Registry(
 )
 
 
-def writable(function: SetFunction, constraint: Constraint) -> bool:
-    """True if a file can hold both."""
-    return function.kind in SET_FUNCTIONS and constraint.kind in CONSTRAINTS
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class SelectionInstance(Declared):
     """A set function and a constraint as a file gives them.

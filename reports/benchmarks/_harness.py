@@ -33,10 +33,10 @@ def find_tests() -> None:
 
 
 class Option:
-    """Beside the type of a parameter, what argparse shall know of its option: ``help``, ``choices``, ``type`` and so on."""
+    """Beside the type of a parameter, what argparse shall know of its option: short names, ``help``, ``choices``, ``type`` and so on."""
 
-    def __init__(self, **words: Any) -> None:
-        self.words = words
+    def __init__(self, *names: str, **words: Any) -> None:
+        self.names, self.words = names, words
 
 
 Folder = Annotated[Path, Option(type=Path, help="of the benchmark files and bks.csv; what WAYBOUND_BENCHMARKS names by default")]
@@ -56,6 +56,7 @@ def command(run: Callable[..., bool | str | tuple[str, bool] | None]) -> Callabl
         for key, parameter in inspect.signature(run, eval_str=True).parameters.items():
             default = parameter.default
             words: dict[str, Any] = {"default": default}
+            names = [f"--{key.replace('_', '-')}"]
             if default is parameter.empty:
                 words["default"] = os.environ.get("WAYBOUND_BENCHMARKS")
             elif default is False:
@@ -65,8 +66,9 @@ def command(run: Callable[..., bool | str | tuple[str, bool] | None]) -> Callabl
             elif default is not None:
                 words["type"] = type(default)
             for details in getattr(parameter.annotation, "__metadata__", ()):
+                names += details.names
                 words |= details.words
-            parser.add_argument(f"--{key.replace('_', '-')}", **words)
+            parser.add_argument(*names, **words)
         chosen = vars(parser.parse_args(arguments))
         if chosen.get("folder", "") is None:
             parser.error("--folder or WAYBOUND_BENCHMARKS must name the folder of the files")

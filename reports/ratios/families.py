@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .judging import Case
+from .judged_runs import Case
 
 Make = Callable[[int, np.random.Generator], Case]
 

@@ -13,10 +13,10 @@ from ...formulations.problem import Problem
 from ...instances.errors import CheckFailedError
 from ..tables.table import Column, Table
 from .families import Family
-from .judging import Configuration, Run, audit, judge, ratio_of, run_heuristic
+from .judged_runs import Configuration, Run, audit, judge, ratio_of, run_heuristic
+from .processes import spread
 from .study import STUDIES, Fault, Report, Study, StudySetting, thinned
 from .violations import instance_of
-from .work import spread
 
 CHUNK = 50
 """Instances of one task: a few tenths of a second of work."""

@@ -9,7 +9,7 @@ from waybound.formulations.evidence import Guarantee
 from waybound.formulations.sata.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
 from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
-from waybound.reports.ratios.judging import Configuration
+from waybound.reports.ratios.judged_runs import Configuration
 from waybound.reports.ratios.studies.sata.families.selection import random_families
 from waybound.reports.ratios.study import STUDIES, Study
 

@@ -9,7 +9,7 @@ from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.instances.errors import UsageError
 from waybound.instances.sata.constraints import Cardinality
 from waybound.instances.sata.set_functions import UserFunction
-from waybound.reports.ratios.judging import judge, run_heuristic
+from waybound.reports.ratios.judged_runs import judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.ratios.studies.sata.families import max_min as graphs
 from waybound.reports.ratios.studies.sata.families import selection as random

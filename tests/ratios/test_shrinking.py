@@ -11,7 +11,7 @@ from hypothesis import given, note, settings
 from hypothesis import strategies as st
 from ratio_strategies import assignments, bottlenecks, selections
 
-from waybound.reports.ratios.judging import judge, run_heuristic
+from waybound.reports.ratios.judged_runs import judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.ratios.studies.sata.local import degrees
 from waybound.reports.ratios.studies.sata.selections import SHARES, greedy_ratio

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..formulations.arrays.problem import ArrayProblem
 from ..formulations.evidence import Evidence, Reason
 from ..formulations.forms import FORMS
 from ..formulations.problem import Problem
@@ -32,7 +31,7 @@ from ..instances.errors import InputError, MissingPackageError, UnsupportedError
 from ..solvers.backend import BACKENDS, Control, Options, RawResult
 from ..solvers.program_backend import ProgramBackend
 from .bounding import find_bounds, proved
-from .request import Request
+from .request import Request, vector_problem
 from .search import search
 from .solve import solve
 
@@ -191,7 +190,7 @@ def _explain_by_rows(problem: Problem | Compiled | Program, form: str | None, en
     else:
         made = _explain_rows(problem, form, end, control, notes)
     if made.verdict == "infeasible" and made.evidence is None and not control.stopped:
-        asked = problem if isinstance(problem, Problem) else problem.problem if isinstance(problem, Compiled) else ArrayProblem(problem)
+        asked = problem if isinstance(problem, Problem) else problem.problem if isinstance(problem, Compiled) else vector_problem(problem)
         evidence = _proof(asked, end - time.perf_counter(), control)
         if evidence is not None:
             made = replace(made, according_to="the data", evidence=evidence, proof=tuple(in_words(asked, evidence)))
@@ -289,7 +288,7 @@ def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: 
         if isinstance(problem, Compiled):
             made = problem
         else:
-            made = ArrayProblem(problem).compile() if isinstance(problem, Program) else problem.compile(form)
+            made = vector_problem(problem).compile() if isinstance(problem, Program) else problem.compile(form)
     except (UnsupportedError, TooLargeError) as error:
         if form is not None:
             raise

@@ -235,12 +235,12 @@ def solver_run(
         if missing:
             raise UnsupportedError(solver, missing, able_solvers(problem))
         _refuse_ignored(solver, backend.honours, options)
-        needed = backend.memory(problem)
+        needed, apart = backend.memory(problem), isolate or backend.apart(problem)
         if not fits(needed):
             most = f"more than the {readable(SHARE * available())} that may be taken of what is free"
             raise UsageError(f"{solver} needs {readable(needed)} for a problem of size {problem.size:,}, {most}", "too-large")
         notes = [f"{solver} searches on one thread"] if backend.one_thread and options.threads > 1 else []
-        going = _going(SolverWork(solver, problem, options), options, isolate or backend.apart(problem))
+        going = _going(SolverWork(solver, problem, options), options, apart)
         return Run(solver, going, versions, notes, bounds=backend.bounds_itself, isolated=isolate)
 
     assert isinstance(backend, ProgramBackend)

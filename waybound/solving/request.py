@@ -7,8 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any
 
-from ..formulations.arrays.problem import ArrayProblem
-from ..formulations.problem import Problem
+from ..formulations.problem import PROBLEMS, Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.programs.program import Program
 from ..instances.errors import UsageError
@@ -99,10 +98,15 @@ def request_of(problem: Problem | Compiled, *, start: Any = None, options: Mappi
     return replace(request, start=answer, notes=notes)
 
 
+def vector_problem(program: Program) -> Problem:
+    """A bare program as a problem, whose answers are vectors."""
+    return PROBLEMS["arrays"](program, "arrays", {})
+
+
 def searchable(problem: Any) -> Problem | Compiled:
     """A bare program as a compiled one, anything else as it is; raises UsageError for what is no problem."""
     if isinstance(problem, Program):
-        return ArrayProblem(problem).compile()
+        return vector_problem(problem).compile()
     if not isinstance(problem, Problem | Compiled):
         raise UsageError(
             f"solve takes a problem or a program, not {type(problem).__name__}; read(path) makes a problem of a file", "malformed"

@@ -12,10 +12,12 @@ import scipy.sparse as sp
 from coded import coded
 from programs import program
 
+import waybound as wb
 from waybound.api import solve
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import certify
 from waybound.formulations.evidence import Evidence
+from waybound.formulations.problem import PROBLEMS
 from waybound.formulations.programs.cones import Cones
 from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.programs.program import Program, Rows, Variables
@@ -237,3 +239,10 @@ def test_a_restricted_program_shares_all_but_its_bounds_with_the_whole() -> None
     assert part.program.variables[1].lower.tolist() == [-1.0]
     assert part.digest() != whole.digest()
     assert whole.evaluate([4.0, 0.0]).feasible and not part.evaluate([4.0, 0.0]).feasible and part.evaluate([3.0, 0.0]).feasible
+
+
+def test_only_a_bare_program_is_read_as_arrays():
+    with pytest.raises(UsageError, match="demo-tiny is no bare program, so it cannot be read as arrays"):
+        wb.read("demo-tiny", problem="arrays")
+    with pytest.raises(UsageError, match="has no setting 'vehicles'"):
+        PROBLEMS["arrays"](program([1.0], [[1.0]], 0.0, 1.0), "arrays", {"vehicles": 3})

@@ -10,7 +10,7 @@ from draws import draws
 import waybound as wb
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.instances.errors import UsageError
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 
 
 def run(problem: BinAssignment, **options):

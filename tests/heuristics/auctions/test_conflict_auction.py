@@ -16,7 +16,7 @@ from waybound.heuristics.auctions.conflict_auction import completed, greedy_rati
 from waybound.heuristics.heuristic import HEURISTICS, Context
 from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 from waybound.reports.ratios.studies.auctions.bin_auctions import greedy_line, serial_line
 from waybound.solvers.linear_programs import linear_programs
 

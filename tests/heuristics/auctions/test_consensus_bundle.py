@@ -14,7 +14,7 @@ import waybound as wb
 from waybound.formulations.auctions.task_allocation import TaskAllocation
 from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.auctions.consensus_bundle import GRAPHS, consensus, graph_of
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 
 CBBA = "consensus-bundle"
 

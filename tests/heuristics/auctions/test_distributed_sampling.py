@@ -13,7 +13,7 @@ import waybound as wb
 from waybound.formulations.auctions.balanced_partition import BalancedPartition
 from waybound.formulations.stop import Stop
 from waybound.heuristics.auctions.distributed_sampling import single_moves
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 
 DSA = "distributed-sampling"
 KINDS = list(itertools.product(("min-max", "min-difference"), ("mst", "clique", "none")))

@@ -8,7 +8,7 @@ from task_problems import line
 
 import waybound as wb
 from waybound.formulations.stop import NEVER
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 from waybound.solvers.engines.auctions.task_subsets import best_paths
 
 FIXED = "fixed-order-auction"

@@ -9,7 +9,7 @@ from task_problems import OBJECTIVES, drawn
 import waybound as wb
 from waybound.formulations.auctions.task_allocation import TaskAllocation
 from waybound.formulations.stop import NEVER
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 from waybound.solvers.engines.auctions.task_subsets import best_paths
 
 

@@ -12,7 +12,7 @@ from small_routing import context
 from waybound import RoutingProblem, Sites, Travel, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.routing.travel import EXPLICIT
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 
 
 def salesman(travel: Travel, **fleet: float) -> RoutingProblem:

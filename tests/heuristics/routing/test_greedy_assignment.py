@@ -13,7 +13,7 @@ from small_routing import context
 
 from waybound import Makespan, Reward, Route, Routes, RoutingProblem, Sites, Travel, UsageError, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 
 SQUARE = Travel("euclidean", np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float))
 GAP = Travel("manhattan", np.array([(5, 5), (0, 7), (1, 6), (2, 10), (0, 2), (1, 8)], dtype=float))

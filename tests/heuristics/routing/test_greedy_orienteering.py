@@ -13,7 +13,7 @@ from truth.routing import best_values
 
 from waybound import Reward, RoutingProblem, Sites, Travel, UsageError, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 
 
 def tours(seed: int, n: int, windows: bool, fleet: int, *, ends: bool = False) -> RoutingProblem:

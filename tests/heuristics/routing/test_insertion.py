@@ -14,7 +14,7 @@ from small_routing import context
 import waybound as wb
 from waybound import Routes, RoutingProblem, Sites, TotalCost, Travel, UsageError, Vehicles, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 
 CONTEXT = context()
 LINE = Travel("euclidean", np.column_stack([[0.0, 10, 8, -3, 1], np.zeros(5)]))

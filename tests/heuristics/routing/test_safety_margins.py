@@ -23,7 +23,7 @@ from waybound.heuristics.routing import safety_margins
 from waybound.heuristics.routing.safety_margins import Pool, certain, split
 from waybound.instances.routing.features import RISKS
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 from waybound.solvers.linear_programs import LinearPrograms
 
 NAME = "safety-margins"

@@ -15,7 +15,7 @@ from truth.routing import RoutingTruth
 
 from waybound import Routes, RoutingProblem, Sites, Travel, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 
 CONTEXT = context()
 

@@ -14,7 +14,7 @@ from waybound import RoutingProblem, Sites, Travel, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.heuristics.routing.tour_partitioning import pieces_of
 from waybound.instances.routing.travel import EXPLICIT
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 
 
 def loaded(demand: list[float], capacity: float, travel: Travel | None = None, **fleet: float) -> RoutingProblem:

@@ -11,7 +11,7 @@ from truth.routing import best_values
 from waybound import LongestRoute, Makespan, RoutingProblem, Sites, Travel, UsageError, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.routing.travel import EXPLICIT
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 
 SQUARE = [(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)]
 OCTO = [(0, 0), (2, 7), (5, 3), (8, 8), (-4, 6), (-7, 1), (-3, -5), (4, -6), (9, -2)]

@@ -9,7 +9,7 @@ import pytest
 
 import waybound as wb
 from waybound.reports.ratios.guarantees import FALSE_ALARM, GuaranteePlan, hoeffding_margin, run_plan
-from waybound.reports.ratios.judging import Configuration, judge, run_heuristic
+from waybound.reports.ratios.judged_runs import Configuration, judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.ratios.studies.sata.families.selection import random_families
 from waybound.reports.ratios.study import STUDIES, StudySetting
@@ -157,12 +157,12 @@ def test_an_interrupt_keeps_what_was_done():
 
 def test_an_optimum_that_does_not_hold_up_is_a_fault(measured, monkeypatch):
     from waybound.instances.errors import CheckFailedError
-    from waybound.reports.ratios import judging
+    from waybound.reports.ratios import judged_runs
 
     def fail(problem):
         raise CheckFailedError("the two sides differ")
 
-    monkeypatch.setattr(judging, "optimum", fail)
+    monkeypatch.setattr(judged_runs, "optimum", fail)
     report = measured("greedy")
     assert kinds(report) == {"optimum"}
     assert report.num_faults == 40

@@ -1,110 +1,36 @@
-"""Optima of small instances, against plain Python and known cases."""
+"""Optima of small instances: whoever finds them, by family."""
 
 from __future__ import annotations
 
-import itertools
-import math
-
 import numpy as np
 import pytest
-from draws import draws
-from hypothesis import given, settings
-from ratio_strategies import assignments, graphs, selections
-from sata_cases import CASES
+import risky_cases
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
 from waybound.formulations.sata.selections import Selection
 from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.instances.errors import CheckFailedError, UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 from waybound.instances.sata.constraints import Cardinality
-from waybound.instances.sata.set_functions import Coverage, UserFunction
-from waybound.reports.ratios.optimum import MOST_ELEMENTS, allowed_sets, attained, optimum, set_values
+from waybound.instances.sata.set_functions import Coverage
+from waybound.reports.ratios.optimum import OPTIMA, Optimum, attained, optimum, subsets
 
-
-@pytest.mark.parametrize("name", CASES)
-def test_reference_cases(name):
-    case = CASES[name]
-    assert optimum(BottleneckSATA(case.graph)).value == pytest.approx(case.bottleneck)
-    assert optimum(BottleneckSATA(case.graph, fractional=True)).value == pytest.approx(case.lp, rel=1e-6)
-    assert optimum(WinnerTakesAllSATA(case.graph)).value == pytest.approx(case.winner)
-
-
-@settings(max_examples=draws(60))
-@given(selections("cardinality", "partition", "knapsack"))
-def test_every_subset_is_valued_and_allowed_as_the_problem_does(problem):
-    values, allowed = set_values(problem), allowed_sets(problem)
-    for mask in range(2**problem.num_elements):
-        chosen = Selection(tuple(e for e in range(problem.num_elements) if mask >> e & 1))
-        judged = problem.evaluate(chosen)
-        assert values[mask] == pytest.approx(judged.values[0], rel=1e-12, abs=1e-12)
-        if allowed[mask]:
-            assert judged.feasible
-    best = max(v for v, a in zip(values, allowed, strict=True) if a)
-    assert optimum(problem).value == pytest.approx(best, rel=1e-12, abs=1e-12)
-
-
-@settings(max_examples=draws(40))
-@given(assignments())
-def test_the_best_assignment_is_that_of_plain_enumeration(problem):
-    g = problem.graph
-    starts, actions = g.by_robot
-    own = [actions[starts[i] : starts[i + 1]].tolist() for i in range(g.num_robots)]
-    best = max(problem.value(list(choice)) for choice in itertools.product(*(o for o in own if o)))
-    assert optimum(problem).value == pytest.approx(best)
-
-
-@settings(max_examples=draws(40))
-@given(graphs())
-def test_whole_actions_are_worth_no_more_than_shares(graph):
-    whole, shares = optimum(BottleneckSATA(graph)), optimum(BottleneckSATA(graph, fractional=True))
-    assert whole.value <= shares.value * (1 + 1e-9) + 1e-12
-    assert BottleneckSATA(graph).evaluate(whole.answer).values[0] == whole.value
-
-
-def test_a_general_program_is_that_of_its_robots():
-    case = CASES["S7"].graph
-    packing, covering = np.zeros((2, 4)), np.zeros((3, 4))
-    packing[case.robot_of_action, np.arange(4)] = 2.0
-    covering[case.indices, case.action_of_edge] = case.weights
-    assert optimum(MaxMinLP(packing, covering)).value == pytest.approx(6 / 7)
-
-
-def test_a_users_function_is_enumerated():
-    f = UserFunction(lambda masks: np.sqrt(masks.sum(axis=1)), 6, monotone=True, submodular=True)
-    assert optimum(SubmodularSelection(f, Cardinality(4))).value == 2.0
-
-
-def test_what_is_too_large_is_refused():
-    f = Coverage.from_sets([[0]] * (MOST_ELEMENTS + 1), [1.0])
-    with pytest.raises(UsageError, match="too many"):
-        optimum(SubmodularSelection(f, Cardinality(2)))
+PROBLEM = SubmodularSelection(Coverage.from_sets([[0], [0]], [1.0]), Cardinality(1))
 
 
 def test_an_answer_that_fails_its_check_is_no_optimum():
-    problem = SubmodularSelection(Coverage.from_sets([[0], [0]], [1.0]), Cardinality(1))
     with pytest.raises(CheckFailedError, match="fails its check"):
-        attained(problem, Selection((0, 1)), "hope")
+        attained(PROBLEM, Selection((0, 1)), "hope")
 
 
-def test_an_optimum_whose_two_sides_differ_is_refused(monkeypatch):
-    from waybound.reports.ratios import optimum as module
-
-    monkeypatch.setattr(module, "verified_bound", lambda problem, evidence: math.pi)
-    with pytest.raises(CheckFailedError, match="bound of"):
-        optimum(BottleneckSATA(CASES["S1"].graph, fractional=True))
+def test_a_family_says_how_its_optima_are_found():
+    with OPTIMA.temporary("selection", lambda problem: attained(problem, Selection((1,)), "hope")):
+        assert optimum(PROBLEM) == Optimum(1.0, Selection((1,)), "hope")
 
 
-def test_routes_beyond_what_is_enumerated_are_refused():
-    travel = Travel("euclidean", np.arange(24.0).reshape(12, 2))
-    with pytest.raises(UsageError, match="11 customers are too many"):
-        optimum(RoutingProblem(Sites.of(range(12)), travel, (VehicleType(),)))
-    small = Travel("euclidean", np.arange(6.0).reshape(3, 2))
-    with pytest.raises(UsageError, match="time-windows"):
-        optimum(RoutingProblem(Sites.of(range(3), due=[9, 1, 1]), small, (VehicleType(),)))
-    with pytest.raises(CheckFailedError, match="no 1 routes"):
-        optimum(RoutingProblem(Sites.of(range(3), demand=[0, 1, 1]), small, (VehicleType(count=1, capacity=1.0),)))
+def test_a_family_without_optima_is_refused():
+    with pytest.raises(UsageError, match="no optimum is known for risky-path problems"):
+        optimum(risky_cases.table_3_1())
+
+
+def test_every_subset_is_there_once():
+    assert subsets(3).shape == (8, 3)
+    assert (subsets(3) @ [1, 2, 4] == np.arange(8)).all()

@@ -10,6 +10,8 @@ import waybound as wb
 from waybound.formulations.problem import problem_from_instance
 from waybound.instances.errors import InputError
 from waybound.instances.writing import write_instance
+from waybound.reports.ratios.studies.auctions import local_ratio
+from waybound.reports.ratios.studies.risk.families import risky_graphs
 from waybound.reports.ratios.studies.risk.families import uncertain_graphs as uncertain
 from waybound.reports.ratios.studies.routing.families import routing as routes
 from waybound.reports.ratios.studies.sata.families import max_min as graphs
@@ -19,13 +21,16 @@ from waybound.reports.ratios.violations import instance_of, instance_text, summa
 from waybound.reports.tables.table import Table
 
 
-@pytest.mark.parametrize("kind", ["bottleneck-lp", "winner-takes-all", "max-min-lp", "selection", "tsp", "cvrp"])
+@pytest.mark.parametrize(
+    "kind", ["bottleneck-lp", "winner-takes-all", "max-min-lp", "selection", "tsp", "cvrp", "risky-path", "generalised-assignment"]
+)
 def test_every_kind_of_instance_is_written_and_read_back(kind, tmp_path):
     problem = {
         "bottleneck-lp": graphs.RANDOM_FAMILIES[3], "winner-takes-all": random.RANDOM_ASSIGNMENTS,
         "max-min-lp": graphs.RANDOM_PROGRAMS,
         "selection": random.random_families("knapsack")[2], "tsp": routes.random_families("salesman")[4],
-        "cvrp": routes.random_families("shared")[0],
+        "cvrp": routes.random_families("shared")[0], "risky-path": risky_graphs.least_risk(),
+        "generalised-assignment": local_ratio.RANDOM_PROFITS,
     }[kind].case(5, 1).problem  # fmt: skip
     path = tmp_path / "instance.json"
     write_instance(instance_of(problem, "something is wrong here"), path)
@@ -37,13 +42,13 @@ def test_every_kind_of_instance_is_written_and_read_back(kind, tmp_path):
     assert problem_from_instance(instance_of(problem)).digest() == problem.digest()
 
 
-def test_the_risk_of_an_uncertain_path_stands_beside_its_graph(tmp_path):
+def test_a_file_holds_the_settings_too(tmp_path):
     problem = uncertain.graphs(0.2).case(1, 1).problem
     path = tmp_path / "instance.json"
     write_instance(instance_of(problem, "something is wrong here"), path)
-    again = wb.read(path, risk=0.2)
+    again = wb.read(path)
     assert again.digest() == problem.digest()
-    assert again.notes == ("risk=0.2", "something is wrong here")
+    assert again.notes == ("something is wrong here",)
 
 
 def test_a_users_function_has_no_file_and_says_so():

@@ -14,7 +14,7 @@ from .....formulations.auctions.bin_assignment import BinAssignment
 from .....instances.auctions.generators.assignment import orchard_distance
 from ...families import Family, listed
 from ...guarantees import guarantee_study
-from ...judging import Case, Configuration
+from ...judged_runs import Case, Configuration
 from ...optimum import Optimum, attained
 
 Rng = np.random.Generator

@@ -13,7 +13,7 @@ from .....instances.auctions.orchard_grid import OrchardGrid
 from .....instances.auctions.orchard_jobs import OrchardJobs
 from ...families import Family, listed
 from ...guarantees import guarantee_study
-from ...judging import Case, Configuration
+from ...judged_runs import Case, Configuration
 from ...optimum import attained
 
 Rng = np.random.Generator

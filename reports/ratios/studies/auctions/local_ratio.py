@@ -12,7 +12,7 @@ import numpy as np
 from .....formulations.auctions.generalised_assignment import GeneralisedAssignment
 from ...families import Family, listed
 from ...guarantees import guarantee_study
-from ...judging import Case, Configuration
+from ...judged_runs import Case, Configuration
 from ...optimum import Optimum, attained
 
 Rng = np.random.Generator

@@ -13,7 +13,7 @@ from .....formulations.auctions.task_allocation import TaskAllocation
 from .....instances.auctions.robot_tasks import RobotTasks
 from ...families import Family, listed
 from ...guarantees import guarantee_study
-from ...judging import Case, Configuration
+from ...judged_runs import Case, Configuration
 from ...optimum import Optimum, attained
 
 Rng = np.random.Generator

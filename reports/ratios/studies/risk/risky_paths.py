@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...guarantees import guarantee_study
-from ...judging import Configuration
+from ...judged_runs import Configuration
 from .families import risky_graphs as families
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...guarantees import GuaranteePlan, guarantee_study, run_plan
-from ...judging import Configuration
+from ...judged_runs import Configuration
 from ...study import STUDIES, Study
 from .families import uncertain_graphs as families
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...guarantees import guarantee_study
-from ...judging import Configuration
+from ...judged_runs import Configuration
 from .families import routing as families
 
 

@@ -21,10 +21,10 @@ from .....instances.generating import generate
 from .....instances.sata.sensing_graph import SensingGraph
 from ....tables.table import Column, Table
 from ...figures import sweep_figure
-from ...judging import TOLERANCE, judge, run_heuristic
+from ...judged_runs import TOLERANCE, judge, run_heuristic
 from ...optimum import Optimum
+from ...processes import spread
 from ...study import STUDIES, Fault, Report, Study, StudySetting, thinned
-from ...work import spread
 
 CHUNK = 5
 """Trials of one task."""

@@ -10,7 +10,7 @@ import numpy as np
 from .....formulations.sata.max_min_lp import MaxMinLP
 from ....tables.table import Column, Table
 from ...guarantees import guarantee_study
-from ...judging import Configuration, run_heuristic
+from ...judged_runs import Configuration, run_heuristic
 from ...study import STUDIES, Fault, Report, Study, StudySetting
 from ...violations import instance_of
 from .families import max_min as families

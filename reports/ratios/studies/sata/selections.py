@@ -11,7 +11,7 @@ import numpy as np
 from .....formulations.sata.bottleneck_sata import BottleneckSATA
 from ...families import Family
 from ...guarantees import guarantee_study
-from ...judging import Case, Configuration
+from ...judged_runs import Case, Configuration
 from .families import selection as random
 from .families import selection_traps as traps
 

@@ -10,7 +10,7 @@ from waybound.formulations.auctions.room_exploration import RoomExploration
 from waybound.heuristics.auctions._exploration import after_type
 from waybound.reports.missions.animation import Film
 from waybound.reports.missions.auctions.room_exploration import RoomsExplored
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 
 SMALL = {"rooms": 9, "round": 4}
 

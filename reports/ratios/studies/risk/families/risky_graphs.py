@@ -11,7 +11,7 @@ from ......instances.risk.elements import LengthRisk, LocaleRisk, TurnRisk
 from ......instances.risk.occupancy import OccupancyGrid
 from ......instances.risk.risky_graph import RiskyGraph
 from ....families import Family, listed
-from ....judging import Case
+from ....judged_runs import Case
 from ....optimum import attained
 
 Rng = np.random.Generator

@@ -13,7 +13,7 @@ from ......instances.generating import generate
 from ......instances.risk.uncertain_graph import UncertainGraph
 from ......solvers.engines.risk.non_dominated_paths import non_dominated_paths
 from ....families import Family, listed
-from ....judging import Case
+from ....judged_runs import Case
 from ....optimum import attained
 
 Rng = np.random.Generator

@@ -15,7 +15,7 @@ from ......formulations.routing.routes import Routes
 from ......instances.routing.instance import Sites, VehicleType
 from ......instances.routing.travel import EXPLICIT, Travel
 from ....families import Family, listed
-from ....judging import Case
+from ....judged_runs import Case
 from ....optimum import attained
 
 Rng = np.random.Generator

@@ -13,8 +13,9 @@ from ......formulations.sata.bottleneck_sata import BottleneckSATA
 from ......formulations.sata.max_min_lp import MaxMinLP
 from ......instances.sata.sensing_graph import SensingGraph, graph_of_edges
 from ....families import Family, listed
-from ....judging import Case
+from ....judged_runs import Case
 from ....optimum import Optimum, attained
+from .optima import best_shares
 
 Rng = np.random.Generator
 Sees = Mapping[int, float] | Sequence[int]
@@ -124,8 +125,6 @@ def robots(rows: Sequence[Sequence[Sees]], name: str) -> BottleneckSATA:
 
 def _known(problem: BottleneckSATA, value: float, shares: Sequence[float] | None = None) -> Case:
     """A case whose optimum is known as a number, and with ``shares`` as an answer; the enumeration-free solver must find the same."""
-    from ....optimum import best_shares
-
     best = attained(problem, np.array(shares, dtype=np.float64), "construction") if shares is not None else best_shares(problem)
     if not math.isclose(best.value, value, rel_tol=1e-9, abs_tol=1e-12):
         raise AssertionError(f"{problem.name}: the optimum is {value!r} by construction, {best.value!r} by {best.source}")

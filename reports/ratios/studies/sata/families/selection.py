@@ -14,7 +14,7 @@ from ......instances.sata.constraints import Cardinality, Constraint, Knapsack, 
 from ......instances.sata.sensing_graph import SensingGraph, graph_of_edges
 from ......instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation, Floats, SetFunction, UserFunction
 from ....families import Family
-from ....judging import Case
+from ....judged_runs import Case
 
 Rng = np.random.Generator
 

@@ -14,7 +14,7 @@ from ......instances.sata.constraints import Cardinality, Constraint, Knapsack, 
 from ......instances.sata.sensing_graph import graph_of_edges
 from ......instances.sata.set_functions import Coverage
 from ....families import Family, listed
-from ....judging import Case
+from ....judged_runs import Case
 from ....optimum import attained
 
 BRIBE = 1e-4

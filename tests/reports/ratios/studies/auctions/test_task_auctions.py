@@ -8,7 +8,7 @@ from task_problems import best_paths_value
 
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.auctions.auction_steps.task_paths import keeps_triangles
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 from waybound.reports.ratios.studies.auctions import task_auctions as families
 
 

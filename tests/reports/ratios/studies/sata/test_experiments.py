@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from waybound import CheckFailedError, UsageError, WinnerTakesAllSATA
-from waybound.reports.ratios.optimum import best_selection
 from waybound.reports.ratios.studies.sata.experiments import ExperimentPlan, Sweep, run_experiment, sensing_graph, solved
+from waybound.reports.ratios.studies.sata.families.optima import best_selection
 from waybound.reports.ratios.study import STUDIES, Study, StudySetting
 
 POINT = {"robots": 6, "targets": 20, "phi": 20.0, "actions": 2}

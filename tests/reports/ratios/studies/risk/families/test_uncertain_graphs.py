@@ -8,7 +8,7 @@ from statistics import NormalDist
 import pytest
 from uncertain_graphs import all_paths
 
-from waybound.reports.ratios.judging import judge, run_heuristic
+from waybound.reports.ratios.judged_runs import judge, run_heuristic
 from waybound.reports.ratios.studies.risk.families import uncertain_graphs as families
 from waybound.reports.ratios.study import STUDIES, StudySetting
 

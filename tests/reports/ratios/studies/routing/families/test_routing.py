@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from truth.routing import best_values
 
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.ratios.studies.routing.families import routing as families
 from waybound.reports.ratios.studies.routing.tours import metric, partition_ratio

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from sata_cases import CASES
 
-from waybound.reports.ratios.judging import run_heuristic
-from waybound.reports.ratios.optimum import best_shares
+from waybound.reports.ratios.judged_runs import run_heuristic
 from waybound.reports.ratios.studies.sata.families import max_min as graphs
+from waybound.reports.ratios.studies.sata.families.optima import best_shares
 
 
 def test_unequal_graphs_hold_what_is_easily_forgotten():

@@ -7,7 +7,7 @@ import pytest
 from selection_problems import feasible_sets
 
 from waybound import Knapsack, check_submodular
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.ratios.studies.sata.families import selection as random
 

@@ -7,7 +7,7 @@ import math
 import pytest
 
 import waybound as wb
-from waybound.reports.ratios.judging import run_heuristic
+from waybound.reports.ratios.judged_runs import run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.ratios.studies.sata.families import selection_traps as traps
 

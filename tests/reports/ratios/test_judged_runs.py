@@ -12,7 +12,7 @@ from selection_problems import cover_tight
 from waybound.formulations.evidence import Evidence, Guarantee
 from waybound.formulations.sata.selections import Selection
 from waybound.heuristics.heuristic import Outcome
-from waybound.reports.ratios.judging import Case, Configuration, audit, judge, ratio_of, run_heuristic
+from waybound.reports.ratios.judged_runs import Case, Configuration, audit, judge, ratio_of, run_heuristic
 from waybound.reports.ratios.optimum import Optimum, optimum
 
 PROBLEM = cover_tight()  # optimum 80 of elements 0 and 1; greedy 62

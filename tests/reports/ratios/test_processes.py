@@ -10,7 +10,7 @@ import psutil
 import pytest
 
 from waybound.instances.errors import WayboundError
-from waybound.reports.ratios.work import spread
+from waybound.reports.ratios.processes import spread
 
 
 def silent(done, total, what):
@@ -48,7 +48,7 @@ def test_processes_bring_the_same_results():
 @pytest.mark.long
 def test_processes_do_not_outlive_their_parent(tmp_path):
     code = (
-        "import time\nfrom waybound.reports.ratios.work import spread\n"
+        "import time\nfrom waybound.reports.ratios.processes import spread\n"
         "if __name__ == '__main__': spread(time.sleep, [(60,), (60,)], 2, lambda *told: None, str)"
     )
     (tmp_path / "script.py").write_text(code)

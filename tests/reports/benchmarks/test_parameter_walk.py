@@ -1,0 +1,108 @@
+"""The way of the problem, on a package of which it can be counted by hand."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from waybound.reports.benchmarks.parameter_walk import figures, main, stays
+
+MODULES = {
+    "formulations/problem.py": """
+        class Problem:
+            def features(self) -> set[str]:
+                return {self.name}
+
+            def size(self) -> int:
+                return width(3)
+
+        def width(number: int) -> int:
+            return number
+        """,
+    "solvers/backend.py": """
+        from typing import Any
+        from ..formulations.problem import Problem
+
+        class Backend:
+            def missing(self, problem: Problem) -> set[str]:
+                return problem.features()
+
+        def solver_named(name: str) -> Backend:
+            return Backend()
+
+        def told(text: str) -> None:
+            print(text)
+
+        def run_later(work: Any) -> None:
+            work()
+        """,
+    "solving/method.py": """
+        from dataclasses import dataclass
+        from ..formulations.problem import Problem
+        from ..solvers.backend import solver_named
+
+        @dataclass
+        class Run:
+            problem: Problem
+            name: str
+
+        def chosen(problem: Problem, name: str) -> Run:
+            backend = solver_named(name)
+            if backend.missing(problem):
+                return Run(problem, name)
+            return Run(problem, "")
+        """,
+    "solving/solve.py": """
+        from ..formulations.problem import Problem
+        from ..solvers import backend
+        from .method import chosen
+
+        def solve(problem: Problem) -> int:
+            run = chosen(problem, "one")
+            backend.told(run.name)
+            backend.run_later(lambda: again(run.problem))
+            problem.features()
+            return outcome(problem.size())
+
+        def again(problem: Problem) -> None:
+            return None
+
+        def outcome(number: int) -> int:
+            return number
+        """,
+}
+
+
+def test_stays_rooms_and_climbs_are_those_counted_by_hand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, text in MODULES.items():
+        path = tmp_path / "tiny" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("\n".join(line[8:] for line in text.splitlines()))
+        for package in (path.parent, path.parent.parent):
+            (package / "__init__.py").touch()
+    monkeypatch.syspath_prepend(tmp_path)
+    made = stays("tiny.solving.solve.solve", "tiny.formulations.problem.Problem")
+    assert made == [
+        ("tiny.solving.solve", ["solve"]),
+        ("tiny.solving.method", ["chosen"]),
+        ("tiny.solvers.backend", ["Backend.missing"]),  # solver_named takes no problem
+        ("tiny.formulations.problem", ["Problem.features"]),
+        ("tiny.solving.method", ["Run"]),  # once; a first climb
+        ("tiny.solvers.backend", ["run_later"]),  # told takes a name of the run; this a function that speaks of the run
+        ("tiny.solving.solve", ["again"]),  # a second climb
+        ("tiny.formulations.problem", ["Problem.size"]),  # features was there before; width and outcome take numbers
+    ]
+    assert figures(made) == (8, 4, 2)
+
+
+def test_the_command_tells_the_way_through_solve(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    (line,) = capsys.readouterr().out.splitlines()
+    done = subprocess.run(
+        [sys.executable, "-m", "waybound.reports.benchmarks.parameter_walk", "-v"], capture_output=True, text=True, check=True
+    )
+    lines = done.stdout.splitlines()
+    assert lines[0] == "solving.solve: solve" and lines[-1] == line and line.startswith(f"{len(lines) - 1} stays, ")
