@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -10,13 +11,14 @@ from typing import TYPE_CHECKING, Any
 
 from ..instances.atomic import atomic_write
 from ..instances.document import parse_json
-from ..instances.errors import InputError, UsageError
+from ..instances.errors import InputError, UsageError, WayboundError, in_words
 from ..instances.printable import printable
-from ..instances.text import decode, read_bytes
+from ..instances.text import an, decode, read_bytes
 from .answer_tables import first_sheet, frame_of, is_table, workbook
 from .json_text import json_text
 from .problem import Problem
 from .programs.solution_files import SolverFile, is_solver_json, solver_file, solver_json
+from .references import is_number
 from .solver_solutions import answer_of_solver
 
 if TYPE_CHECKING:
@@ -42,6 +44,18 @@ class ReadAnswer:
     notes: tuple[str, ...] = ()
 
 
+@contextmanager
+def taken_by(problem: Problem) -> Iterator[None]:
+    """Raises InputError for whatever the family's reader or judge fails at within the block: an answer may be given as anything."""
+    try:
+        yield
+    except (WayboundError, MemoryError):
+        raise
+    except Exception as fault:
+        why = printable(in_words(fault), 120)
+        raise InputError(f"it fails as an answer to {an(problem.problem)} problem", found=why) from fault
+
+
 def read_answer(problem: Problem, path: str | PathLike[str], form: str | None = None) -> ReadAnswer:
     """The answer in a solution file, recognised by content: JSON, a table, what else the problem's answers are written as, or what a
     solver wrote of an exported form.
@@ -60,6 +74,14 @@ def read_answer(problem: Problem, path: str | PathLike[str], form: str | None = 
     UsageError
         If the file's format cannot express answers to this problem.
     """
+    try:
+        with taken_by(problem):
+            return _read_answer(problem, path, form)
+    except InputError as error:
+        raise error.at(file=path) from error.__cause__
+
+
+def _read_answer(problem: Problem, path: str | PathLike[str], form: str | None) -> ReadAnswer:
     held = read_bytes(path)
     if held.startswith(b"PK\x03\x04"):
         return ReadAnswer(problem.answer_from_frame(first_sheet(path, held)))
@@ -111,12 +133,9 @@ def answer_in_json(problem: Problem, data: Mapping[str, Any]) -> ReadAnswer:
 
 
 def _values(stated: Any) -> float | list[float] | None:
-    def real(value: Any) -> bool:
-        return isinstance(value, int | float) and not isinstance(value, bool)
-
-    if real(stated):
+    if is_number(stated):
         return float(stated)
-    return [float(v) for v in stated] if isinstance(stated, list) and stated and all(map(real, stated)) else None
+    return [float(v) for v in stated] if isinstance(stated, list) and stated and all(map(is_number, stated)) else None
 
 
 def check_answer_path(problem: Problem, path: str | PathLike[str]) -> None:

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Mapping
 from operator import index as whole
 from typing import Any
 
-from ..instances.errors import UsageError
+import numpy as np
+from numpy.typing import NDArray
+
+from ..instances.errors import InputError, UsageError
+from ..instances.number_arrays import reals
 from ..instances.printable import printable
 from ..instances.text import an
 
@@ -48,3 +53,16 @@ def indices_of(given: Iterable[Any], names: Mapping[str, int], thing: str) -> li
         raise UsageError(f"whole numbers could be names or indices of {thing}s here, which differ; give names as text", "ambiguous")
     meant = iter(numbers if counts else named)
     return [names[item] if isinstance(item, str) else next(meant) for item in every]
+
+
+def is_number(value: object) -> bool:
+    """Whether a value out of JSON is a number that a double can hold."""
+    return isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool) and abs(value) <= sys.float_info.max)
+
+
+def vector_of(given: Any) -> NDArray[np.float64]:
+    """The numbers in a list or an array; of shape (0, 0), which no vector has, where there are none."""
+    try:
+        return reals("an answer", given)
+    except InputError:
+        return np.zeros((0, 0))

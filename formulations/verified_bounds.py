@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from typing import Any
 
 from ..instances.errors import InputError
 from . import tolerance
@@ -31,6 +33,12 @@ def verified_bound(problem: Problem, evidence: Evidence) -> float:
         return float(CHECKERS[evidence.kind](problem, evidence.data)) + 0.0  # -0.0 is 0
     except _MALFORMED as fault:
         raise _malformed(evidence, fault) from fault
+
+
+def proved(problem: Problem, kind: str, source: str, data: dict[str, Any]) -> Evidence:
+    """Evidence with the value that its checker derives."""
+    evidence = Evidence(kind, source, 0.0, data)
+    return replace(evidence, value=verified_bound(problem, evidence))
 
 
 def proves_unbounded(problem: Problem, evidence: Evidence) -> bool:

@@ -58,6 +58,8 @@ def indices(what: str, values: ArrayLike) -> Indices:
 def reals(what: str, values: ArrayLike) -> Floats:
     """Numbers as float64; an array that is so already is not copied."""
     try:
+        if isinstance(values, np.ndarray) and values.dtype.kind == "c":  # numpy would drop the imaginary parts
+            raise TypeError
         array = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"{what} must hold numbers", found=repr(values)[:40]) from None

@@ -227,13 +227,13 @@ def check(problem: Problem, answer: Any, certificate: Source | Mapping[str, Any]
     """
     from .formulations.certificate import Certificate, certify, check_certificate
     from .formulations.certificate_files import read_certificate
-    from .solving.answers import answer_given
+    from .solving.answers import answer_given, evaluated
 
     _refuse_path("check", problem)
     answer, _ = answer_given(problem, answer, "the answer")
     if answer is None:
         raise UsageError("there is no answer to check", "missing")
-    evaluation = problem.evaluate(answer)
+    evaluation = evaluated(problem, answer)
     if certificate is None:
         return certify(problem, evaluation)
     if isinstance(certificate, Certificate):
@@ -274,13 +274,13 @@ def judge(problem: Problem, answer: Any, *, form: str | None = None) -> Certific
     False
     """
     from .formulations.certificate import certify
-    from .solving.answers import answer_given
+    from .solving.answers import answer_given, evaluated
 
     _refuse_path("judge", problem)
     given, _ = answer_given(problem, answer, "the answer", form)
     if given is None:
         raise UsageError("there is no answer to judge", "missing")
-    return certify(problem, problem.evaluate(given))
+    return certify(problem, evaluated(problem, given))
 
 
 def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads: int = 1, lp_solver: str | None = None) -> Certificate:

@@ -8,6 +8,7 @@ What stands here keeps its name and meaning within a minor version; other module
 
 from __future__ import annotations
 
+from .formulations.checking.evidence_numbers import numbers as evidence_numbers
 from .formulations.evaluation import Check, Checklist, Evaluation, Violation, judge
 from .formulations.evidence import CHECKERS, ENDLESS, Evidence, EvidenceChecker, Guarantee, Reason
 from .formulations.forms import FORMS, Form
@@ -27,21 +28,24 @@ from .formulations.programs.size import ProgramSize
 from .formulations.routing.problem import RoutingProblem
 from .formulations.routing.routes import Route, Routes
 from .formulations.sata.bottleneck_sata import BottleneckSATA
+from .formulations.sata.decided_elements import DecidedElements
 from .formulations.sata.max_min_lp import MaxMinLP
 from .formulations.sata.selections import Selection
 from .formulations.sata.submodular_selection import SubmodularSelection
 from .formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from .formulations.stop import NEVER, Stop, Stopped
 from .formulations.tolerance import allowance, same, widening
-from .formulations.verified_bounds import verified_bound
+from .formulations.verified_bounds import proved, verified_bound
 from .heuristics.heuristic import HEURISTICS, Context, Heuristic, Outcome
+from .instances.declared import Declared, NameOf
 from .instances.document import dump_json, fields, parse_json
 from .instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError, WayboundError
 from .instances.formats import FORMATS, Format
 from .instances.generators import GENERATORS, Draw, Generator
 from .instances.generators.settings import Setting
 from .instances.instance import Instance, digest
-from .instances.kinds import KINDS, Kind
+from .instances.kinds import KINDS, Kind, kind_of
+from .instances.parts import Axis, Choice, Flags, Numbers, Whole, Wholes
 from .instances.registry import Registry
 from .instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
 from .instances.routing.travel import Travel
@@ -52,6 +56,7 @@ from .instances.sata.set_functions import AT_ENTRY, AT_ITEM, IN_MATRIX, ItemFunc
 from .instances.worlds import WORLDS, World, WorldKind
 from .reports.missions.mission import MISSIONS, Decision, Mission, Scene
 from .reports.plots import PLOTS, Plot
+from .reports.plots.drawing import as_plot, bars
 from .reports.ratios.study import STUDIES, Fault, Figure, Report, Study, StudySetting
 from .reports.tables import TABLES, Tables
 from .reports.tables.table import Column, Table
@@ -91,11 +96,13 @@ __all__ = [
     "TABLES",
     "WHOLE_NUMBERS",
     "WORLDS",
+    "Axis",
     "BottleneckSATA",
     "BoundMethod",
     "Chain",
     "Check",
     "Checklist",
+    "Choice",
     "Circuit",
     "Column",
     "Compiled",
@@ -103,7 +110,9 @@ __all__ = [
     "Constraint",
     "Context",
     "Control",
+    "DecidedElements",
     "Decision",
+    "Declared",
     "Draw",
     "Energy",
     "Engine",
@@ -113,6 +122,7 @@ __all__ = [
     "Exactness",
     "Fault",
     "Figure",
+    "Flags",
     "Form",
     "Format",
     "FurtherLevel",
@@ -134,6 +144,8 @@ __all__ = [
     "MaxMinLP",
     "MissingPackageError",
     "Mission",
+    "NameOf",
+    "Numbers",
     "Options",
     "Outcome",
     "Plot",
@@ -173,15 +185,22 @@ __all__ = [
     "VehicleType",
     "Violation",
     "WayboundError",
+    "Whole",
+    "Wholes",
     "WinnerTakesAllSATA",
     "World",
     "WorldKind",
     "allowance",
+    "as_plot",
+    "bars",
     "digest",
     "dump_json",
+    "evidence_numbers",
     "fields",
     "judge",
+    "kind_of",
     "parse_json",
+    "proved",
     "refuse_settings",
     "rows",
     "same",

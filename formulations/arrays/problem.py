@@ -21,6 +21,7 @@ from ..programs.cones import KINDS as CONE_KINDS
 from ..programs.names import own_names
 from ..programs.program import Floats, Program
 from ..programs.reductions.units import scaled
+from ..references import is_number, vector_of
 from ..tolerance import EQUAL, VECTOR
 
 if TYPE_CHECKING:
@@ -208,7 +209,7 @@ class ArrayProblem(Problem):
     def answer_from_json(self, data: Any) -> Floats:
         if not isinstance(data, Mapping) or data.get("kind") != "vector" or not isinstance(data.get("values"), list):
             raise InputError("not an answer to a program", expected='an object {"kind": "vector", "values": [...]}')
-        if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in data["values"]):
+        if not all(map(is_number, data["values"])):
             raise InputError("the answer's values must be numbers")
         return self._vector(data["values"])
 
@@ -228,10 +229,7 @@ class ArrayProblem(Problem):
         return pd.DataFrame({"variable": names, "value": self._vector(answer), "lower": p.lower, "upper": p.upper})
 
     def _vector(self, answer: Any) -> Floats:
-        try:
-            x = np.asarray(answer, dtype=np.float64)
-        except (TypeError, ValueError):
-            x = np.zeros((0, 0))
+        x = vector_of(answer)
         if x.shape != (self.program.num_variables,):
             expected = f"({self.program.num_variables},)"
             raise InputError(

@@ -87,8 +87,8 @@ class RobotShares(Problem):
                     "duplicate" if robot in seen else "unknown-name",
                 )
             seen.add(robot)
-            unknown = next((t for t in listed if str(t) not in tasks), None) if isinstance(listed, list) else listed
-            if not isinstance(listed, list) or unknown is not None:
+            unknown = next((str(t) for t in listed if str(t) not in tasks), None) if isinstance(listed, list) else str(listed)
+            if unknown is not None:
                 raise InputError(f"the share of robot {robot} holds an unknown task {printable(str(unknown), 80)!r}", "unknown-name")
             tasks_of_robots[robots[robot]] = tuple(tasks[str(task)] for task in listed)
         return tuple(tasks_of_robots)

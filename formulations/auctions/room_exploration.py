@@ -162,9 +162,9 @@ class RoomExploration(Problem):
         rooms = {self.instance.room_name(k): k for k in range(self.instance.num_rooms)}
 
         def deed(entry: Any) -> Deed:
-            if not isinstance(entry, Mapping) or entry.get("room") not in rooms or entry.get("action") not in ACTIONS:
+            if not isinstance(entry, Mapping) or str(entry.get("room")) not in rooms or entry.get("action") not in ACTIONS:
                 raise InputError("a step names a room and an action", expected='{"room": ..., "action": ...}', found=str(entry)[:80])
-            return rooms[entry["room"]], ACTIONS.index(entry["action"])
+            return rooms[str(entry["room"])], ACTIONS.index(entry["action"])
 
         plans = tuple(tuple(map(deed, deeds)) for deeds in robots)
         self._check_shape(plans)

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...instances.errors import InputError
+from ...instances.number_arrays import reals
+from ..references import is_number
 
 if TYPE_CHECKING:
     from .risk_allocation import RiskAllocation
@@ -35,8 +37,7 @@ class Allocation:
     @classmethod
     def of(cls, decision: ArrayLike, risks: ArrayLike | None = None) -> Allocation:
         """An allocation of anything that numpy takes for vectors."""
-        allowed = None if risks is None else np.array(risks, dtype=np.float64)
-        return cls(np.array(decision, dtype=np.float64), allowed)
+        return cls(reals("the decision", decision).copy(), None if risks is None else reals("the risks", risks).copy())
 
     def __repr__(self) -> str:
         return f"<Allocation: {len(self.decision)} decisions{'' if self.risks is None else f', {len(self.risks)} risks'}>"
@@ -55,7 +56,7 @@ def _named(data: Any, names: Sequence[str], what: str) -> Floats:
         raise InputError(
             f"the answer's {what} must name each of them", "missing", expected=", ".join(names[:4]) + (", ..." if len(names) > 4 else "")
         )
-    if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in data.values()):
+    if not all(map(is_number, data.values())):
         raise InputError(f"the answer's {what} must be numbers")
     return np.array([float(data[name]) for name in names])
 

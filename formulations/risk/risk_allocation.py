@@ -365,7 +365,7 @@ class RiskAllocation(Problem):
         """An ``Allocation``, or a vector of shape (decisions,)."""
         try:
             answer = given if isinstance(given, Allocation) else Allocation.of(given)
-        except (TypeError, ValueError):
+        except InputError:
             raise InputError("an answer of risk allocation is an Allocation, or a vector with one number a decision") from None
         if answer.decision.shape != self.lower.shape or (answer.risks is not None and answer.risks.shape != (len(self.names),)):
             expected = f"{len(self.lower)} decisions and {len(self.names)} risks"

@@ -392,12 +392,12 @@ class RoutingProblem(Problem):
 
     def check_start(self, answer: Routes) -> None:
         for number, route in enumerate(answer, start=1):
-            if not 0 <= route.vehicle < len(self.fleet):
+            if not isinstance(route.vehicle, int | np.integer) or not 0 <= route.vehicle < len(self.fleet):
                 raise UsageError(
                     f"route {number} has vehicle type {route.vehicle}, and there are {len(self.fleet)}, numbered from 0", "unknown-name"
                 )
             for site in route.visits:
-                if not 0 <= site < len(self.sites):
+                if not isinstance(site, int | np.integer) or not 0 <= site < len(self.sites):
                     raise UsageError(f"route {number} visits site {site}, and there are {len(self.sites)}, numbered from 0", "unknown-name")
 
     def searched_from(self, answer: Routes) -> Routes:

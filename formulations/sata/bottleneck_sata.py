@@ -18,6 +18,7 @@ from ...instances.sata.constraints import PartitionMatroid
 from ...instances.sata.sensing_graph import SensingGraph
 from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS, refuse_settings
+from ..references import is_number, vector_of
 from ..tolerance import VECTOR
 from .decided_elements import FEATURE, DecidedElements
 from .selections import Selection, action_index, actions_from_json, actions_to_json, graph_for, indicator, judge_elements, selection_of
@@ -157,10 +158,7 @@ class BottleneckSATA(DecidedElements):
     # -- answers as files and tables ---------------------------------------------------------------------------------
 
     def _shares(self, answer: Any) -> Floats:
-        try:
-            x = np.asarray(answer, dtype=np.float64) if not isinstance(answer, Selection) else np.zeros((0, 0))
-        except (TypeError, ValueError):
-            x = np.zeros((0, 0))
+        x = vector_of(answer)
         if x.shape != (self.graph.num_actions,):
             raise UsageError(
                 f"an answer to {self.problem} is a vector of shares, one for each of the {self.graph.num_actions} actions", "wrong-shape"
@@ -189,7 +187,7 @@ class BottleneckSATA(DecidedElements):
             if not isinstance(entry, Mapping) or str(entry.get("action")) not in index:
                 raise InputError(f"entry {number} of the actions names no known action", "unknown-name", found=str(entry)[:80])
             share = entry.get("share")
-            if isinstance(share, bool) or not isinstance(share, int | float):
+            if not is_number(share):
                 raise InputError(f"the share of action {entry['action']} is not a number", found=str(share)[:80])
             shares[index[str(entry["action"])]] += share
         return shares

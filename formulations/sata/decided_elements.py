@@ -56,6 +56,11 @@ class DecidedElements(Problem):
             expected = f'{{"chosen": an element from 0 to {self.num_elements - 1}}}'
             raise InputError("not a statement on an element", expected=expected, found=printable(str(statement), 80))
 
+    @staticmethod
+    def at_most(column: int, most: int) -> Decision:
+        """What a bound on the binary column of an element says, for forms whose first columns are the elements (``Compiled.at_most``)."""
+        return {"chosen": column}, most >= 1
+
     def in_words(self, statement: Any, holds: bool) -> str:
         return f"{self.element_name(statement['chosen'])} is {'taken' if holds else 'dropped'}"
 

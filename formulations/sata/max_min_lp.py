@@ -16,6 +16,7 @@ from ...instances.sata.sensing_graph import SensingGraph
 from ..evaluation import Evaluation, judge
 from ..evidence import Evidence
 from ..problem import PROBLEMS, Problem, refuse_settings
+from ..references import is_number, vector_of
 from ..tolerance import VECTOR
 
 if TYPE_CHECKING:
@@ -143,10 +144,7 @@ class MaxMinLP(Problem):
         return np.where(heaviest > 0, heaviest, 1.0)
 
     def _vector(self, answer: Any) -> Floats:
-        try:
-            x = np.asarray(answer, dtype=np.float64)
-        except (TypeError, ValueError):
-            x = np.zeros((0, 0))
+        x = vector_of(answer)
         if x.shape != (self.num_variables,):
             raise UsageError(f"an answer to {self.problem} is a vector of {self.num_variables} numbers", "wrong-shape")
         return x
@@ -162,7 +160,7 @@ class MaxMinLP(Problem):
         for name, value in data["values"].items():
             if name not in index:
                 raise InputError(f"the answer names an unknown variable {str(name)[:80]!r}", "unknown-name")
-            if isinstance(value, bool) or not isinstance(value, int | float):
+            if not is_number(value):
                 raise InputError(f"the value of variable {name} is not a number", found=str(value)[:80])
             x[index[name]] = value
         return x

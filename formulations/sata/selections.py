@@ -63,9 +63,9 @@ def indicator(answer: Selection, size: int) -> NDArray[np.float64]:
 
 def selection_of(answer: Any, names: Callable[[], Mapping[str, int]], thing: str) -> Selection:
     """``answer`` itself, or the selection that a list of indices or names stands for; raises UsageError for anything else."""
-    if isinstance(answer, Selection):
+    if isinstance(answer, Selection) and all(isinstance(e, int | np.integer) for e in answer):
         return answer
-    if isinstance(answer, str | bytes | Mapping) or not isinstance(answer, Iterable):
+    if isinstance(answer, str | bytes | Mapping) or hasattr(answer, "columns") or not isinstance(answer, Iterable):
         raise UsageError(
             f"{printable(repr(answer), 80)} is no list of {thing}s; Selection.of([0, 3]) chooses the first and the fourth", "malformed"
         )

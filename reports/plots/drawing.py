@@ -128,18 +128,20 @@ def entitled(ax: Any, problem: Problem, answer: Any, solution: Solution | None, 
     return ax
 
 
+def as_plot(draw: Callable[[Any, Any, Any], str]) -> Plot:
+    """A plot of a function ``draw(axes, problem, answer)`` that returns a line about what it drew; a heading is put above."""
+
+    @functools.wraps(draw)
+    def plot(problem: Any, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None) -> Any:
+        axes = new_axes() if ax is None else ax
+        return entitled(axes, problem, answer, solution, title, draw(axes, problem, answer))
+
+    return plot
+
+
 def plot_of(family: str) -> Callable[[Callable[[Any, Any, Any], str]], Plot]:
-    """Register a function that draws an answer on axes, and returns a line about it, as the plot of a family."""
-
-    def register(draw: Callable[[Any, Any, Any], str]) -> Plot:
-        @functools.wraps(draw)
-        def plot(problem: Any, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None) -> Any:
-            axes = new_axes() if ax is None else ax
-            return entitled(axes, problem, answer, solution, title, draw(axes, problem, answer))
-
-        return PLOTS.add(family, plot)
-
-    return register
+    """Register a function that ``as_plot`` takes as the plot of a family."""
+    return lambda draw: PLOTS.add(family, as_plot(draw))
 
 
 def bars(

@@ -70,6 +70,16 @@ def test_files_that_are_no_answers_to_it_are_refused_with_what_is(refused, jobs,
     assert "is no solution file of least-waiting problems" in refused("check", file, tmp_path / "b.sol")
 
 
+@pytest.mark.parametrize(
+    "held", ['{"kind": "order"}', '{"kind": "order", "jobs": 7}', '{"kind": "order", "jobs": [["a"]]}', "a > b\nmany\n", "a > z\n3\n"]
+)
+def test_an_answer_that_its_family_fails_at_is_refused_in_one_line(refused, jobs, tmp_path, held):
+    file, answer = jobs(), tmp_path / "answer.order"
+    answer.write_text(held)
+    for words in (("check", file, answer), ("solve", file, "--heuristic", "shortest-first", "--start", answer, "-q")):
+        assert "it fails as an answer to a least-waiting problem; found" in refused(*words)
+
+
 def test_a_picture_that_nobody_draws_is_refused_before_the_search(refused, jobs, tmp_path):
     told = refused("solve", jobs(), "--heuristic", "shortest-first", "--plot", tmp_path / "a.png", "-q")
     assert "answers to least-waiting problems cannot be drawn" in told

@@ -38,7 +38,7 @@ def test_what_is_no_list_of_whole_numbers_is_refused(values: Any, says: str) -> 
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("values", ["a", [1, "b"], [[1], [1, 2]], object()])
+@pytest.mark.parametrize("values", ["a", [1, "b"], [[1], [1, 2]], object(), np.ones(2, dtype=complex)])
 def test_what_holds_no_numbers_is_refused(values: Any) -> None:
     with pytest.raises(InputError, match="weights must hold numbers"):
         arrays.reals("weights", values)

@@ -46,8 +46,8 @@ def check(
 
     asked = source.read()
     read = read_answer(asked, solution, form)
-    evaluation = asked.evaluate(read.answer)
     verdict = verify(asked, read.answer, certificate)
+    evaluation = asked.evaluate(read.answer)
     notes = [*(f"{solution}: {note}" for note in read.notes), *_compare(read, evaluation)]
     if json:
         print_json(

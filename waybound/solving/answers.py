@@ -6,7 +6,10 @@ from collections.abc import Mapping
 from os import PathLike
 from typing import Any
 
-from ..formulations.answers import answer_in_json, read_answer
+import numpy as np
+
+from ..formulations.answers import answer_in_json, read_answer, taken_by
+from ..formulations.evaluation import Evaluation
 from ..formulations.problem import Problem
 from ..formulations.programs.solved_models import solved_model
 from ..formulations.solution import Solution
@@ -51,27 +54,42 @@ def answer_given(problem: Problem, given: Any, called: str, form: str | None = N
             raise InputError(f"{called} {error.message}", error.code, expected=error.expected, found=error.found) from None
         return answer, (f"{called}: a solution of {solved.solver} to the form {name}",)
     try:
-        if isinstance(given, Solution):
-            given = given.answer if given.problem is problem else given.to_json()  # which speaks of sites by name
-        if isinstance(given, Mapping):
-            foreign = None if given.keys() & {"answer", "kind"} else problem.foreign_answer(given)
-            if foreign is not None:
-                return foreign, ()
-            if given.keys() & {"answer", "kind"}:
-                read = answer_in_json(problem, given)
-                return read.answer, tuple(f"{called}: {note}" for note in read.notes)
-        return problem.answer_of(given), ()
+        with taken_by(problem):
+            if isinstance(given, Solution):
+                given = given.answer if given.problem is problem else given.to_json()  # which speaks of sites by name
+            if isinstance(given, Mapping):
+                foreign = None if given.keys() & {"answer", "kind"} else problem.foreign_answer(given)
+                if foreign is not None:
+                    return foreign, ()
+                if given.keys() & {"answer", "kind"}:
+                    read = answer_in_json(problem, given)
+                    return read.answer, tuple(f"{called}: {note}" for note in read.notes)
+            return problem.answer_of(given.item() if isinstance(given, np.ndarray) and given.ndim == 0 else given), ()
     except (InputError, UsageError) as error:
-        raise UsageError(f"{called} cannot be read: {error}", error.code) from None
+        raise UsageError(f"{called} cannot be read: {error}", error.code) from error.__cause__
 
 
 def start_given(problem: Problem, given: Any) -> tuple[Any, tuple[str, ...]]:
-    """``answer_given`` for what a search shall start from; raises UsageError for an answer that can only be one of another instance."""
+    """``answer_given`` for what a search shall start from: an answer that the problem can judge, feasible or not.
+
+    Raises UsageError for an answer that can only be one of another instance, too.
+    """
     start, told = answer_given(problem, given, "the start")
-    if start is not None:
-        try:
+    if start is None:
+        return None, told
+    foreign = True
+    try:
+        with taken_by(problem):
             problem.check_start(start)
-        except UsageError as error:
-            raise UsageError(f"the start is for another instance: {error}", "foreign") from None
-        start = problem.searched_from(start)
-    return start, told
+            foreign = False
+            problem.evaluate(start)
+            return problem.searched_from(start), told
+    except (InputError, UsageError) as error:
+        fault = "is for another instance" if foreign else "cannot be read"
+        raise UsageError(f"the start {fault}: {error}", "foreign" if foreign else error.code) from error.__cause__
+
+
+def evaluated(problem: Problem, answer: Any) -> Evaluation:
+    """What the judge says of an answer that a user gave; raises InputError where it cannot judge it."""
+    with taken_by(problem):
+        return problem.evaluate(answer)

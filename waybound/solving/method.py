@@ -8,6 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from ..formulations.answers import taken_by
 from ..formulations.forms import FORMS, compile_form, default_form, nearest_form, usable_forms
 from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
@@ -259,7 +260,8 @@ def solver_run(
     notes, start = [], None
     if options.start is not None and compiled.encode is not None:
         try:
-            start = compiled.encode(options.start)
+            with taken_by(compiled.problem):
+                start = compiled.encode(options.start)
         except InputError as fault:
             notes.append(f"the start was not used: {fault}")
     apart = isolate or backend.needs_process or compiled.program.num_variables > LARGE_PROGRAM

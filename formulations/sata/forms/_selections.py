@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -16,11 +16,10 @@ from ...programs.program import Floats, Rows, Variables
 from ...programs.rows import rows
 from ...programs.size import ProgramSize
 from ...tolerance import INTEGRALITY
-from ...verified_bounds import verified_bound
+from ...verified_bounds import proved
 from ..selections import Selection
 
 if TYPE_CHECKING:
-    from ...problem import Decision, Problem
     from ..submodular_selection import SubmodularSelection
 
 Ints = NDArray[np.integer[Any]]
@@ -58,12 +57,6 @@ def chosen(x: Floats) -> Selection:
         worst = float(np.max(np.abs(x - whole))) if np.isfinite(x).all() else float("nan")
         raise InputError("the point is fractional, so it chooses nothing", "out-of-range", found=f"an element {worst:g} away from 0 and 1")
     return Selection(tuple(np.nonzero(whole == 1)[0].tolist()))
-
-
-def proved(problem: Problem, kind: str, source: str, data: dict[str, Any]) -> Evidence:
-    """Evidence with the value that its checker derives."""
-    evidence = Evidence(kind, source, 0.0, data)
-    return replace(evidence, value=verified_bound(problem, evidence))
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,11 +165,6 @@ def prices_evidence(prices: Floats, limits: Floats, source: str, problem: Any) -
     return proved(problem, "item-prices", source, data)
 
 
-def decided(column: int, most: int) -> Decision:
-    """The statement on a selection that a bound on the binary column of an element makes."""
-    return {"chosen": column}, most >= 1
-
-
 def decisions(problem: SubmodularSelection) -> dict[str, Any]:
     """Fields of a ``Compiled`` whose first columns are elements.
 
@@ -187,7 +175,7 @@ def decisions(problem: SubmodularSelection) -> dict[str, Any]:
     def ray_evidence(ray: Floats) -> Evidence:
         return Evidence("item-prices", "elements that are decided", -math.inf, {"prices": [0.0] * items})
 
-    return {"ray_evidence": ray_evidence, "at_most": decided}
+    return {"ray_evidence": ray_evidence, "at_most": problem.at_most}
 
 
 def at_most(limit: float = 0.0) -> dict[str, float]:

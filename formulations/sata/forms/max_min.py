@@ -35,8 +35,9 @@ from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import INTEGERS, LINEAR, Floats, Indices, Program, Rows, Variables
 from ...programs.size import ProgramSize
+from ...verified_bounds import proved
 from ..selections import Selection, indicator
-from ._selections import Labels, chosen, decided, proved
+from ._selections import Labels, chosen
 
 if TYPE_CHECKING:
     from ....instances.sata.max_min_lp import SparseMatrix
@@ -96,7 +97,7 @@ def _of_graph(problem: BottleneckSATA) -> Compiled:
         return Evidence("target-weights", "actions that are decided", -math.inf, {"targets": [0], "weights": [1.0]})
 
     compiled = Compiled(Program("max-min", "max", (x, _w()), (robots, targets)), problem, decode, encode, dual_evidence)
-    return compiled if problem.fractional else replace(compiled, ray_evidence=ray_evidence, at_most=decided)
+    return compiled if problem.fractional else replace(compiled, ray_evidence=ray_evidence, at_most=problem.at_most)
 
 
 # -- packing and covering rows ----------------------------------------------------------------------------------------
