@@ -1,0 +1,180 @@
+"""Ruin and recreate: strings of visits are removed from routes that are near to each other, and inserted again where they cost least."""
+
+from __future__ import annotations
+
+import math
+import time
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....formulations.routing.routes import Routes
+from ....formulations.stop import Stop, now
+from ....instances.errors import UsageError
+from ...backend import BACKENDS, Control, Options, RawResult
+from .bisection import Bisecting
+from .routing_integers import integer_routing, with_slope
+from .routing_objective import unscalable
+
+if TYPE_CHECKING:
+    from ....formulations.problem import Problem
+    from ....formulations.routing.problem import RoutingProblem
+
+LEAST = {"removals": 1.0, "string": 1.0, "neighbours": 1, "hot": 0.0, "cold": 0.0, "worth": 0.0}
+"""Smallest values of its options."""
+
+PIECE = 0.02
+"""Seconds of searching between two looks at the clock."""
+
+PUBLISH_EVERY = 0.05
+"""Seconds between two published incumbents, so that a flood of early ones costs nothing."""
+
+
+@BACKENDS.register("ruin-recreate")
+class RuinRecreate(Bisecting):
+    """Ruin and recreate with string removal, greedy insertion with blinks and annealing (Christiaens & Vanden Berghe 2020).
+
+    ``iterations`` counts ruins. Options: ``removals``, how many visits are removed on the mean; ``string``, the longest string of them;
+    ``neighbours``, next to which customers a visit is inserted; ``hot`` and ``cold``, the temperatures at the beginning and the end, in
+    lengths of a mean move; ``worth``, where rewards are all that counts, for how many times the cost of the routes all rewards on them
+    are taken in the search, 0 for what they are in the objective.
+    """
+
+    name = "ruin-recreate"
+    package = "waybound"
+    modules = ("numba",)
+    summary = "ruin and recreate of routes, by annealing"
+    options = MappingProxyType({"removals": 10.0, "string": 10.0, "neighbours": 60, "hot": 1.0, "cold": 0.01, "worth": 2.0})
+    order = 15
+    honours = frozenset({"iterations", "no_improvement", "gap"})
+    one_thread = True
+    bytes_a_move, seconds_a_move = 100.0, 3e-7
+    features = frozenset(
+        {
+            "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites", "limited-fleet",
+            "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations", "energy:travel", "energy:elapsed",
+            "energy:elapsed-fixed-start", "initial-energy", "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel", "several-loads",
+            "skills", "forbidden-moves", "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward",
+            "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights",
+            "objective:priorities",
+        }
+    )  # fmt: skip
+
+    def beyond(self, problem: RoutingProblem) -> frozenset[str]:
+        charged = (k for k, v in enumerate(problem.fleet) if v.energy is not None and v.energy.charge == "travel")
+        apart = any(problem.travel_of(k).own_durations for k in charged)  # time on the move is limited as a distance
+        return unscalable(problem) | ({"energy:travel with separate-durations"} if apart else frozenset())
+
+    def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
+        asked = {**self.options, **self.converted(options).extra}
+        for name, least in LEAST.items():
+            if not least <= asked[name] < math.inf:
+                raise UsageError(f"ruin-recreate: {name} must be at least {least:g}, not {asked[name]!r}", "out-of-range")
+        stop = Stop(options.time_limit)
+        control.on_stop(stop.ask)
+        if not len(problem.customers):
+            return RawResult("optimal", answer=Routes(()), objective=0.0, bound=0.0, message="there are no customers")
+        control.begin_set_up()
+        began = time.perf_counter()
+        search = _Search(problem, options, asked, control, stop)
+        control.end_set_up(time.perf_counter() - began)
+        return search.run()
+
+    def apart(self, problem: Problem) -> bool:
+        """See ``Engine.apart``: its loops can be interrupted."""
+        return False
+
+
+class _Search:
+    """One run: cools down, publishes its incumbents, and translates its answers."""
+
+    def __init__(self, problem: RoutingProblem, options: Options, asked: dict[str, Any], control: Control, stop: Stop) -> None:
+        from .ruin_recreate_steps import search_kernels
+        from .ruin_recreate_steps.arrays import arrays
+
+        self.problem, self.options, self.asked, self.control, self.stop = problem, options, asked, control, stop
+        self.kernels = search_kernels
+        data = integer_routing(problem)
+        self.data = with_slope(problem, data)
+        self.sloped = self.data is not data
+        self.held = arrays(problem, self.data, int(asked["neighbours"]), options.seed % 2**64)
+        self.best = np.zeros(1 + len(self.held.node), dtype=np.int64)
+        self.log = np.zeros(len(self.held.site) + 2 * len(self.held.route) + 2, dtype=np.int64)
+        self.sizes = np.array([asked["string"], asked["removals"]])
+        self.answer: Routes | None = None
+        self.value: float | None = None
+        self.told, self.publish_at = int(np.iinfo(np.int64).max), 0.0
+
+    def run(self) -> RawResult:
+        k, sums = self.kernels, self.held.sums
+        if not self.held.types[:, k.SLOTS].any():
+            message = "no vehicle can leave its depot and return in time"
+            return RawResult("infeasible" if self.problem.sites.required.any() else "unknown", message=message)
+        k.anneal.make()
+        most, idle = self.options.iterations or math.inf, self.options.no_improvement or math.inf
+        start = self.options.start is not None and self.held.begin(self.options.start)
+        self.best[0] = sums[k.OBJECTIVE]
+        self.best[1:] = np.where(self.held.node[:, k.ROUTE] >= 0, self.held.node[:, k.FOLLOWING], -1)
+        self.publish()
+        began, pieces = now(), 64
+        self.advance(int(min(len(self.held.customers), most)), 0.0)
+        if self.data.prize.any() and self.sloped and self.asked["worth"]:
+            self.held.reward(self.asked["worth"])
+        move = self.mean_move()
+        hot, cold = self.asked["hot"] * move, self.asked["cold"] * move
+        bettered = at = 0
+        limit = "time"
+        while not self.stop.reached():
+            done = int(sums[k.STEPS])
+            if sums[k.BETTER] > bettered:
+                bettered, at = int(sums[k.BETTER]), done
+            if done >= most or done - at >= idle:
+                limit = "iterations"
+                break
+            share = done / most if math.isfinite(most) else (now() - began) / max(1e-9, self.options.time_limit)
+            started = now()
+            steps = int(min(pieces, most - done, idle - (done - at)))
+            self.advance(steps, max(cold, 1e-9) * (max(hot, 1e-9) / max(cold, 1e-9)) ** (1.0 - min(1.0, share)))
+            if not math.isfinite(most) and not math.isfinite(idle):
+                pieces = max(16, int(pieces * min(4.0, PIECE / max(1e-6, now() - started))))
+            self.publish()
+        self.publish(last=True)
+        if self.control.stopped:
+            limit = "interrupt"
+        statistics = {"iterations": int(sums[k.STEPS]), "better": int(sums[k.BETTER]), "scale": self.data.scales}
+        if self.options.start is not None:
+            statistics["start"] = "used" if start else "refused"
+        links = (self.data.link,)
+        if self.answer is None:
+            return RawResult("unknown", limit, statistics=statistics, message=self.left_out(), links=links)
+        return RawResult("feasible", limit, self.answer, self.value, statistics=statistics, holds=self.data.holds, links=links)
+
+    def advance(self, steps: int, warmth: float) -> None:
+        rest = self.best, self.log, self.sizes, steps, warmth, 1.0, self.held.flags
+        self.kernels.anneal(self.stop.flag, *self.held.parts, *rest)
+
+    def mean_move(self) -> float:
+        """Cost of a move on the mean."""
+        k, route = self.kernels, self.held.route
+        moves = int(route[:, k.VISITS].sum() + (route[:, k.VISITS] > 0).sum())
+        return float(route[:, k.COST].sum()) / max(1, moves)
+
+    def publish(self, last: bool = False) -> None:
+        """Hand out the best answer, if it is a new one and leaves no required customer out."""
+        if self.best[0] >= self.told or (not last and time.perf_counter() < self.publish_at):
+            return
+        following = self.best[1:]
+        if (following[self.held.customers][self.problem.sites.required[self.held.customers]] < 0).any():
+            return
+        self.told, self.publish_at = int(self.best[0]), time.perf_counter() + PUBLISH_EVERY
+        self.answer = self.held.routes(following)
+        self.value = self.problem.evaluate(self.answer).values[0] if len(self.problem.senses) == 1 else None
+        self.control.publish(self.answer, self.value)
+
+    def left_out(self) -> str:
+        """Who is on no route of the best answer."""
+        customers = self.held.customers
+        missing = customers[(self.best[1:][customers] < 0) & self.problem.sites.required[customers]]
+        names = ", ".join(self.problem.sites.ids[c] for c in missing[:5])
+        return f"no answer was found that visits every required site; the best one leaves out {len(missing)}: {names}"

@@ -1,0 +1,1 @@
+"""Ruin and recreate: data, state and loops of the search."""

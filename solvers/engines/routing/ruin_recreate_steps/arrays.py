@@ -1,0 +1,170 @@
+"""A routing problem, and an answer to it, as the arrays of ``search_kernels``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .....formulations.routing.routes import Route, Routes
+from ..integer_scales import Integers
+from ..routing_integers import IntegerRouting
+
+if TYPE_CHECKING:
+    from .....formulations.routing.problem import RoutingProblem
+
+MOST = 1 << 50
+"""Limits beyond it are none; moves as long as it are made by nobody."""
+
+
+@dataclass(frozen=True, eq=False)
+class Arrays:
+    """The arrays of ``search_kernels``, by the names that they have there."""
+
+    ways: Integers
+    at_way: Integers
+    site: Integers
+    types: Integers
+    allowed: NDArray[np.bool_]
+    customers: Integers
+    near: Integers
+    route: Integers
+    node: Integers
+    absent: Integers
+    sums: Integers
+    random: NDArray[np.uint64]
+    flags: int
+
+    @property
+    def parts(self) -> tuple[NDArray[Any], ...]:
+        """What ``search_kernels.anneal`` takes after the flag, in its order."""
+        return tuple(getattr(self, field.name) for field in fields(self) if field.name != "flags")
+
+    def begin(self, answer: Routes) -> bool:
+        """Put the visits of an answer in, but for routes that break a limit; whether it is one of these customers and vehicles."""
+        from . import search_kernels as k
+
+        sites, places = len(self.site), []
+        free = {kind: list(range(int(row[k.FIRST]), int(row[k.FIRST] + row[k.SLOTS]))) for kind, row in enumerate(self.types)}
+        visited = [c for one in answer for c in one.visits]
+        if len(set(visited)) < len(visited) or not set(visited) <= set(self.customers.tolist()):
+            return False
+        for one in answer:
+            if not free.get(one.vehicle):
+                return False
+            places.append(free[one.vehicle].pop(0))
+        for r, one in zip(places, answer, strict=True):
+            stops = [sites + 2 * r, *one.visits, sites + 2 * r + 1]
+            self.node[stops[:-1], k.FOLLOWING], self.node[stops[1:], k.PREVIOUS] = stops[1:], stops[:-1]
+            self.node[list(one.visits), k.ROUTE] = r
+        k.settle(self.ways, self.at_way, self.site, self.types, self.route, self.node, self.absent, self.sums, self.flags)
+        return True
+
+    def reward(self, share: float) -> None:
+        """Have the search take all rewards on the routes together for ``share`` times the cost of the routes, no longer for what they count
+        in the objective: beside rewards that outweigh all distance no detour is too long, and no room is made for others."""
+        from . import search_kernels as k
+
+        optional = self.customers[self.site[self.customers, k.REQUIRED] == 0]
+        lost = self.site[optional, k.LOST]
+        collected, cost = int(lost[self.node[optional, k.ROUTE] >= 0].sum()), int(self.route[:, k.COST].sum())
+        if collected and cost:
+            self.site[optional, k.MISSED] = np.maximum(lost > 0, np.rint(lost * (share * cost / collected))).astype(np.int64)
+            left_out = self.absent[: int(self.sums[k.ABSENT])]
+            self.sums[k.SEARCHED] = cost + int(self.site[left_out, k.MISSED].sum())
+
+    def routes(self, following: Integers) -> Routes:
+        """The routes that ``following``, the successor of each node, makes up."""
+        from .search_kernels import KIND
+
+        sites, routes = len(self.site), []
+        for r, row in enumerate(self.route):
+            visits, at = [], int(following[sites + 2 * r])
+            while at < sites:
+                visits.append(at)
+                at = int(following[at])
+            if visits:
+                routes.append(Route(tuple(visits), int(row[KIND])))
+        return Routes.of(routes)
+
+
+def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed: int) -> Arrays:
+    """The arrays of a problem, nobody being visited."""
+    from . import search_kernels as k
+
+    sites, customers, fleet = len(problem.sites), problem.customers, problem.fleet
+    counts = np.array([len(customers) if v.count is None else min(v.count, len(customers)) for v in fleet])
+    counts[data.closes < data.opens] = 0
+    limited = bool((np.minimum(data.max_distance, data.travel_reach) < MOST).any())
+    on = np.stack([_limited(m.distance_up if limited else m.distance) for m in data.moves])
+    if problem.forbidden is not None:
+        on = np.where(problem.forbidden, MOST, on)
+    goes = np.stack([_limited(m.duration) for m in data.moves])
+    ways, at_way = _ways(on, goes)
+    required = problem.sites.required[:, None].astype(np.int64)
+    lost = np.where(problem.sites.required, (1 << 60) // (8 * (sites + 1)), data.prize)
+    site = np.column_stack([data.service, data.ready, _limited(data.due), required, lost, lost, data.demand[:, data.limited]])
+    longest = np.minimum(np.minimum(data.max_distance, data.travel_reach), MOST - 1)
+    hours = _limited(data.max_duration)
+    ends = np.array([(v.start, v.end) for v in fleet])
+    types = np.column_stack([
+        data.profile, ends, hours, longest, data.unit, data.fixed, data.time, data.opens, _limited(data.leaves), _limited(data.closes),
+        np.cumsum(counts) - counts, counts, np.zeros_like(counts), _limited(data.capacity[:, data.limited]),
+    ])  # fmt: skip
+    kind = np.repeat(np.arange(len(fleet)), counts)
+    heads = sites + 2 * np.arange(len(kind))
+    node = np.zeros((sites + 2 * len(kind), k.LISTED + 1), dtype=np.int64)
+    node[:, [k.ROUTE, k.PLACE, k.LISTED]] = -1
+    node[:sites, k.SITE] = np.arange(sites)
+    node[heads, k.FOLLOWING], node[heads + 1, k.PREVIOUS] = heads + 1, heads
+    for at, end in ((heads, k.START), (heads + 1, k.END)):
+        node[at, k.ROUTE], node[at, k.SITE] = np.arange(len(kind)), types[kind, end]
+    node[customers, k.PLACE] = np.arange(len(customers))
+    route = np.zeros((len(kind), k.LOAD + len(data.limited)), dtype=np.int64)
+    route[:, k.KIND], route[:, k.STAMP], route[:, k.SOUND] = kind, -1, 1
+    absent = np.zeros(sites, dtype=np.int64)
+    absent[: len(customers)] = customers
+    sums = np.array([lost[customers].sum(), lost[customers].sum(), len(customers), 0, 0])
+    skilled = problem.sites.skills
+    allowed = np.array([[not skilled or asked <= v.skills for asked in skilled or [frozenset()] * sites] for v in fleet])
+    spanned = bool((hours < MOST).any() or data.time.any())
+    late = (site[customers, k.DUE] < MOST).any() or (types[:, k.CLOSES] < MOST).any()
+    flags = (k.TIMED if spanned or late or data.ready.any() else 0) | (k.SPANNED if spanned else 0)
+    near = _near(data, customers, np.minimum(on, on.transpose(0, 2, 1)).min(axis=0), goes.min(axis=0), min(neighbours, len(customers) - 1))
+    return Arrays(
+        ways, at_way, _rows(site), _rows(types), allowed, customers.astype(np.int64), near, route, node, absent, sums,
+        np.array([seed], dtype=np.uint64), flags,
+    )  # fmt: skip
+
+
+def _rows(values: Integers) -> Integers:
+    return np.ascontiguousarray(values, dtype=np.int64)
+
+
+def _limited(values: Integers) -> Integers:
+    return np.minimum(values, MOST)
+
+
+def _ways(on: Integers, goes: Integers) -> tuple[Integers, Integers]:
+    """Moves between two sites side by side, each kind once: to the second one's row from the first, and back, lengths and times."""
+    held: list[Integers] = []
+    places = []
+    for matrix in (on.transpose(0, 2, 1), on, goes.transpose(0, 2, 1), goes):
+        place = next((k for k, known in enumerate(held) if np.array_equal(known, matrix)), len(held))
+        if place == len(held):
+            held.append(matrix)
+        places.append(place)
+    return np.ascontiguousarray(np.stack(held, axis=-1)), np.array(places)
+
+
+def _near(data: IntegerRouting, customers: Integers, between: Integers, goes: Integers, many: int) -> Integers:
+    """The customers next to each site, nearest first, of those that can come before or after it on a route; -1 where there are no more."""
+    reached = (data.ready + data.service)[:, None] + goes <= data.due[None, :]
+    far = np.where(reached | reached.T, between, MOST).astype(np.float64)
+    alone = np.ones(len(far), dtype=bool)
+    alone[customers] = False
+    far[:, alone] = far[np.diag_indices_from(far)] = MOST
+    near = np.argsort(far, axis=1, kind="stable")[:, : max(many, 1)]
+    return np.ascontiguousarray(np.where(np.take_along_axis(far, near, axis=1) < MOST, near, -1))

@@ -1,0 +1,481 @@
+"""Ruin and recreate with string removal and annealing, compiled. Imports numba: import it inside functions only.
+
+Source: Christiaens and Vanden Berghe (2020), Slack induction by string removals for vehicle routing problems, Transportation Science 54(2).
+
+Nodes are the sites, and after them two for each slot, a vehicle that may drive a route: the start of route ``r`` is node ``sites + 2 r``,
+its end ``sites + 2 r + 1``. Routes are linked lists of nodes. All numbers are whole. Arrays have a row for each site, vehicle type, route
+or node, and columns that are named here: few arrays, for a compiled function is handed each one in eight pieces.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .....formulations.kernels import inner, kernel
+from .....formulations.stop_kernel import asked
+
+SERVICE, READY, DUE, REQUIRED, LOST, MISSED, DEMAND = range(7)
+"""Columns of sites. ``LOST`` is what leaving a site out costs in the objective, ``MISSED`` what it counts in the search; demands follow."""
+
+PROFILE, START, END, MAX_DURATION, MAX_DISTANCE, UNIT, FIXED, TIME, OPENS, LEAVES, CLOSES, FIRST, SLOTS, USED, CAPACITY = range(15)
+"""Columns of vehicle types: profile of travel, limits and costs, the first slot, how many there are and are used; capacities follow."""
+
+KIND, VISITS, LENGTH, SPENT, COST, SOUND, STAMP, LOAD = range(8)
+"""Columns of routes: vehicle type, visits, length, least duration, cost, whether all limits are kept, the last step that changed it; loads
+follow."""
+
+FOLLOWING, PREVIOUS, ROUTE, SITE, AHEAD, FREE, LATEST, PLACE, TOOK, LATE, REST, EARLY, LISTED = range(13)
+"""Columns of nodes: neighbours on the route; the route, -1 if left out; the site; the length of the move that follows; when a vehicle can
+leave at the earliest, and service must begin at the latest; the place among those left out; least duration up to here and the latest
+departure for it; least duration from here on and the earliest arrival for it; the last step that listed it."""
+
+SEARCHED, OBJECTIVE, ABSENT, STEPS, BETTER = range(5)
+"""Entries of ``sums``: cost of routes and what the search misses; the same in the objective; how many are left out; steps done; how many of
+them led to a better answer than all before."""
+
+TIMED, SPANNED = 1, 2
+"""Flags: anybody can come too late; the duration of a route is limited or priced."""
+
+NONE = 1 << 60
+"""Cost of what cannot be done."""
+
+_GOLDEN, _FIRST, _SECOND = np.uint64(0x9E3779B97F4A7C15), np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
+_30, _27, _31, _11 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
+
+inlined = kernel(no_cpython_wrapper=True, forceinline=True)
+
+
+@inlined
+def _word(random):  # type: ignore[no-untyped-def]
+    """64 random bits (Steele, Lea and Flood 2014): the same ones on any machine."""
+    random[0] += _GOLDEN
+    z = random[0]
+    z = (z ^ (z >> _30)) * _FIRST
+    z = (z ^ (z >> _27)) * _SECOND
+    return z ^ (z >> _31)
+
+
+@inlined
+def _share(random):  # type: ignore[no-untyped-def]
+    """A number from [0, 1)."""
+    return np.float64(_word(random) >> _11) * (1.0 / 9007199254740992.0)
+
+
+@inlined
+def _below(random, n):  # type: ignore[no-untyped-def]
+    """A whole number from 0 to ``n - 1``."""
+    return np.int64(_share(random) * n)
+
+
+@inner
+def _refresh(ways, at_way, site, types, route, node, sums, r, flags):  # type: ignore[no-untyped-def]
+    """Everything that is kept about route ``r``, anew; the sums, too."""
+    k, sites, dims = route[r, KIND], len(site), site.shape[1] - DEMAND
+    p, on, goes = types[k, PROFILE], at_way[1], at_way[3]
+    head, tail = sites + 2 * r, sites + 2 * r + 1
+    sound, length, visits = True, 0, 0
+    for d in range(dims):
+        route[r, LOAD + d] = 0
+    at = head
+    node[head, FREE] = types[k, OPENS]
+    node[head, TOOK], node[head, LATE] = 0, types[k, LEAVES]
+    while at != tail:
+        ahead = node[at, FOLLOWING]
+        a, b = node[at, SITE], node[ahead, SITE]
+        way = ways[p, a, b, on]
+        node[at, AHEAD] = way
+        length += way
+        last = ahead == tail
+        if not last:
+            visits += 1
+            for d in range(dims):
+                route[r, LOAD + d] += site[b, DEMAND + d]
+        if flags & TIMED:
+            drives = ways[p, a, b, goes]
+            reached = node[at, FREE] + drives
+            opens, closes, service = types[k, OPENS], types[k, CLOSES], 0
+            if not last:
+                opens, closes, service = site[b, READY], site[b, DUE], site[b, SERVICE]
+            sound = sound and reached <= closes
+            node[ahead, FREE] = max(reached, opens) + service
+            if flags & SPANNED:
+                on_way = node[at, TOOK] + drives
+                node[ahead, TOOK] = on_way + max(opens - on_way - node[at, LATE], 0) + service
+                node[ahead, LATE] = min(closes - on_way, node[at, LATE])
+        at = ahead
+    if flags & TIMED:
+        node[tail, LATEST] = types[k, CLOSES]
+        node[tail, REST], node[tail, EARLY] = 0, types[k, OPENS]
+        while at != head:
+            behind = node[at, PREVIOUS]
+            a, b = node[behind, SITE], node[at, SITE]
+            opens, closes, service = types[k, OPENS], types[k, LEAVES], 0
+            if behind != head:
+                opens, closes, service = site[a, READY], site[a, DUE], site[a, SERVICE]
+            drives = service + ways[p, a, b, goes]
+            node[behind, LATEST] = min(closes, node[at, LATEST] - drives)
+            if flags & SPANNED:
+                waited = max(node[at, EARLY] - drives - closes, 0)
+                node[behind, REST] = drives + waited + node[at, REST]
+                node[behind, EARLY] = max(node[at, EARLY] - drives, opens) - waited
+            at = behind
+    for d in range(dims):
+        sound = sound and route[r, LOAD + d] <= types[k, CAPACITY + d]
+    spent = node[tail, TOOK] if flags & SPANNED else 0
+    sound = sound and length <= types[k, MAX_DISTANCE] and spent <= types[k, MAX_DURATION]
+    cost = 0 if visits == 0 else types[k, UNIT] * length + types[k, FIXED] + types[k, TIME] * spent
+    types[k, USED] += (visits > 0) - (route[r, VISITS] > 0)
+    sums[SEARCHED] += cost - route[r, COST]
+    sums[OBJECTIVE] += cost - route[r, COST]
+    route[r, VISITS], route[r, LENGTH], route[r, SPENT], route[r, COST] = visits, length, spent, cost
+    route[r, SOUND] = sound or visits == 0
+
+
+@inner
+def _leave_out(site, node, absent, sums, c):  # type: ignore[no-untyped-def]
+    """``c`` is on no route any more."""
+    many = sums[ABSENT]
+    node[c, ROUTE], node[c, PLACE], absent[many] = -1, many, c
+    sums[ABSENT] = many + 1
+    sums[SEARCHED] += site[c, MISSED]
+    sums[OBJECTIVE] += site[c, LOST]
+
+
+@inner
+def _take_in(site, node, absent, sums, c):  # type: ignore[no-untyped-def]
+    """``c`` is left out no more."""
+    many, hole = sums[ABSENT] - 1, node[c, PLACE]
+    other = absent[many]
+    absent[hole], node[other, PLACE], node[c, PLACE] = other, hole, -1
+    sums[ABSENT] = many
+    sums[SEARCHED] -= site[c, MISSED]
+    sums[OBJECTIVE] -= site[c, LOST]
+
+
+@inlined
+def _longer(ways, at_way, site, types, route, node, c, i, r, k, p, least, flags):  # type: ignore[no-untyped-def]
+    """What a visit of ``c`` after node ``i`` costs; ``NONE`` where a limit would be broken. Loads were looked at."""
+    j = node[i, FOLLOWING]
+    a, b = node[i, SITE], node[j, SITE]
+    detour = ways[p, c, a, at_way[0]] + ways[p, c, b, at_way[1]] - node[i, AHEAD]
+    cost = types[k, UNIT] * detour
+    if (cost >= least and not flags & SPANNED) or route[r, LENGTH] + detour > types[k, MAX_DISTANCE]:
+        return NONE
+    if flags & TIMED:
+        comes, goes = ways[p, c, a, at_way[2]], ways[p, c, b, at_way[3]]
+        arrives = node[i, FREE] + comes
+        if arrives > site[c, DUE]:
+            return NONE
+        if max(arrives, site[c, READY]) + site[c, SERVICE] + goes > node[j, LATEST]:
+            return NONE
+        if flags & SPANNED:
+            on_way = node[i, TOOK] + comes
+            late = min(site[c, DUE] - on_way, node[i, LATE])
+            on_way += max(site[c, READY] - on_way - node[i, LATE], 0) + site[c, SERVICE] + goes
+            spent = on_way + max(node[j, EARLY] - on_way - late, 0) + node[j, REST]
+            if spent > types[k, MAX_DURATION]:
+                return NONE
+            cost += types[k, TIME] * (spent - route[r, SPENT])
+    return cost
+
+
+@inner
+def _alone(ways, at_way, site, types, allowed, c, k, flags):  # type: ignore[no-untyped-def]
+    """What a route for ``c`` alone costs."""
+    p, a, b = types[k, PROFILE], types[k, START], types[k, END]
+    if not allowed[k, c]:
+        return NONE
+    for d in range(site.shape[1] - DEMAND):
+        if site[c, DEMAND + d] > types[k, CAPACITY + d]:
+            return NONE
+    length = ways[p, c, a, at_way[0]] + ways[p, c, b, at_way[1]]
+    if length > types[k, MAX_DISTANCE]:
+        return NONE
+    cost = types[k, UNIT] * length + types[k, FIXED]
+    if flags & TIMED:
+        comes, goes = ways[p, c, a, at_way[2]], ways[p, c, b, at_way[3]]
+        begins = max(types[k, OPENS] + comes, site[c, READY])
+        if begins > site[c, DUE] or begins + site[c, SERVICE] + goes > types[k, CLOSES]:
+            return NONE
+        spent = comes + site[c, SERVICE] + goes + max(0, site[c, READY] - comes - types[k, LEAVES])
+        if spent > types[k, MAX_DURATION]:
+            return NONE
+        cost += types[k, TIME] * spent
+    return cost
+
+
+@inner
+def _save(route, node, sites, r, step, log, logged):  # type: ignore[no-untyped-def]
+    """Keep the visits of route ``r`` as they are, once a step; returns how much of the log is used."""
+    if route[r, STAMP] == step:
+        return logged
+    route[r, STAMP] = step
+    place, c, tail = logged + 2, node[sites + 2 * r, FOLLOWING], sites + 2 * r + 1
+    while c != tail:
+        log[place] = c
+        place += 1
+        c = node[c, FOLLOWING]
+    log[logged], log[logged + 1] = r, place - logged - 2
+    return place
+
+
+@kernel(
+    "(i8[:, :, :, ::1], i8[::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], i8[::1], i8[::1], i8)",
+)
+def settle(ways, at_way, site, types, route, node, absent, sums, flags):  # type: ignore[no-untyped-def]
+    """Everything that is kept about routes that were put in from outside; those that break a limit are dissolved."""
+    for r in range(len(route)):
+        head, tail = len(site) + 2 * r, len(site) + 2 * r + 1
+        at = node[head, FOLLOWING]
+        while at != tail:
+            _take_in(site, node, absent, sums, at)
+            at = node[at, FOLLOWING]
+        _refresh(ways, at_way, site, types, route, node, sums, r, flags)
+        if route[r, SOUND]:
+            continue
+        at = node[head, FOLLOWING]
+        while at != tail:
+            after = node[at, FOLLOWING]
+            _leave_out(site, node, absent, sums, at)
+            at = after
+        node[head, FOLLOWING], node[tail, PREVIOUS] = tail, head
+        _refresh(ways, at_way, site, types, route, node, sums, r, flags)
+
+
+@kernel(
+    "(i8[::1], i8[:, :, :, ::1], i8[::1], i8[:, ::1], i8[:, ::1], b1[:, ::1], i8[::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], i8[::1], "
+    "i8[::1], u8[::1], i8[::1], i8[::1], f8[::1], i8, f8, f8, i8)"
+)
+def anneal(  # type: ignore[no-untyped-def]
+    flag,
+    ways,
+    at_way,
+    site,
+    types,
+    allowed,
+    customers,
+    near,
+    route,
+    node,
+    absent,
+    sums,
+    random,
+    best,
+    log,
+    sizes,
+    steps,
+    warmth,
+    cooling,
+    flags,
+):
+    """Some steps of ruin and recreate, accepted by annealing from temperature ``warmth``, which each step multiplies by ``cooling``.
+
+    ``ways[p, c, a]`` has the length of the move from a to c and back, and the time that these take, in the entries ``at_way``. ``near`` has
+    for each site the customers next to it, nearest first; -1 ends a row. ``best`` receives the cost and the successor of each node of the
+    best answer. ``sizes`` are the longest string and how many visits are removed on the mean. Returns the temperature.
+    """
+    sites, slots, kinds = len(site), len(route), len(types)
+    n, dims = len(customers), site.shape[1] - DEMAND
+    moved, todo, keys = np.empty(n + 16, np.int64), np.empty(n + 16, np.int64), np.empty(n + 16)
+    longest, removed_on_mean = sizes[0], sizes[1]
+    for _ in range(steps):
+        if sums[STEPS] & 255 == 0 and asked(flag):
+            break
+        sums[STEPS] += 1
+        step, before = sums[STEPS], sums[SEARCHED]
+        logged, moves = 0, 0
+        # Ruin: strings of visits on routes that are near to each other.
+        routes = 0
+        for k in range(kinds):
+            routes += types[k, USED]
+        if kinds > 1 and routes > 0 and _below(random, 32) == 0:
+            # Or another vehicle takes a whole route over.
+            r, k = node[customers[_below(random, n)], ROUTE], _below(random, kinds)
+            if r >= 0 and k != route[r, KIND] and types[k, USED] < types[k, SLOTS]:
+                other = types[k, FIRST]
+                while route[other, VISITS] > 0:
+                    other += 1
+                logged = _save(route, node, sites, r, step, log, logged)
+                logged = _save(route, node, sites, other, step, log, logged)
+                head, tail = sites + 2 * r, sites + 2 * other
+                at, last = node[head, FOLLOWING], node[head + 1, PREVIOUS]
+                node[tail, FOLLOWING], node[at, PREVIOUS], node[tail + 1, PREVIOUS], node[last, FOLLOWING] = at, tail, last, tail + 1
+                node[head, FOLLOWING], node[head + 1, PREVIOUS] = head + 1, head
+                able = True
+                while at != tail + 1:
+                    node[at, ROUTE] = other
+                    able = able and allowed[k, at]
+                    at = node[at, FOLLOWING]
+                _refresh(ways, at_way, site, types, route, node, sums, r, flags)
+                _refresh(ways, at_way, site, types, route, node, sums, other, flags)
+                if not able:
+                    route[other, SOUND] = 0
+        elif routes > 0:
+            most = min(longest, (n - sums[ABSENT]) / routes)
+            wanted = np.int64(_share(random) * (4.0 * removed_on_mean / (1.0 + most) - 1.0) + 1.0)
+            seed = customers[_below(random, n)]
+            for q in range(-1, near.shape[1]):
+                c = seed if q < 0 else near[seed, q]
+                if c < 0 or wanted <= 0:
+                    break
+                r = node[c, ROUTE]
+                if r < 0 or route[r, STAMP] == step:
+                    continue
+                logged = _save(route, node, sites, r, step, log, logged)
+                wanted -= 1
+                size = route[r, VISITS]
+                cut = min(np.int64(_share(random) * min(most, size) + 1.0), size)
+                kept = 0
+                if cut > 1 and cut < size and _share(random) < 0.5:
+                    kept = 1
+                    while cut + kept < size and _share(random) < 0.01:
+                        kept += 1
+                span = cut + kept
+                back, ahead, at = 0, 0, c
+                while back < span - 1 and node[at, PREVIOUS] < sites:
+                    at = node[at, PREVIOUS]
+                    back += 1
+                at = c
+                while ahead < span - 1 and node[at, FOLLOWING] < sites:
+                    at = node[at, FOLLOWING]
+                    ahead += 1
+                low = max(0, span - 1 - ahead)
+                at = c
+                for _step in range(low + _below(random, back - low + 1)):
+                    at = node[at, PREVIOUS]
+                gap = 1 + _below(random, cut - 1) if kept else span
+                for place in range(span):
+                    after = node[at, FOLLOWING]
+                    if place < gap or place >= gap + kept:
+                        behind = node[at, PREVIOUS]
+                        node[behind, FOLLOWING], node[after, PREVIOUS] = after, behind
+                        _leave_out(site, node, absent, sums, at)
+                        node[at, LISTED] = step
+                        moved[moves] = todo[moves] = at
+                        moves += 1
+                    at = after
+                _refresh(ways, at_way, site, types, route, node, sums, r, flags)
+        for _try in range(min(sums[ABSENT] - moves, 10)):
+            c = absent[_below(random, sums[ABSENT])]
+            if node[c, LISTED] != step:
+                node[c, LISTED] = step
+                moved[moves] = todo[moves] = c
+                moves += 1
+        # Recreate: in some order, each where it costs least.
+        draw = _below(random, 15 if flags & TIMED else 11)
+        for m in range(moves):
+            c = todo[m]
+            if draw >= 4 and draw < 8 and dims > 0:
+                keys[m] = -np.float64(site[c, DEMAND])
+            elif draw < 8:
+                keys[m] = _share(random)
+            elif draw < 11:
+                keys[m] = np.float64(ways[0, c, types[0, START], 0]) * (-1.0 if draw < 10 else 1.0)
+            elif draw < 13:
+                keys[m] = np.float64(site[c, DUE] - site[c, READY])
+            else:
+                keys[m] = np.float64(site[c, READY] if draw == 13 else -site[c, DUE])
+        for m in range(1, moves):
+            key, c, place = keys[m], todo[m], m - 1
+            while place >= 0 and keys[place] > key:
+                keys[place + 1], todo[place + 1] = keys[place], todo[place]
+                place -= 1
+            keys[place + 1], todo[place + 1] = key, c
+        bits, left = np.uint64(0), 0
+        for m in range(moves):
+            c = todo[m]
+            chance, least, after, opened = _below(random, 128), site[c, MISSED], -1, -1
+            apart, lone = chance < 2, _below(random, kinds) if chance < 2 else -1  # on a route of its own, by any vehicle
+            if not site[c, REQUIRED]:
+                if chance == 2:
+                    continue
+                least -= np.int64(warmth * np.log(_share(random) + 1e-300))
+            for q in range(0 if apart else near.shape[1]):
+                i = near[c, q]
+                if i < 0:
+                    break
+                r = node[i, ROUTE]
+                if r < 0:
+                    continue
+                if left == 0:
+                    bits, left = _word(random), 9
+                blink = bits & np.uint64(127) == np.uint64(0)
+                bits >>= np.uint64(7)
+                left -= 1
+                if blink:
+                    continue
+                k = route[r, KIND]
+                fits = allowed[k, c]
+                for d in range(dims):
+                    fits = fits and route[r, LOAD + d] + site[c, DEMAND + d] <= types[k, CAPACITY + d]
+                if not fits:
+                    continue
+                p = types[k, PROFILE]
+                cost = _longer(ways, at_way, site, types, route, node, c, i, r, k, p, least, flags)
+                if cost < least:
+                    least, after = cost, i
+                first = node[i, PREVIOUS]
+                if first >= sites:
+                    cost = _longer(ways, at_way, site, types, route, node, c, first, r, k, p, least, flags)
+                    if cost < least:
+                        least, after = cost, first
+            for k in range(kinds):
+                if types[k, USED] < types[k, SLOTS] and (not apart or k == lone):
+                    cost = _alone(ways, at_way, site, types, allowed, c, k, flags)
+                    if cost < least:
+                        least, after, opened = cost, -1, k
+            if after < 0 and opened < 0 and site[c, REQUIRED]:
+                for r in range(slots):
+                    k = route[r, KIND]
+                    fits = route[r, VISITS] > 0 and allowed[k, c]
+                    for d in range(dims):
+                        fits = fits and route[r, LOAD + d] + site[c, DEMAND + d] <= types[k, CAPACITY + d]
+                    i = sites + 2 * r
+                    while fits and i != sites + 2 * r + 1:
+                        cost = _longer(ways, at_way, site, types, route, node, c, i, r, k, types[k, PROFILE], least, flags)
+                        if cost < least:
+                            least, after = cost, i
+                        i = node[i, FOLLOWING]
+            if after < 0:
+                if opened < 0:
+                    continue
+                r = types[opened, FIRST]
+                while route[r, VISITS] > 0:
+                    r += 1
+                after = sites + 2 * r
+            r, onward = node[after, ROUTE], node[after, FOLLOWING]
+            logged = _save(route, node, sites, r, step, log, logged)
+            node[after, FOLLOWING], node[c, PREVIOUS], node[c, FOLLOWING], node[onward, PREVIOUS] = c, after, onward, c
+            node[c, ROUTE] = r
+            _take_in(site, node, absent, sums, c)
+            _refresh(ways, at_way, site, types, route, node, sums, r, flags)
+        # Accept, or put everything back.
+        sound, at = True, 0
+        while at < logged:
+            sound = sound and route[log[at], SOUND] != 0
+            at += 2 + log[at + 1]
+        if not sound or sums[SEARCHED] >= before - warmth * np.log(_share(random) + 1e-300):
+            for m in range(moves):
+                if node[moved[m], ROUTE] >= 0:
+                    _leave_out(site, node, absent, sums, moved[m])
+            at = 0
+            while at < logged:
+                r, many = log[at], log[at + 1]
+                last, tail = sites + 2 * r, sites + 2 * r + 1
+                for place in range(at + 2, at + 2 + many):
+                    c = log[place]
+                    node[last, FOLLOWING], node[c, PREVIOUS], node[c, ROUTE] = c, last, r
+                    last = c
+                node[last, FOLLOWING], node[tail, PREVIOUS] = tail, last
+                _refresh(ways, at_way, site, types, route, node, sums, r, flags)
+                at += 2 + many
+            for m in range(moves):
+                if node[moved[m], ROUTE] >= 0:
+                    _take_in(site, node, absent, sums, moved[m])
+        elif sums[OBJECTIVE] < best[0]:
+            sums[BETTER] += 1
+            best[0] = sums[OBJECTIVE]
+            for i in range(len(node)):
+                best[1 + i] = node[i, FOLLOWING] if node[i, ROUTE] >= 0 else -1
+        warmth *= cooling
+    return warmth

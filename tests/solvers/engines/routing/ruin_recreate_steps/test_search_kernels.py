@@ -1,0 +1,67 @@
+"""The search keeps its books: whatever it did, all that it remembers of routes is what the routes are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from small_routing import small
+
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.solvers.engines.routing.routing_integers import integer_routing, with_slope
+from waybound.solvers.engines.routing.ruin_recreate_steps import search_kernels as k
+from waybound.solvers.engines.routing.ruin_recreate_steps.arrays import Arrays, arrays
+
+KINDS = (
+    "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "limited-fleet", "heterogeneous-fleet",
+    "multiple-depots", "open-routes", "separate-durations", "vehicles", "prizes", "reward", "reward-then-cost",
+)  # fmt: skip
+
+
+def searched(problem: RoutingProblem, steps: int, warmth: float, seed: int = 1) -> tuple[Arrays, np.ndarray]:
+    """The state after some steps, and the best answer on the way."""
+    held = arrays(problem, with_slope(problem, integer_routing(problem)), 60, seed)
+    best = np.zeros(1 + len(held.node), dtype=np.int64)
+    best[0] = np.iinfo(np.int64).max
+    log = np.zeros(len(held.site) + 2 * len(held.route) + 2, dtype=np.int64)
+    k.anneal(np.zeros(1, np.int64), *held.parts, best, log, np.array([10.0, 3.0]), steps, warmth, 1.0, held.flags)
+    return held, best
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("convention", ["exact", "trunc1"])
+def test_what_is_kept_of_routes_is_what_they_are(kind: str, convention: str) -> None:
+    for seed in range(3):
+        problem = small(kind, seed, convention)
+        held, best = searched(problem, 400, 1e4, seed)
+        following = held.node[:, k.FOLLOWING]
+        routes = held.routes(following)
+        again = arrays(problem, with_slope(problem, integer_routing(problem)), 60, seed)
+        assert again.begin(routes)
+        visited = sorted(site for route in routes for site in route.visits)
+        left_out = sorted(held.absent[: held.sums[k.ABSENT]].tolist())
+        assert sorted([*visited, *left_out]) == problem.customers.tolist()
+        for c in problem.customers.tolist():
+            assert (held.node[c, k.ROUTE] < 0) == (c in left_out)
+        assert held.sums[: k.STEPS].tolist() == again.sums[: k.STEPS].tolist()
+        kept = [(row[k.KIND], *row[k.VISITS : k.SOUND], *row[k.LOAD :]) for row in held.route.tolist() if row[k.VISITS]]
+        anew = [(row[k.KIND], *row[k.VISITS : k.SOUND], *row[k.LOAD :]) for row in again.route.tolist() if row[k.VISITS]]
+        assert sorted(kept) == sorted(anew)
+        assert all(held.node[following[c], k.PREVIOUS] == c for c in visited)
+        judged = problem.evaluate(held.routes(best[1:]))
+        assert {v.check for v in judged.violations} <= {"visits"} or judged.feasible
+
+
+def test_the_same_seed_takes_the_same_way_and_another_one_another() -> None:
+    problem = small("capacity", 0, "round")
+    (one, _), (again, _), (other, _) = (searched(problem, 200, 50.0, seed) for seed in (1, 1, 2))
+    assert np.array_equal(one.node, again.node) and np.array_equal(one.random, again.random)
+    assert not np.array_equal(one.random, other.random)
+
+
+def test_a_wish_to_end_is_heard_at_the_next_look() -> None:
+    problem = small("capacity", 0, "round")
+    held, best = searched(problem, 10, 1.0)
+    done = int(held.sums[k.STEPS])
+    log = np.zeros(len(held.site) + 2 * len(held.route) + 2, dtype=np.int64)
+    k.anneal(np.ones(1, np.int64), *held.parts, best, log, np.array([10.0, 3.0]), 10**6, 1.0, 1.0, held.flags)
+    assert done <= held.sums[k.STEPS] <= done + 256

@@ -1,0 +1,78 @@
+"""Ruin and recreate: that it finds optima is held by the conformance suite; here is what is its own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from coded import coded
+from small_routing import small
+
+import waybound as wb
+from waybound.instances.errors import UsageError
+from waybound.solvers.backend import Control, Options
+from waybound.solvers.engines.routing.ruin_recreate import RuinRecreate
+
+
+def run(problem: wb.RoutingProblem, **options: object) -> object:
+    return RuinRecreate().run(problem, Options(**{"time_limit": 60.0, **options}), Control())  # type: ignore[arg-type]
+
+
+def test_iterations_and_a_seed_make_the_same_routes() -> None:
+    problem = wb.generate("random", customers=40, capacity=40)
+    answers = [wb.solve(problem, "ruin-recreate", iterations=3000, seed=seed, bound_time=0).answer for seed in (1, 1, 2)]
+    assert answers[0] == answers[1] != answers[2]
+
+
+def test_it_counts_ruins_and_ends_without_improvement() -> None:
+    problem = wb.generate("random", customers=20, capacity=40)
+    assert run(problem, iterations=1234).statistics["iterations"] == 1234
+    ended = run(problem, no_improvement=500)
+    assert ended.limit == "iterations" and ended.statistics["iterations"] >= 500
+
+
+def test_who_is_on_no_route_is_named() -> None:
+    problem = wb.generate("random", customers=6, capacity=40)
+    far = replace(problem, fleet=(replace(problem.fleet[0], count=1, capacity=float(problem.sites.demand.max())),))
+    found = run(far, iterations=500)
+    assert found.status == "unknown" and found.answer is None
+    assert found.message.startswith("no answer was found that visits every required site; the best one leaves out ")
+
+
+def test_where_only_rewards_count_the_claim_is_the_judges_and_routes_are_short() -> None:
+    problem = small("reward", 2, "exact")
+    found = run(problem, iterations=2000)
+    judged = problem.evaluate(found.answer)
+    assert judged.feasible and found.objective == judged.values[0]
+
+
+def test_the_longest_route_is_taken_by_bisection() -> None:
+    problem = replace(small("capacity", 0, "exact"), objective=wb.Objective.of(wb.LongestRoute()))
+    found = run(problem, iterations=4000)
+    assert any(link.name == "bisection" for link in found.links)
+    assert problem.evaluate(found.answer).feasible
+
+
+@pytest.mark.parametrize(
+    ("option", "value"), [("removals", 0.0), ("string", 0.5), ("neighbours", 0), ("hot", -1.0), ("cold", -1e-9), ("worth", -1.0)]
+)
+def test_options_out_of_range_are_refused(option: str, value: float) -> None:
+    with pytest.raises(UsageError, match=option, check=coded("out-of-range")):
+        run(small("capacity", 0, "round"), extra={option: value})
+
+
+def test_time_on_the_move_is_limited_only_where_moves_take_as_long_as_they_are() -> None:
+    problem = small("travel", 0, "exact")
+    assert not RuinRecreate().missing(problem)
+    slow = replace(problem, fleet=(replace(problem.fleet[0], speed=2.0),))
+    assert "energy:travel with separate-durations" in RuinRecreate().missing(slow)
+
+
+def test_a_limit_of_time_is_kept_and_the_best_answer_handed_out() -> None:
+    problem = wb.generate("random", customers=200, capacity=60)
+    control, heard = Control(), []
+    control.goal = lambda answer, objective: heard.append(objective) or False
+    found = RuinRecreate().run(problem, Options(time_limit=0.3), control)
+    assert found.limit == "time" and problem.evaluate(found.answer).feasible
+    assert np.all(np.diff(heard) <= 0) and found.objective == min(heard)
