@@ -41,6 +41,15 @@ def proved(problem: Problem, kind: str, source: str, data: dict[str, Any]) -> Ev
     return replace(evidence, value=verified_bound(problem, evidence))
 
 
+def proved_bound(problem: Problem, evidence: Evidence) -> float | None:
+    """The bound that the checker derives from ``evidence``; None where it proves nothing, or its checker fails."""
+    try:
+        bound = verified_bound(problem, evidence)
+    except Exception:  # told when the certificate is made, which asks every checker
+        return None
+    return bound if bound != (-math.inf if problem.sense == "min" else math.inf) else None
+
+
 def proves_unbounded(problem: Problem, evidence: Evidence) -> bool:
     """Whether ``evidence`` proves that answers are as good as one wants; raises InputError where its shape is wrong."""
     try:

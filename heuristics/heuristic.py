@@ -154,6 +154,10 @@ class HeuristicWork:
 
     modules: ClassVar[tuple[str, ...]] = ("numba",)
 
+    @property
+    def method(self) -> Heuristic:
+        return HEURISTICS[self.name]
+
     def __call__(self, control: Control) -> RawResult:
         o, stop = self.options, Stop()
         control.on_stop(stop.ask)
@@ -161,7 +165,7 @@ class HeuristicWork:
             rng=np.random.default_rng(o.seed), time_limit=o.time_limit, start=o.start, publish=control.publish, stop=stop,
             linear=LinearPrograms(o.lp_solver, o.seed, o.threads),
         )  # fmt: skip
-        found = HEURISTICS[self.name].run(self.problem, context, **o.extra)
+        found = self.method.run(self.problem, context, **o.extra)
         return RawResult(
             "unknown", found.limit, found.answer, statistics=found.statistics, message=found.message, evidence=found.evidence,
             holds=Exactness.NEITHER, guarantee=found.guarantee,

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..formulations.evidence import Evidence, Guarantee
 from ..formulations.problem import Problem
 from ..formulations.programs.exactness import Exactness, Link
+from ..formulations.programs.program import Program
 from ..formulations.stop import Stop
 from ..instances.errors import MissingPackageError, UnsupportedError, UsageError
 from ..instances.registry import Registry
@@ -308,6 +309,17 @@ class Backend(ABC):
             return "not installed"
 
 
+@dataclass(frozen=True)
+class Needs:
+    """What an engine lacks for a problem, and, where that is nothing, what it takes to run it: bytes, seconds before its search begins, and
+    whether a process of its own."""
+
+    missing: frozenset[str]
+    memory: float = 0.0
+    set_up_seconds: float = 0.0
+    apart: bool = False
+
+
 class Engine(Backend):
     """Solves problems of the features it declares.
 
@@ -326,6 +338,11 @@ class Engine(Backend):
     family: ClassVar[str]
     features: ClassVar[frozenset[str]]
     bounds_itself: ClassVar[bool] = False
+
+    def needs(self, problem: Problem) -> Needs:
+        """All that who chooses an engine asks it about ``problem``, at once."""
+        missing = self.missing(problem)
+        return Needs(missing) if missing else Needs(missing, self.memory(problem), self.set_up_seconds(problem), self.apart(problem))
 
     def missing(self, problem: Problem) -> frozenset[str]:
         """Features of ``problem`` that the engine lacks; empty if it can take it."""
@@ -370,6 +387,31 @@ def solver_named(name: str) -> Backend:
     if not kind.installed():
         raise MissingPackageError(f"solver {base} needs the package {kind.package}: pip install {kind.package}")
     return kind(variant) if variant else kind()
+
+
+@dataclass(frozen=True)
+class SolverWork:
+    """A solver at its work: picklable, and called with a ``Control``.
+
+    Parameters
+    ----------
+    solver : str
+        Its name, with the variant where there is one: ``pulp:HiGHS``.
+    target : Problem or Program
+    options : Options
+    """
+
+    solver: str
+    target: Problem | Program
+    options: Options
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """Modules that are loaded before time and memory are counted."""
+        return solver_named(self.solver).modules
+
+    def __call__(self, control: Control) -> RawResult:
+        return solver_named(self.solver).run(self.target, self.options, control)  # type: ignore[attr-defined,no-any-return]
 
 
 BACKENDS: Registry[type[Backend]] = Registry("solver", "waybound.solvers.backends", "waybound.solvers.engines.*", group="waybound.solvers")

@@ -29,7 +29,7 @@ from ..formulations.programs.program import Program
 from ..formulations.stop import hearing, off_the_clock, tell
 from ..instances import errors
 from ..instances.errors import UsageError, WayboundError
-from .backend import Control, Options, RawResult, solver_named
+from .backend import Control, Options, RawResult, SolverWork
 from .children import child, scratch
 from .interrupts import CHILD_GRACE
 
@@ -44,31 +44,6 @@ STARTUP = 60.0
 
 _MEGABYTE = 2**20
 _TICK = 0.05
-
-
-@dataclass(frozen=True)
-class SolverWork:
-    """A solver at its work: picklable, and called with a ``Control``.
-
-    Parameters
-    ----------
-    solver : str
-        Its name, with the variant where there is one: ``pulp:HiGHS``.
-    target : Problem or Program
-    options : Options
-    """
-
-    solver: str
-    target: Problem | Program
-    options: Options
-
-    @property
-    def modules(self) -> tuple[str, ...]:
-        """Modules that are loaded before time and memory are counted."""
-        return solver_named(self.solver).modules
-
-    def __call__(self, control: Control) -> RawResult:
-        return solver_named(self.solver).run(self.target, self.options, control)  # type: ignore[attr-defined,no-any-return]
 
 
 def run_isolated(solver: str, target: Problem | Program, options: Options, control: Control) -> RawResult:

@@ -159,7 +159,10 @@ class View:
     def holds(self, e: ast.AST, problem: Part) -> bool:
         """Whether the value of an expression is the problem, an object that holds one, or a function that speaks of one."""
         function = self.inner.get(e.id) if isinstance(e, ast.Name) else e if FUNCTION in self.kinds(e) else None
-        spoken = [node for node in ast.walk(function) if isinstance(node, ast.Name)] if function else []
+        spoken: list[ast.AST] = [node for node in ast.walk(function) if isinstance(node, ast.Name)] if function else []
+        if isinstance(e, ast.Attribute):
+            methods = [found[0] for kind in self.kinds(e.value) if (found := member(kind, e.attr)) and found[0]]
+            spoken += [e.value for method in methods if not getattr(method.node, "decorator_list", None)]  # a property is what it returns
         return any(carries(kind, problem) for kind in merged(map(self.kinds, [e, *spoken])))
 
 

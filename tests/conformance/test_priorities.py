@@ -32,6 +32,7 @@ from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import BACKENDS, Control, LevelClaim, Options, RawResult
 from waybound.solvers.backends.highs import Highs
+from waybound.solving.search import Searched
 
 SOLVERS = ("highs", "cpsat", "mathopt", "scip", "pulp", "cvxpy")
 GOALS: dict[str, Composable] = {
@@ -92,7 +93,7 @@ def test_reward_before_makespan_is_no_weighted_sum() -> None:
 
 
 def test_later_levels_without_evidence_are_claimed_and_the_certificate_keeps_to_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("waybound.solving.levels.find_bounds", lambda *asked, **named: [])
+    monkeypatch.setattr("waybound.solving.levels.bounded", lambda *asked, **named: Searched(RawResult("unknown"), False, 0.0))
     problem = small("vehicles", 1, "exact")
     found = wb.solve(problem, "highs", bound_time=60.0)
     assert found.status == "optimal"

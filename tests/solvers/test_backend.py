@@ -13,7 +13,7 @@ from programs import program
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.evidence import Evidence
 from waybound.instances.errors import MissingPackageError, UsageError
-from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult, solver_named
+from waybound.solvers.backend import BACKENDS, Control, Engine, Needs, Options, RawResult, solver_named
 from waybound.solvers.program_backend import ProgramBackend
 
 PLAIN = program([3, 2], [[2, 3]], -np.inf, 10.5, 0, [4, 5])
@@ -115,6 +115,23 @@ def test_an_engine_lacks_other_families_before_their_features() -> None:
     assert Straight().missing(ArrayProblem(program([1], [[1]], 0, 1, integer=[0]))) == {"integer"}
     other = type("Other", (Straight,), {"family": "routing"})
     assert other().missing(ArrayProblem(PLAIN)) == {"arrays problems"}
+
+
+def test_an_engine_that_lacks_something_is_asked_for_nothing_else() -> None:
+    class Heavy(Engine):
+        name, family, package, modules, summary, features = "heavy", "arrays", "waybound", ("json",), "for tests", frozenset[str]()
+        needs_process = True
+
+        def memory(self, problem: Any) -> float:
+            return 8.0 * problem.size
+
+        def run(self, problem: Any, options: Options, control: Control) -> RawResult:
+            return RawResult("unknown")
+
+    made = ArrayProblem(program([1.0], [[1.0]], 0.0, 1.0, 0, 1))
+    heavy = type("Able", (Heavy,), {"features": made.features()})()
+    assert heavy.needs(made) == Needs(frozenset(), 8.0 * made.size, 0.0, apart=True)
+    assert type("Foreign", (Heavy,), {"family": "routing", "memory": None})().needs(made) == Needs(frozenset({"arrays problems"}))
 
 
 def test_only_what_is_asked_for_is_asked() -> None:

@@ -6,6 +6,7 @@ import dataclasses
 import math
 import threading
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,18 +14,24 @@ import pytest
 from patience import HANG
 
 import waybound as wb
+from waybound.formulations.certificate import certify
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.problem import Problem
+from waybound.formulations.verified_bounds import proved
 from waybound.instances.errors import InputError, UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from waybound.solvers.bounds import BOUNDS, BoundMethod
 from waybound.solvers.linear_programs import LinearPrograms
 from waybound.solving import bounding, solve
 from waybound.solving import search as searching
-from waybound.solving.bounding import AT_ONCE, Beside, BoundWork, Goal, find_bounds, free_core, proved
+from waybound.solving.bounding import AT_ONCE, Beside, BoundWork, Goal, find_bounds, free_core
 
 GRAPH = wb.SensingGraph.from_edges([0, 1], [0, 1], [0, 1], np.array([3.0, 2.0]))
 PROBLEM = wb.WinnerTakesAllSATA(GRAPH)
+
+
+def goal(problem: Problem, evidence: Sequence[Evidence] = (), gap: float = 0.0) -> Goal:
+    return Goal(problem, certify(problem, None, evidence), gap)
 
 
 def instead(registered: Any, name: str, compute: Any) -> None:
@@ -201,8 +208,7 @@ def test_a_bound_that_fails_costs_no_answer(monkeypatch, fault) -> None:
 def test_what_one_thread_saw_reached_stays_so_whatever_another_sees() -> None:
     problem = wb.generate("random", seed=1, customers=4)
     best = wb.solve(problem, "highs")
-    made = bounding.Goal(problem, [])
-    made.bound = best.objective
+    made = Goal(problem, dataclasses.replace(certify(problem, None), bound=best.objective))
     worse = wb.Routes(tuple(best.answer)[:-1])
     assert made(best.answer, best.objective)
     assert made(worse, best.objective)
@@ -240,7 +246,7 @@ def waits(registered, monkeypatch):
     """The engine, on a machine with a free core, with nothing proved before its search."""
     registered(BACKENDS, "waits", Waits)
     monkeypatch.setattr(solve, "free_core", lambda threads: True)
-    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: ([], Goal(problem, [], gap)))
+    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: ([], goal(problem, [], gap)))
     return Waits
 
 
@@ -272,7 +278,7 @@ def test_who_has_a_bound_does_not_wait_for_what_is_compiled_beside_the_search(wa
     problem = wb.read("demo-tiny")
     evidence = find_bounds(problem, HANG, at_once=True)
     monkeypatch.setattr(waits, "answer", wb.solve(problem, heuristic="savings", bound_time=0).answer)
-    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: (evidence, Goal(problem, evidence, gap)))
+    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: (evidence, goal(problem, evidence, gap)))
     release = threading.Event()
     monkeypatch.setattr("waybound.solving.bounding.run_in_process", lambda *_, **__: release.wait(10 * HANG))
     solution = wb.solve(problem, "waits", time_limit=0.1, bound_time=1.5)
@@ -284,7 +290,7 @@ def test_no_bound_is_waited_for_once_the_answer_is_proved(waits, monkeypatch):
     problem = wb.generate("random", seed=1, customers=4)
     evidence = find_bounds(problem, HANG, target=wb.solve(problem, "highs", bound_time=0).objective)
     monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
-    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: (evidence, Goal(problem, evidence, gap)))
+    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: (evidence, goal(problem, evidence, gap)))
     release = threading.Event()
     monkeypatch.setattr("waybound.solving.bounding.run_in_process", lambda *_, **__: release.wait(10 * HANG))
     solution = wb.solve(problem, "waits", time_limit=100 * HANG)
@@ -311,7 +317,7 @@ def test_what_bounding_beside_a_search_finds_and_lacks_is_told(waits, monkeypatc
 
 def test_the_end_of_a_wait_ends_the_bounding(waits):
     problem = wb.read("demo-tiny")
-    beside = Beside(BoundWork(problem, 10 * HANG, (), LinearPrograms()), Goal(problem, []), Control())
+    beside = Beside(BoundWork(problem, 10 * HANG, (), LinearPrograms()), goal(problem), Control())
     control = Control()
     control.stop()
     began = time.perf_counter()

@@ -120,7 +120,7 @@ def test_what_ended_the_search_is_told_before_what_came_after(crash: Exception, 
 def test_an_answer_that_needs_no_search_counts_where_it_refutes_something() -> None:
     for refutes in (True, False):
         case = judge()
-        case.at_hand(lambda judged, refutes=refutes: refutes)
+        case.at_hand(case.problem.answer_at_hand(), lambda judged, refutes=refutes: refutes)
         assert (case.best()[1] is not None) == refutes
 
 

@@ -34,7 +34,7 @@ def proved(problem: Any, evaluation: Any, bound: float) -> list[LevelBound]:
 
 
 def bounds(problem: Any, evaluation: Any, proved: Any, claimed: Any) -> Any:
-    return bounds_of_levels(problem, evaluation, proved, claimed, "highs (a form)", evaluation.values[0], "verified", "loads")
+    return bounds_of_levels(problem.senses, evaluation, proved, claimed, "highs (a form)", evaluation.values[0], "verified", "loads")
 
 
 @pytest.mark.slow
@@ -53,7 +53,7 @@ def test_a_claim_counts_only_where_it_says_more(problem: Any, evaluation: Any) -
 
 
 def test_after_an_open_level_nothing_is_said(problem: Any, evaluation: Any) -> None:
-    made = bounds_of_levels(problem, evaluation, proved(problem, evaluation, 300.0), {}, "highs", 1.0, "verified", "loads")
+    made = bounds_of_levels(problem.senses, evaluation, proved(problem, evaluation, 300.0), {}, "highs", 1.0, "verified", "loads")
     assert made == ([1.0, None], "verified", "loads")
 
 
@@ -70,14 +70,14 @@ proved  384.7341401 is the least at level 2: bound and answer meet"""
 @pytest.mark.slow
 def test_levels_are_bounded_while_they_are_closed_and_then_all_is_proved(problem: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
-    real = levels.find_bounds
+    real = levels.bounded
 
     def find(part: Any, seconds: float, **keywords: Any) -> Any:
         asked.append(part)
         return real(part, 600.0, **keywords)
 
-    monkeypatch.setattr(levels, "find_bounds", find)
-    monkeypatch.setattr(levels, "BOUND_OVERTIME", 600.0)
+    monkeypatch.setattr(levels, "bounded", find)
+    monkeypatch.setattr("waybound.solving.bounding.BOUND_OVERTIME", 600.0)
     monkeypatch.setattr("waybound.solving.search.GRACE", 600.0)
     solution = wb.solve(problem, "cpsat", bound_time=20.0)
     (part,) = asked
@@ -95,6 +95,6 @@ def test_a_first_level_that_is_open_leaves_the_rest_alone(problem: Any, evaluati
     from waybound.solvers.linear_programs import LinearPrograms
     from waybound.solving.recording import Recorder
 
-    monkeypatch.setattr(levels, "find_bounds", lambda *a, **k: pytest.fail("not to be asked"))
+    monkeypatch.setattr(levels, "bounded", lambda *a, **k: pytest.fail("not to be asked"))
     certificate = replace(judged_only(problem, evaluation), bound=1.0)
-    assert levels.further_levels(problem, certificate, evaluation, 5.0, LinearPrograms(), Recorder(problem), []) is certificate
+    assert levels.further_levels(problem, certificate, evaluation, 5.0, LinearPrograms(), Recorder(problem.senses), []) is certificate

@@ -185,10 +185,10 @@ def test_nobody_is_asked_where_evidence_settles_it():
 
 def test_an_engine_is_asked_once_by_whatever_road_and_never_about_its_own_word():
     made = KNAPSACK.compile()
-    engines = {name: (BACKENDS[name.partition(":")[0]](name.partition(":")[2])).engine for name in independent(made, "pulp:HiGHS")}
+    engines = {name: (BACKENDS[name.partition(":")[0]](name.partition(":")[2])).engine for name in independent(made.program, "pulp:HiGHS")}
     assert "HiGHS" not in engines.values()
     assert len(set(engines.values())) == len(engines) >= 3
-    assert "SCIP" not in [BACKENDS[n.partition(":")[0]](n.partition(":")[2]).engine for n in independent(made, "mathopt")]
+    assert "SCIP" not in [BACKENDS[n.partition(":")[0]](n.partition(":")[2]).engine for n in independent(made.program, "mathopt")]
 
 
 def test_an_opinion_whose_solver_crashes_costs_nothing(registered, says):
@@ -210,7 +210,7 @@ def test_whoever_is_asked_keeps_to_the_isolation_of_the_first(monkeypatch, given
     monkeypatch.setattr(
         opinions, "run_in_process", lambda work, told, control: asked.append(told.memory_limit) or inside(work, told, control)
     )
-    monkeypatch.setattr(opinions, "independent", lambda made, solver: ["scip"])
+    monkeypatch.setattr(opinions, "independent", lambda program, solver: ["scip"])
     assert wb.solve(KNAPSACK, "highs", **given).opinions[0].verdict == "agrees"
     assert asked == ([given.get("memory_limit")] if alone else [])
 
@@ -222,6 +222,6 @@ def test_who_is_refuted_is_not_called_undecided():
 
 
 def test_an_opinion_that_cannot_be_had_is_none(monkeypatch):
-    monkeypatch.setattr(opinions, "independent", lambda made, solver: ["scip:nothing", "highs:nothing"])
+    monkeypatch.setattr(opinions, "independent", lambda program, solver: ["scip:nothing", "highs:nothing"])
     solution = wb.solve(KNAPSACK, "highs")
     assert (solution.status, solution.opinions) == ("optimal", ())

@@ -19,7 +19,7 @@ def problem() -> wb.Problem:
 
 def test_only_better_answers_and_bounds_are_events(problem: wb.Problem) -> None:
     heard: list[dict[str, Any]] = []
-    record = Recorder(problem, [heard.append])
+    record = Recorder(problem.senses, [heard.append])
     search = record.of_search("engine")
     search({"objective": 12.0, "bound": None})
     search({"objective": 13.0, "bound": 5.0})
@@ -36,7 +36,7 @@ def test_only_better_answers_and_bounds_are_events(problem: wb.Problem) -> None:
 
 def test_where_more_is_better_larger_answers_and_smaller_bounds_are_news() -> None:
     graph = wb.SensingGraph.from_edges([0], [0], [0], 1.0)
-    record = Recorder(wb.WinnerTakesAllSATA(graph))
+    record = Recorder(wb.WinnerTakesAllSATA(graph).senses)
     search = record.of_search("engine")
     for value, bound in ((1.0, 9.0), (0.5, 10.0), (2.0, 8.0)):
         search({"objective": value, "bound": bound})
@@ -45,7 +45,7 @@ def test_where_more_is_better_larger_answers_and_smaller_bounds_are_news() -> No
 
 def test_levels_of_priority_are_compared_one_after_the_other() -> None:
     heard: list[dict[str, Any]] = []
-    record = Recorder(wb.read("demo-tiny", objective="vehicles then total-cost"), [heard.append])
+    record = Recorder(wb.read("demo-tiny", objective="vehicles then total-cost").senses, [heard.append])
     for values in ([3.0, 400.0], [2.0, 500.0], [3.0, 100.0], [2.0, 450.0]):
         record.of_search("engine")({"objective": values, "bound": 1.0})
     assert [e.objective for e in record.events] == [(3.0, 400.0), (2.0, 500.0), (2.0, 450.0)]
@@ -72,14 +72,14 @@ def test_incumbents_of_several_levels_are_priced_for_who_watches(registered: Any
 
 
 def test_what_does_not_hold_for_the_problem_is_no_event(problem: wb.Problem) -> None:
-    record = Recorder(problem)
+    record = Recorder(problem.senses)
     record.of_search("relaxed", answers=False)({"objective": 1.0, "bound": 1.0})
     record.of_search("restricted", bounds=False)({"objective": 3.0, "bound": 2.0})
     assert [(e.objective, e.bound) for e in record.events] == [(None, (1.0,)), ((3.0,), (1.0,))]
 
 
 def test_objectives_that_are_none_or_no_numbers_are_no_events(problem: wb.Problem) -> None:
-    record = Recorder(problem)
+    record = Recorder(problem.senses)
     for value in (None, math.nan, math.inf, [1.0, None], [], "1"):
         record.of_search("engine")({"objective": value, "bound": None})
     assert record.events == []
@@ -96,7 +96,7 @@ def test_phases_are_told_to_those_who_want_to_know(problem: wb.Problem) -> None:
             self.phases.append((phase, limit))
 
     hears = Hears()
-    Recorder(problem, [hears, lambda event: None]).begin_phase("solve", 3.0)
+    Recorder(problem.senses, [hears, lambda event: None]).begin_phase("solve", 3.0)
     assert hears.phases == [("solve", 3.0)]
 
 

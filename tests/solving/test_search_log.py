@@ -32,7 +32,7 @@ def told(objective: float | None, bound: float | None, kind: str | None, who: st
 def test_a_line_an_improvement_and_a_sign_of_life_every_few_seconds(clock: Any) -> None:
     lines: list[str] = []
     log = SearchLog(lines.append)
-    log.begin(wb.read("demo-tiny"), "pyvrp", "time limit 10 s")
+    log.begin(repr(wb.read("demo-tiny")), (), "pyvrp", "time limit 10 s")
     assert lines[0].startswith("waybound ") and "demo-tiny" in lines[0] and lines[1] == "search by pyvrp; time limit 10 s"
     del lines[:]
     clock(1.0)
@@ -179,7 +179,7 @@ def test_remarks_on_the_problem_stand_above_the_search(tmp_path: Path) -> None:
 
 def test_the_set_up_of_an_engine_is_told_where_it_took_a_while(clock: Any) -> None:
     lines: list[str] = []
-    record = Recorder(wb.read("demo-tiny"), [SearchLog(lines.append)])
+    record = Recorder(wb.read("demo-tiny").senses, [SearchLog(lines.append)])
     clock(3.0)
     record.engine_set_up("pyvrp", 0.2)
     record.engine_set_up("pyvrp", 2.96)

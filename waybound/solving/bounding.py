@@ -11,18 +11,18 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
-from ..formulations.certificate import certify
+from ..formulations.certificate import Certificate, certify
 from ..formulations.evidence import ENDLESS, Evidence
 from ..formulations.problem import Problem
 from ..formulations.stop import Stop, off_the_clock
 from ..formulations.tolerance import gap, same
-from ..formulations.verified_bounds import verified_bound
+from ..formulations.verified_bounds import proved_bound
 from ..instances.errors import UnsupportedError, in_words
 from ..solvers.backend import Control, Options, RawResult
 from ..solvers.bounds import BOUNDS, BoundMethod, replaced
 from ..solvers.isolation import run_in_process
 from ..solvers.linear_programs import LinearPrograms
-from .search import search
+from .search import BOUND_OVERTIME, Searched, search
 
 AT_ONCE = 0
 """Order of the methods that are asked however little time is left: what a bound is at least must not hang on the clock."""
@@ -88,7 +88,7 @@ def find_bounds(
     """
     found: list[Evidence] = []
     failed: list[str] = [] if unable is None else unable
-    if bound_time <= 0 or any(_reaches(e.value, target) and _reaches(proved(problem, e), target) for e in known):
+    if bound_time <= 0:
         return found
     control = control or Control()
     linear = linear or LinearPrograms()
@@ -117,8 +117,17 @@ def find_bounds(
         if progress is not None:
             seconds = bound_time - stop.seconds_left
             progress({"phase": "bound", "seconds": seconds, "objective": target, "bound": evidence.value, "source": evidence.source})
-        return evidence.kind in ENDLESS or (_reaches(evidence.value, target) and _reaches(proved(problem, evidence), target))
+        return evidence.kind in ENDLESS or reaches(evidence)
 
+    def reaches(evidence: Evidence) -> bool:
+        """Whether what it proves, and not only what is said of it, is worth as much as the target."""
+        if target is None or not same(evidence.value, target):
+            return False
+        bound = proved_bound(problem, evidence)
+        return bound is not None and same(bound, target)
+
+    if any(map(reaches, known)):
+        return found
     for method in (m for m in methods if m.order <= AT_ONCE):
         if control.stopped or settled(method, stop):
             return found
@@ -169,17 +178,14 @@ def able_methods(problem: Problem, failed: list[str], *, searching: bool = True)
     return methods
 
 
-def proved(problem: Problem, evidence: Evidence) -> float | None:
-    """The bound that the checker derives from ``evidence``; None where it proves nothing, or its checker fails."""
-    try:
-        bound = verified_bound(problem, evidence)
-    except Exception:  # told when the certificate is made, which asks every checker
-        return None
-    return bound if bound != (-math.inf if problem.sense == "min" else math.inf) else None
-
-
-def _reaches(bound: float | None, target: float | None) -> bool:
-    return bound is not None and target is not None and same(bound, target)
+def bounded(problem: Problem, seconds: float, **settings: Any) -> Searched:
+    """``find_bounds`` as a search that Ctrl-C ends; its answer is the evidence."""
+    return search(
+        lambda control: RawResult("unknown", answer=find_bounds(problem, seconds, control=control, **settings)),
+        Control(),
+        seconds,
+        overtime=BOUND_OVERTIME,
+    )
 
 
 # -- before a search -----------------------------------------------------------------------------------------------------------
@@ -194,16 +200,12 @@ def first_evidence(
     """
     large = problem.size > LARGEST
     try:
-
-        def find(control: Control) -> RawResult:
-            found = find_bounds(
-                problem, seconds, control=control, linear=linear, searching=False, at_once=large, compiling="never", uncompiled=uncompiled
-            )
-            return RawResult("unknown", answer=found)
-
-        found = search(find, Control(), seconds)
+        found = bounded(problem, seconds, linear=linear, searching=False, at_once=large, compiling="never", uncompiled=uncompiled)
         evidence = found.result.answer or []
-        return evidence, None if large else Goal(problem, evidence, most)
+        if large:
+            return evidence, None
+        certificate = certify(problem, None, evidence)
+        return evidence, Goal(problem, certificate, most)
     except (Exception, KeyboardInterrupt):  # whatever fails here will be told by the bounding that follows the search, and costs no answer
         return [], None
 
@@ -214,32 +216,33 @@ class Goal:
     Parameters
     ----------
     problem : Problem
-    evidence : sequence of Evidence
+    certificate : Certificate
+        Without an answer; ``learn`` replaces it.
     most : float
         Relative gap at which the search ends.
     """
 
-    def __init__(self, problem: Problem, evidence: Sequence[Evidence], most: float = 0.0) -> None:
-        self.problem, self.most, self.limit, self.reached = problem, most, "none", False
-        self.first = tuple(evidence)
-        self.learn(())
+    def __init__(self, problem: Problem, certificate: Certificate, most: float = 0.0) -> None:
+        self.problem, self.certificate, self.most, self.limit, self.reached = problem, certificate, most, "none", False
 
     def learn(self, evidence: Sequence[Evidence]) -> None:
         """Take more evidence into account."""
-        certificate = certify(self.problem, None, [*self.first, *evidence])
-        self.infeasible, self.first_level, self.source = bool(certificate.infeasible), certificate.bound, str(certificate.bound_source)
-        self.bound = certificate.bound if isinstance(certificate.bound, float) and len(self.problem.senses) == 1 else None
+        self.certificate = certify(self.problem, None, [*self.certificate.evidence, *evidence])
+
+    @property
+    def infeasible(self) -> bool:
+        """Whether it is proved that there is no answer."""
+        return self.certificate.infeasible
 
     def told(self) -> dict[str, Any]:
         """The event of the best bound that was checked so far."""
         worst = math.inf if self.problem.sense == "min" else -math.inf
-        if self.infeasible:
-            return {"bound": worst, "kind": "verified", "source": self.source}
-        return {"bound": self.first_level, "kind": "verified", "source": self.source}
+        bound = worst if self.infeasible else self.certificate.bound
+        return {"bound": bound, "kind": "verified", "source": str(self.certificate.bound_source)}
 
     def __call__(self, answer: Any, objective: float | None) -> bool:
         """Whether ``answer``, of this ``objective`` by its engine's count, leaves nothing to gain."""
-        if self.bound is not None and objective is not None and self._close(objective):
+        if len(self.problem.senses) == 1 and objective is not None and self._close(objective):
             judged = self.problem.evaluate(answer)
             if judged.feasible and self._close(judged.values[0]) and not self.reached:  # of several threads the first one decides
                 self.limit, self.reached = "none" if self.met(judged.values[0]) else "gap", True
@@ -247,12 +250,12 @@ class Goal:
 
     def met(self, value: float | None) -> bool:
         """Whether ``value`` is that of the bound, or nobody can have any."""
-        known = self.first_level if self.bound is None else self.bound
+        known = self.certificate.bound
         return self.infeasible or (value is not None and known is not None and same(value, known))
 
     def _close(self, value: float) -> bool:
-        assert self.bound is not None
-        return same(value, self.bound) or gap(value, self.bound) <= self.most
+        bound = self.certificate.bound
+        return bound is not None and (same(value, bound) or gap(value, bound) <= self.most)
 
 
 # -- beside a search -----------------------------------------------------------------------------------------------------------
@@ -284,7 +287,7 @@ class BoundWork:
         return RawResult("unknown", answer=found, statistics={"unable": unable})
 
 
-class Beside(Control):
+class Beside:
     """Bounds a problem while ``searched`` is the line to the search for its answer, which ends when nothing is left to gain.
 
     Parameters
@@ -297,6 +300,8 @@ class Beside(Control):
 
     Attributes
     ----------
+    line : Control
+        The line to bounding.
     fault : str
         What kept it from beginning, such as a problem that cannot be sent to another process; empty if nothing did.
     unable : list of str
@@ -304,34 +309,35 @@ class Beside(Control):
     """
 
     def __init__(self, work: BoundWork, goal: Goal, searched: Control, progress: Callable[[dict[str, Any]], None] | None = None) -> None:
-        super().__init__()
         self._goal, self._searched, self._tell, self._done = goal, searched, progress, threading.Event()
+        self.line = Control(self._heard)
         self.fault, self.unable = "", list[str]()
         threading.Thread(target=self._run, args=(work,), name="waybound-bounds", daemon=True).start()
 
     def _run(self, work: BoundWork) -> None:
         try:
-            result = run_in_process(work, Options(time_limit=work.bound_time), self, aside=True)
-            self.fault, self.unable = "" if self.answer is not None else result.message, result.statistics.get("unable", [])
-            self.answer = self.answer if result.answer is None else result.answer
+            result = run_in_process(work, Options(time_limit=work.bound_time), self.line, aside=True)
+            self.fault, self.unable = "" if self.line.answer is not None else result.message, result.statistics.get("unable", [])
+            self.line.answer = self.line.answer if result.answer is None else result.answer
         except Exception as fault:  # costs no answer; what was published stands
-            self.fault = "" if self.answer is not None else in_words(fault)
+            self.fault = "" if self.line.answer is not None else in_words(fault)
         finally:
             self._done.set()
 
-    def publish(
-        self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
-    ) -> None:
-        super().publish(answer, objective, bound, evidence)
-        if not answer:
+    @property
+    def evidence(self) -> list[Evidence]:
+        """All that was found so far."""
+        return list(self.line.answer or ())
+
+    def _heard(self, event: dict[str, Any]) -> None:
+        evidence = self.evidence
+        if not evidence:
             return
         if self._tell is not None:
-            seconds = time.perf_counter() - self.started
-            last: Evidence = answer[-1]
-            known = {"phase": "bound", "seconds": seconds, "objective": self._searched.objective}
-            self._tell({**known, "bound": last.value, "source": last.source})
+            told = {"phase": "bound", "seconds": event["seconds"], "objective": self._searched.objective}
+            self._tell({**told, "bound": evidence[-1].value, "source": evidence[-1].source})
         with suppress(Exception):  # a checker that fails is told when the certificate is made
-            self._goal.learn(answer)
+            self._goal.learn(evidence)
             held = self._searched.answer
             if self._goal.infeasible or (held is not None and self._goal(held, self._searched.objective)):
                 self._searched.stop()
@@ -343,7 +349,7 @@ class Beside(Control):
         """
         over = time.perf_counter() + patience
         while not (self._done.wait(_TICK) or control.stopped or self._goal.met(best)):
-            if self._goal.first_level is not None and time.perf_counter() > over:
+            if self._goal.certificate.bound is not None and time.perf_counter() > over:
                 break
-        self.stop()
-        return list(self.answer or ())
+        self.line.stop()
+        return self.evidence

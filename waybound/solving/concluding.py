@@ -6,6 +6,7 @@ import math
 import platform
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -18,17 +19,17 @@ from ..formulations.problem import Problem
 from ..formulations.programs.exactness import Exactness
 from ..formulations.solution import Opinion, Solution, Value, relative_gap
 from ..formulations.tolerance import EQUAL, same
-from ..formulations.verified_bounds import better_bound
+from ..formulations.verified_bounds import better_bound, proved_bound
 from ..instances.errors import CheckFailedError, in_words
 from ..solvers.backend import Control, Options, RawResult
 from ..solvers.linear_programs import LinearPrograms
-from .bounding import Beside, find_bounds, proved
+from .bounding import Beside, bounded
 from .judging import Claim, Judge, contradictions
 from .levels import bounds_of_levels, further_levels
 from .method import Run
 from .opinions import compared, heard_opinions
 from .recording import Recorder
-from .search import BOUND_OVERTIME, Searched, in_time, search
+from .search import Searched, in_time, search
 
 
 def conclude(
@@ -87,7 +88,8 @@ def conclude(
 
 def _judged(problem: Problem, run: Run, searched: Searched, control: Control, options: Options, crash: Exception | None) -> Conclusion:
     """The best of the engine's last word, its published incumbent and the start, before anything bounds it."""
-    result, exactness = searched.result, run.exactness(searched.result)
+    result = searched.result
+    exactness = Exactness.NEITHER if run.heuristic else run.exactness.then(result.holds)
     judge = Judge(problem, run.name, exactness, run.decode, run.notes, crash, None if run.compiled is None else run.compiled.program)
     judge.last_word(result, prices=run.compiled is None or exactness is Exactness.EXACT)
     if control.answer is not result.answer:
@@ -159,7 +161,7 @@ class Conclusion:
         try:
             self._from_the_search()
             if self.searched.interrupted:
-                self.evidence.extend([] if beside is None else beside.answer or ())
+                self.evidence.extend([] if beside is None else beside.evidence)
             elif not self._search_proves():
                 self._from_bounding(budget, record, beside)
         except (Exception, KeyboardInterrupt) as fault:
@@ -182,7 +184,7 @@ class Conclusion:
         The evidence of a heuristic is what costs it nothing, and leaves better bounds to be looked for.
         """
         for one in () if self.run.heuristic else self.searched.result.evidence:
-            bound = proved(self.problem, one)
+            bound = proved_bound(self.problem, one)
             if bound is not None:
                 self.checked.append((one, bound))
                 return True
@@ -201,21 +203,8 @@ class Conclusion:
                 notes.append("bounding ended early: interrupted")
             if seen.interrupted or not beside.fault:
                 return
-
-        def find(control: Control) -> RawResult:
-            found = find_bounds(
-                self.problem,
-                budget,
-                target=target,
-                known=known,
-                control=control,
-                progress=record.of_bounds,
-                unable=notes,
-                linear=self.linear,
-            )
-            return RawResult("unknown", answer=found)
-
-        bounding = search(find, Control(), budget, overtime=BOUND_OVERTIME)
+        progress, linear = record.of_bounds, self.linear
+        bounding = bounded(self.problem, budget, target=target, known=known, progress=progress, unable=notes, linear=linear)
         self.evidence.extend(bounding.result.answer or [])
         if bounding.interrupted or bounding.result.message:
             notes.append(f"bounding ended early: {bounding.result.message or 'interrupted'}")
@@ -239,7 +228,7 @@ class Conclusion:
             notes.append("interrupted before the evidence of the bounds was verified")
         except CheckFailedError as fault:
             self.judge.faults.append(f"{fault} (the bound is withheld)")
-        return judged_only(self.problem, self.best)
+        return certify(self.problem, self.best)
 
     def bound_later_levels(self, budget: float, record: Recorder) -> None:
         """Bound what comes after the first priority of the objective, in the time that is left."""
@@ -265,7 +254,9 @@ class Conclusion:
         self.seconds["bound"] += time.perf_counter() - began
         began = time.perf_counter()
         if self.best is None:
-            self.judge.at_hand(self._contradicted)
+            with suppress(Exception):
+                answer = self.problem.answer_at_hand()
+                self.judge.at_hand(answer, self._contradicted)
         answer, better = self.judge.best()
         if better is not self.best:
             self.answer, self.best = answer, better
@@ -294,12 +285,13 @@ class Conclusion:
             if best is None and not (certificate.infeasible or certificate.unbounded):
                 raise CheckFailedError("; ".join(faults))
             claim = replace(claim, said=replace(claim.said, status="unknown", objective=None, bound=None, further=()))
-        bound, kind, source = _best_bound(problem, self.run.claimant, claim, certificate, best)
+        bound, kind, source = _best_bound(senses, self.run.claimant, claim, certificate, best)
         if isinstance(bound, float) and len(senses) > 1:
             further = {} if best is None else dict(claim.concerned(senses, best))
-            bound, kind, source = bounds_of_levels(problem, best, certificate.levels, further, self.run.claimant, bound, kind, source)
+            bound, kind, source = bounds_of_levels(senses, best, certificate.levels, further, self.run.claimant, bound, kind, source)
         objective, result, run = None if best is None else best.objective, claim.said, self.run
-        messages = dict.fromkeys(m for m in (_why_none(problem, certificate), result.message, *run.notes) if m)
+        why = problem.why_none(certificate.evidence[0].kind, certificate.evidence[0].data) if certificate.infeasible else ""
+        messages = dict.fromkeys(m for m in (why, result.message, *run.notes) if m)
         return Solution(
             problem=problem,
             answer=self.answer,
@@ -325,24 +317,15 @@ class Conclusion:
         )
 
 
-def _why_none(problem: Problem, certificate: Certificate) -> str:
-    """The proof that there is no answer, in the problem's own words where it has some."""
-    for evidence in certificate.evidence[:1] if certificate.infeasible else ():
-        reason = problem.why_none(evidence.kind, evidence.data)
-        if reason != Problem.why_none(problem, evidence.kind, evidence.data):
-            return reason
-    return ""
-
-
 def _best_bound(
-    problem: Problem, claimant: str, claim: Claim, certificate: Certificate, best: Evaluation | None
+    senses: Sequence[str], claimant: str, claim: Claim, certificate: Certificate, best: Evaluation | None
 ) -> tuple[Value | None, str | None, str | None]:
     """The best known bound of either kind; a verified one wins a tie, and where the answer meets it: a claim ahead of both is false."""
     size, precision = (0.0, EQUAL) if best is None else (best.size, best.precision)
-    verified, claimed = certificate.bound, claim.bound(len(problem.senses))
+    verified, claimed = certificate.bound, claim.bound(len(senses))
     met = verified is not None and best is not None and same(verified, best.values[0], size, precision)
     if claimed is not None and math.isfinite(claimed) and not met:
-        ahead = verified is None or better_bound(problem.sense, claimed, verified)
+        ahead = verified is None or better_bound(senses[0], claimed, verified)
         if ahead and (verified is None or not same(claimed, verified, size, precision)):
             return claimed + 0.0, "claimed", claimant
     return (verified, "verified", certificate.bound_source) if verified is not None else (None, None, None)

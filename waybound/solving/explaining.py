@@ -26,11 +26,12 @@ from ..formulations.programs.program import Program, Rows
 from ..formulations.programs.size import TooLargeError
 from ..formulations.rendering import Line, as_html, as_rich, as_text
 from ..formulations.solution import Solution
+from ..formulations.verified_bounds import proved_bound
 from ..heuristics.heuristic import HEURISTICS
 from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError, WayboundError
 from ..solvers.backend import BACKENDS, Control, Options, RawResult
 from ..solvers.program_backend import ProgramBackend
-from .bounding import find_bounds, proved
+from .bounding import find_bounds
 from .request import Request, vector_problem
 from .search import search
 from .solve import solve
@@ -249,7 +250,7 @@ def _proof(problem: Problem, seconds: float, control: Control) -> Evidence | Non
 def _proofs(problem: Problem, found: Sequence[Evidence]) -> Iterator[Evidence]:
     """The first of ``found`` that proves that there is no answer."""
     none = math.inf if problem.sense == "min" else -math.inf
-    return (evidence for evidence in found if proved(problem, evidence) == none)
+    return (evidence for evidence in found if proved_bound(problem, evidence) == none)
 
 
 def _under(control: Control) -> Control:
@@ -267,7 +268,8 @@ def in_words(problem: Problem, evidence: Evidence) -> Iterator[str]:
     waiting = [("", 0, "")]  # what is supposed, depth, reason above
     for node in nodes:
         supposed, depth, reason = waiting.pop()
-        reason = problem.why_none(node["kind"], node["data"]) if "kind" in node else reason
+        if "kind" in node:
+            reason = problem.why_none(node["kind"], node["data"]) or f"there is no answer, by evidence of kind {node['kind']}"
         lead, inner = "  " * max(0, depth - 1) + supposed, depth + 1
         if "branch" not in node:
             yield lead + reason

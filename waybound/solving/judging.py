@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -229,10 +228,10 @@ class Judge:
         if self.exactness is Exactness.RELAXATION:
             whose = "the relaxation's point"
         for earlier in result.earlier:
-            self._consider(earlier, self.decode, f"an answer of {self.solver} to the levels before the last", False)
+            self.consider(earlier, f"an answer of {self.solver} to the levels before the last")
         if claimed and result.answer is None:
             self.notes.append(f"{self.solver} says {result.status} and hands over no answer")
-        self.own = self._consider(result.answer, self.decode, whose, claimed)
+        self.own = self.consider(result.answer, whose, claimed=claimed)
         self.faults.extend(false_answer(self.claim(result, prices), self.problem.senses))
 
     def claim(self, result: RawResult, prices: bool = True) -> Claim:
@@ -241,25 +240,19 @@ class Judge:
 
     def incumbent(self, raw: Any) -> None:
         """Judge what the solver published last, which may be all that is left of it."""
-        self._consider(raw, self.decode, f"the last incumbent of {self.solver}", False)
-
-    def opinion(self, solver: str, raw: Any, decode: Callable[[Any], Any]) -> None:
-        """Judge what another solver found, which was asked in its own terms."""
-        self._consider(raw, decode, f"the answer of {solver}", False)
+        self.consider(raw, f"the last incumbent of {self.solver}")
 
     def start(self, answer: Any) -> None:
         """Judge the user's start, which competes with what was found."""
-        judged = self._consider(answer, lambda a: a, "the start", False)
+        judged = self.consider(answer, "the start", lambda a: a)
         if judged is not None and not judged.feasible:
             self.notes.append(f"the start is only a hint, for it breaks: {judged.violations[0].message}")
 
-    def at_hand(self, refutes: Callable[[Evaluation], object]) -> None:
+    def at_hand(self, answer: Any, refutes: Callable[[Evaluation], object]) -> None:
         """Judge an answer that needs no search; it counts where it passes and refutes what is claimed, and is not heard of elsewhere."""
-        with suppress(Exception):
-            answer = self.problem.answer_at_hand()
-            judged = None if answer is None else self.problem.evaluate(answer)
-            if judged is not None and judged.feasible and refutes(judged):
-                self._judged.append((answer, judged))
+        judged = None if answer is None else self.problem.evaluate(answer)
+        if judged is not None and judged.feasible and refutes(judged):
+            self._judged.append((answer, judged))
 
     def best(self) -> tuple[Any, Evaluation | None]:
         """The best feasible answer with its evaluation; (None, None) where there is none, and nobody claimed one.
@@ -291,9 +284,11 @@ class Judge:
             raise fault
         return None, None
 
-    def _consider(self, raw: Any, decode: Callable[[Any], Any], whose: str, claimed: bool) -> Evaluation | None:
+    def consider(self, raw: Any, whose: str, decode: Callable[[Any], Any] | None = None, *, claimed: bool = False) -> Evaluation | None:
+        """Judge a candidate, which ``decode`` makes an answer where it was not found in the solver's own terms; None if it is none."""
         if raw is None:
             return None
+        decode = decode or self.decode
         try:
             try:
                 answer, judged = self._evaluated(raw, decode)

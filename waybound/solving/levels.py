@@ -14,12 +14,12 @@ from ..formulations.levels import LevelBound, best_level_bound, with_levels
 from ..formulations.problem import Problem
 from ..formulations.solution import Value
 from ..formulations.verified_bounds import better_bound
-from ..solvers.backend import Control, LevelClaim, RawResult
+from ..solvers.backend import LevelClaim
 from ..solvers.linear_programs import LinearPrograms
 from ..solvers.program_backend import EQUAL_TOLERANCE
-from .bounding import find_bounds
+from .bounding import bounded
 from .recording import Progress
-from .search import BOUND_OVERTIME, Searched, in_time, search
+from .search import in_time
 
 
 def further_levels(
@@ -59,7 +59,8 @@ def further_levels(
             break
         target = None if evaluation is None else evaluation.values[level]
         left = left if target is not None else left / (count - level)  # nothing ends the search for a bound but its time
-        searched = _searched(part, left, target, linear, notes, begun(f"bound of level {level + 1}", round(left, 1)))
+        progress = begun(f"bound of level {level + 1}", round(left, 1))
+        searched = bounded(part, left, target=target, progress=progress, unable=notes, linear=linear)
         found = best_level_bound(problem, before, evaluation, searched.result.answer or (), notes)
         if found is None:
             break
@@ -91,7 +92,7 @@ def bound_alone(
     def begun(phase: str, seconds: float) -> Progress | None:
         return None if progress is None else lambda event: progress({**event, "phase": phase})
 
-    searched = _searched(problem, seconds / len(problem.senses), None, linear, notes, progress)
+    searched = bounded(problem, seconds / len(problem.senses), progress=progress, unable=notes, linear=linear)
     evidence: list[Evidence] = searched.result.answer or []
     made = in_time(lambda: certify(problem, None, evidence, unproved=notes), lambda: certify(problem, None))
     left = seconds - (time.perf_counter() - began)
@@ -100,20 +101,8 @@ def bound_alone(
     return made, evidence, time.perf_counter() - began
 
 
-def _searched(
-    problem: Problem, seconds: float, target: float | None, linear: LinearPrograms, notes: list[str], progress: Progress | None
-) -> Searched:
-    """Evidence of the first level, as the answer of a search that Ctrl-C ends."""
-
-    def find(control: Control) -> RawResult:
-        found = find_bounds(problem, seconds, target=target, control=control, progress=progress, unable=notes, linear=linear)
-        return RawResult("unknown", answer=found)
-
-    return search(find, Control(), seconds, overtime=BOUND_OVERTIME)
-
-
 def bounds_of_levels(
-    problem: Problem, evaluation: Evaluation | None, proved: Sequence[LevelBound], claimed: Mapping[int, LevelClaim], claimant: str,
+    senses: Sequence[str], evaluation: Evaluation | None, proved: Sequence[LevelBound], claimed: Mapping[int, LevelClaim], claimant: str,
     first: float, kind: str | None, source: str | None,
 ) -> tuple[Value, str | None, str | None]:  # fmt: skip
     """The bound of each level up to the first open one, that of the first level given, with kind and source; None beyond.
@@ -121,10 +110,10 @@ def bounds_of_levels(
     What a solver calls closed, as closely as it sees, has the bound that is the answer's own value: a level that is closed is no gap.
     """
     if evaluation is None:
-        return [first, *[None] * (len(problem.senses) - 1)], kind, source
+        return [first, *[None] * (len(senses) - 1)], kind, source
     closed = evaluation.same_at(0, first, EQUAL_TOLERANCE)
     bounds: list[float | None] = [evaluation.values[0] if closed else first]
-    for level, sense in enumerate(problem.senses[1:], start=1):
+    for level, sense in enumerate(senses[1:], start=1):
         if not closed:
             break
         known = proved[level - 1] if level <= len(proved) else None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -20,8 +19,8 @@ from ..formulations.stop import now
 from ..heuristics.heuristic import HEURISTICS, HeuristicWork
 from ..instances.errors import InputError, UnsupportedError, UsageError, in_words
 from ..instances.memory import SHARE, available, fits, readable
-from ..solvers.backend import BACKENDS, Control, Engine, Options, RawResult, solver_named
-from ..solvers.isolation import SolverWork, run_in_process
+from ..solvers.backend import BACKENDS, Control, Engine, Options, RawResult, SolverWork, solver_named
+from ..solvers.isolation import run_in_process
 from ..solvers.program_backend import ProgramBackend
 from .recording import Recorder
 from .request import Request
@@ -49,7 +48,8 @@ def missing_features(name: str, problem: Problem) -> tuple[frozenset[str], tuple
     """The fewest features that solver ``name`` lacks for ``problem`` in any form, and the forms through which it can take it."""
     backend = BACKENDS[name]
     if issubclass(backend, Engine):
-        return backend().missing(problem), ()
+        engine: Engine = backend()
+        return engine.needs(problem).missing, ()
     assert issubclass(backend, ProgramBackend)
     forms = usable_forms(problem)
     if not forms:
@@ -135,17 +135,19 @@ class Run:
     """One search, ready to start: what is searched, and how its raw answers become answers of the problem.
 
     ``compiled`` is what a program backend is given; engines and heuristics take problems, and say for what their claims hold. ``bounds``
-    tells whether the search finds bounds of its own; ``opening`` names the heuristic from whose answer it is to start.
+    tells whether the search finds bounds of its own; ``opening`` names the heuristic from whose answer it is to start; ``apart`` whether
+    it goes on in a process of its own, and ``isolated`` whether whoever is asked about what it claims does, too.
     """
 
     name: str
-    go: Callable[[Control], RawResult]
+    work: SolverWork | HeuristicWork
     versions: dict[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     compiled: Compiled | None = None
     compile_seconds: float = 0.0
     bounds: bool = True
     heuristic: bool = False
+    apart: bool = False
     isolated: bool = False
     opening: str | None = None
 
@@ -158,11 +160,14 @@ class Run:
         """Whose claims its bounds are."""
         return f"{self.name} ({self.form})" if self.form else self.name
 
-    def exactness(self, result: RawResult) -> Exactness:
-        """How the search's points and claims relate to the problem's."""
-        if self.heuristic:
-            return Exactness.NEITHER
-        return result.holds if self.compiled is None else self.compiled.exactness.then(result.holds)
+    @property
+    def exactness(self) -> Exactness:
+        """How what is searched relates to the problem."""
+        return Exactness.EXACT if self.compiled is None else self.compiled.exactness
+
+    def go(self, control: Control) -> RawResult:
+        """Search."""
+        return run_in_process(self.work, self.work.options, control) if self.apart else self.work(control)
 
     def decode(self, raw: Any) -> Any:
         return raw if self.compiled is None else self.compiled.decode(raw)
@@ -193,27 +198,26 @@ def default_run(problem: Problem, options: Options, isolate: bool) -> Run:
     opening, solver = opening_heuristic(problem, options), ""
     try:
         solver = default_solver(problem)
-        why = "" if opening is None else _in_vain(problem, solver, options)
-        if not why:
-            return replace(solver_run(problem, None, solver, None, False, options, isolate), opening=opening)
+        if opening is not None:
+            _refuse_in_vain(problem, solver, options)
+        return replace(solver_run(problem, None, solver, None, False, options, isolate), opening=opening)
     except (UnsupportedError, UsageError) as fault:
         if opening is None:
             raise
-        why = in_words(fault) if solver else ""
-    assert opening is not None
+        notes = [f"{solver} was not used: {in_words(fault)}"] if solver else []
     alone = heuristic_run(problem, opening, options, isolate)
-    alone.notes.extend([f"{solver} was not used: {why}"] if why else [])
+    alone.notes.extend(notes)
     return alone
 
 
-def _in_vain(problem: Problem, solver: str, options: Options) -> str:
-    """Why a solver would not come to its search within the time limit; empty if it would."""
+def _refuse_in_vain(problem: Problem, solver: str, options: Options) -> None:
+    """Raise UsageError where a solver would not come to its search within the time limit."""
     backend = solver_named(solver)
     if not isinstance(backend, Engine):
-        large = problem.size > LARGEST_WRITTEN and not options.asked()
-        return f"a program of size {problem.size:,} takes long to be written" if large else ""
-    seconds = backend.set_up_seconds(problem)
-    return f"it takes some {seconds:.0f} s to set up for a problem of size {problem.size:,}" if seconds > options.time_limit else ""
+        if problem.size > LARGEST_WRITTEN and not options.asked():
+            raise UsageError(f"a program of size {problem.size:,} takes long to be written")
+    elif (seconds := backend.needs(problem).set_up_seconds) > options.time_limit:
+        raise UsageError(f"it takes some {seconds:.0f} s to set up for a problem of size {problem.size:,}")
 
 
 def solver_run(
@@ -228,26 +232,26 @@ def solver_run(
     """
     backend = solver_named(solver)
     options = backend.converted(options)
-    versions = {backend.package: backend.version()}
+    versions, notes = {backend.package: backend.version()}, list[str]()
     if isinstance(backend, Engine):
         if form is not None or relax or given is not None:
             raise UsageError(f"{solver} takes problems as they are: it has no forms and no relaxation", "unsupported")
-        missing = backend.missing(problem)
-        if missing:
-            raise UnsupportedError(solver, missing, able_solvers(problem))
+        needs = backend.needs(problem)
+        if needs.missing:
+            raise UnsupportedError(solver, needs.missing, able_solvers(problem))
         _refuse_ignored(solver, backend.honours, options)
-        needed, apart = backend.memory(problem), isolate or backend.apart(problem)
-        if not fits(needed):
+        if not fits(needs.memory):
             most = f"more than the {readable(SHARE * available())} that may be taken of what is free"
-            raise UsageError(f"{solver} needs {readable(needed)} for a problem of size {problem.size:,}, {most}", "too-large")
-        notes = [f"{solver} searches on one thread"] if backend.one_thread and options.threads > 1 else []
-        going = _going(SolverWork(solver, problem, options), options, apart)
-        return Run(solver, going, versions, notes, bounds=backend.bounds_itself, isolated=isolate)
+            raise UsageError(f"{solver} needs {readable(needs.memory)} for a problem of size {problem.size:,}, {most}", "too-large")
+        if backend.one_thread and options.threads > 1:
+            notes.append(f"{solver} searches on one thread")
+        work, apart = SolverWork(solver, problem, options), isolate or needs.apart
+        return Run(solver, work, versions, notes, bounds=backend.bounds_itself, apart=apart, isolated=isolate)
 
     assert isinstance(backend, ProgramBackend)
     began = time.perf_counter()
     if given is None:
-        compiled = compile_form(problem, form, relax=relax) if form is not None else first_compiled(problem, backend, relax)
+        compiled = first_compiled(problem, backend, relax) if form is None else compile_form(problem, form, relax=relax)
     elif form is not None:
         raise UsageError(f"the program is already compiled, as {given.form}")
     else:
@@ -257,7 +261,7 @@ def solver_run(
     if lacking:
         raise backend.refusal(lacking, compiled.program)
     _refuse_ignored(solver, backend.honours, options)
-    notes, start = [], None
+    start = None
     if options.start is not None and compiled.encode is not None:
         try:
             with taken_by(compiled.problem):
@@ -265,8 +269,8 @@ def solver_run(
         except InputError as fault:
             notes.append(f"the start was not used: {fault}")
     apart = isolate or backend.needs_process or compiled.program.num_variables > LARGE_PROGRAM
-    going = _going(SolverWork(solver, compiled.program, replace(options, start=start)), options, apart)
-    return Run(solver, going, versions, notes, compiled, seconds, isolated=apart)
+    work = SolverWork(solver, compiled.program, replace(options, start=start))
+    return Run(solver, work, versions, notes, compiled, seconds, apart=apart, isolated=apart)
 
 
 def heuristic_run(problem: Problem, name: str, options: Options, isolate: bool) -> Run:
@@ -277,17 +281,13 @@ def heuristic_run(problem: Problem, name: str, options: Options, isolate: bool) 
     UsageError, UnsupportedError
         Of what it cannot take or keep to.
     """
-    method = HEURISTICS[name]
-    missing = method.missing(problem)
+    work = HeuristicWork(name, problem, options)
+    missing = work.method.missing(problem)
     if missing:
         raise UnsupportedError(f"heuristic {name}", missing, able_heuristics(problem))
-    method.check_parameters(options.extra)
-    _refuse_ignored(f"heuristic {name}", method.honours, options)
-    return Run(name, _going(HeuristicWork(name, problem, options), options, isolate), heuristic=True)
-
-
-def _going(work: SolverWork | HeuristicWork, options: Options, isolate: bool) -> Callable[[Control], RawResult]:
-    return (lambda control: run_in_process(work, options, control)) if isolate else work
+    work.method.check_parameters(options.extra)
+    _refuse_ignored(f"heuristic {name}", work.method.honours, options)
+    return Run(name, work, heuristic=True, apart=isolate)
 
 
 def _refuse_ignored(who: str, honours: frozenset[str], options: Options) -> None:
@@ -315,7 +315,7 @@ def opened(problem: Problem, name: str, options: Options, isolate: bool) -> tupl
     own = replace(options, time_limit=OPENING_SHARE * options.time_limit, gap=0.0)
     answer, message = None, ""
     try:
-        result = search(_going(HeuristicWork(name, problem, own), own, isolate), Control(), own.time_limit).result
+        result = search(heuristic_run(problem, name, own, isolate).go, Control(), own.time_limit).result
         answer, message = result.answer, result.message
     except Exception as fault:  # the solver goes on without
         message = in_words(fault)

@@ -12,11 +12,12 @@ from ..formulations.certificate import Certificate
 from ..formulations.evaluation import Evaluation
 from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
+from ..formulations.programs.program import Program
 from ..formulations.solution import Opinion
 from ..formulations.tolerance import same
 from ..formulations.verified_bounds import beats_bound
-from ..solvers.backend import BACKENDS, Control, Options, RawResult, solver_named
-from ..solvers.isolation import SolverWork, run_in_process
+from ..solvers.backend import BACKENDS, Control, Options, RawResult, SolverWork, solver_named
+from ..solvers.isolation import run_in_process
 from ..solvers.program_backend import ProgramBackend, takers
 from .judging import Claim, Judge, contradictions
 from .method import Run, able_solvers, first_compiled
@@ -31,11 +32,11 @@ MOST_ENTRIES = 100_000
 """Coefficients of a program beyond which it is not written only to ask others about it."""
 
 
-def independent(made: Compiled, solver: str) -> list[str]:
+def independent(program: Program, solver: str) -> list[str]:
     """Installed solvers that take the program by another engine than ``solver``, one for each engine, the quick to ask first."""
     asked = solver_named(solver)
     found: dict[str, tuple[bool, int, str]] = {}
-    for name in takers(made.program.features()):
+    for name in takers(program.features()):
         backend = solver_named(name)
         assert isinstance(backend, ProgramBackend)
         if not isinstance(asked, ProgramBackend) or backend.engine != asked.engine:
@@ -60,19 +61,19 @@ def program_of(problem: Problem) -> Compiled | None:
     return None
 
 
-def second_opinions(made: Compiled, solver: str, seconds: float, options: Options, isolate: bool) -> Iterator[tuple[str, RawResult]]:
+def second_opinions(program: Program, solver: str, seconds: float, options: Options, isolate: bool) -> Iterator[tuple[str, RawResult]]:
     """Results of up to ``MOST`` other engines for the program within ``seconds``, each in a process of its own where the first was.
 
     Who fails says nothing.
     """
     began, heard = time.perf_counter(), 0
-    for name in independent(made, solver):
+    for name in independent(program, solver):
         left = seconds - (time.perf_counter() - began)
         if heard >= MOST or left < LEAST_SECONDS:
             return
         backend = solver_named(name)
         told = replace(options, time_limit=left, iterations=None, no_improvement=None, gap=0.0, start=None, extra={})
-        work = SolverWork(name, made.program, told)
+        work = SolverWork(name, program, told)
 
         def ask(
             control: Control, work: SolverWork = work, told: Options = told, alone: bool = isolate or backend.needs_process
@@ -113,8 +114,8 @@ def heard_opinions(
     if compiled is None:
         return []
     heard = []
-    for name, said in second_opinions(compiled, run.name, seconds - (time.perf_counter() - began), options, run.isolated):
-        judge.opinion(name, said.answer, compiled.decode)
+    for name, said in second_opinions(compiled.program, run.name, seconds - (time.perf_counter() - began), options, run.isolated):
+        judge.consider(said.answer, f"the answer of {name}", compiled.decode)
         heard.append(Claim(name, said, compiled.exactness.then(said.holds), program=compiled.program))
     return heard
 

@@ -28,15 +28,16 @@ class Recorder:
 
     Parameters
     ----------
-    problem : Problem
+    senses : sequence of str
+        Of the levels of the objective.
     listeners : sequence of callables
         Receive ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by"}``, the best known of each at every event. One that
         has a method ``begin_phase(phase, limit)`` hears of phases too, one ``compiling(what, seconds)`` of loops that are compiled, and one
         ``engine_set_up(who, seconds)`` of an engine that took long before its search began.
     """
 
-    def __init__(self, problem: Problem, listeners: Sequence[Progress] = ()) -> None:
-        self.senses, self._listeners = problem.senses, tuple(listeners)
+    def __init__(self, senses: Sequence[str], listeners: Sequence[Progress] = ()) -> None:
+        self.senses, self._listeners = senses, tuple(listeners)
         self._lock = threading.Lock()
         self._began = time.perf_counter()
         self._value: tuple[float, ...] | None = None
@@ -131,20 +132,22 @@ def _levels(value: Any) -> tuple[float, ...] | None:
     return tuple(known) if known and len(known) == len(values) else None
 
 
-def pricing(problem: Problem, control: Control) -> Callable[[], dict[str, Any]]:
-    """Prices the engine's incumbent where the objective has levels, of which engines tell none, or the first: now and then, for the log."""
+def pricing(problem: Problem, hear: Progress) -> Control:
+    """A line to an engine whose incumbents are priced, now and then, where the objective has levels, of which engines tell none, or the
+    first."""
     last = -math.inf
 
-    def priced() -> dict[str, Any]:
+    def priced() -> list[float] | None:
         nonlocal last
         now = time.perf_counter()
         if control.answer is None or now - last < PRICED_EVERY:
-            return {"objective": None}
+            return None
         last = now
         try:
             judged = problem.evaluate(control.answer)
         except Exception:  # it will be judged, and told what is wrong, at the end
-            return {"objective": None}
-        return {"objective": list(judged.values) if judged.feasible else None}
+            return None
+        return list(judged.values) if judged.feasible else None
 
-    return priced
+    control = Control(lambda event: hear({**event, "objective": priced()}))
+    return control

@@ -11,13 +11,12 @@ import math
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from os import PathLike, fspath
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from ..formulations.problem import Problem
 from ..formulations.rendering import as_text, number, percent
 from ..formulations.solution import Solution, relative_gap, solution_title, status_line
 from ..formulations.tolerance import same
@@ -68,13 +67,13 @@ class SearchLog:
         if fault is not None:
             self._line(f"ended by an error: {one_line(fault)}")
 
-    def begin(self, problem: Problem, method: str, told: str) -> None:
-        """The heading: problem, and by what it is searched, ``told`` being limits and seed."""
+    def begin(self, problem: str, remarks: Sequence[str], method: str, told: str) -> None:
+        """The heading: problem, remarks on it, and by what it is searched, ``told`` being limits and seed."""
         from .._version import __version__
 
         self._began = self._said = time.perf_counter()
-        self._line(f"waybound {__version__}, {one_line(repr(problem).strip('<>'))}")
-        for remark in problem.remarks():
+        self._line(f"waybound {__version__}, {one_line(problem)}")
+        for remark in remarks:
             self._line(f"note: {one_line(remark)}")
         self._line(f"search by {method}; {told}")
         self._line("")

@@ -9,7 +9,6 @@ from functools import partial
 from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
-from ..formulations.programs.exactness import Exactness
 from ..formulations.solution import Solution
 from ..formulations.stop import hearing
 from ..instances.errors import WayboundError, in_words
@@ -44,8 +43,8 @@ def solve(problem: Problem | Compiled, request: Request | None = None, *, progre
     with shown(log) as written, hearing(lambda what, seconds: record.of_loops(what, seconds)):
         if written is not None:
             listeners.append(written)
-            written.begin(problem, run.claimant, _limits_in_words(options, budget))
-        record = Recorder(problem, listeners)
+            written.begin(repr(problem).strip("<>"), problem.remarks(), run.claimant, _limits_in_words(options, budget))
+        record = Recorder(problem.senses, listeners)
         solution = _answered(problem, run, options, budget, request.linear, record, request.isolated)
         solution = replace(solution, events=record.end(solution))
         if written is not None:
@@ -57,17 +56,16 @@ def _answered(
     problem: Problem, run: Run, options: Options, budget: float, linear: LinearPrograms, record: Recorder, isolate: bool
 ) -> Solution:
     """Search, with bounds before it and beside it where the search has none of its own, and conclude."""
-    exactness = Exactness.EXACT if run.compiled is None else run.compiled.exactness
+    exactness = run.exactness
     hear = record.of_search(run.name, answers=exactness.answer_is_valid, bounds=exactness.bound_is_valid and not run.heuristic)
-    control = Control(hear if run.compiled is not None or len(problem.senses) == 1 else lambda event: hear({**event, **priced()}))
-    priced = pricing(problem, control)
+    control = Control(hear) if run.compiled is not None or len(problem.senses) == 1 else pricing(problem, hear)
     control.on_set_up = partial(record.engine_set_up, run.name)
     crash: Exception | None = None
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
         before = 0.0
         if run.opening is not None:
             run, options, before = continued(problem, run, options, isolate, record)
-        began = time.perf_counter()
+        go, began = run.go, time.perf_counter()
         first: list[Evidence] = []
         goal: Goal | None = None
         beside: Beside | None = None
@@ -80,14 +78,14 @@ def _answered(
                 record.of_bounds(goal.told())
             control.goal = goal
             if goal is not None and goal.infeasible:
-                run, budget = replace(run, go=lambda control: RawResult("unknown", message="proved before the search")), 0.0
+                go, budget = (lambda control: RawResult("unknown", message="proved before the search")), 0.0
             elif goal is not None and (budget > FIRST_SECONDS or (budget > 0 and uncompiled)) and free_core(options.threads):
                 beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control, record.of_bounds)
         spent = time.perf_counter() - began
         if goal is None or not goal.infeasible:
             record.begin_phase("solve", round(options.time_limit, 1))
         try:
-            searched = search(run.go, control, options.time_limit)
+            searched = search(go, control, options.time_limit)
         except WayboundError:
             raise
         except Exception as fault:  # of the engine, before it published an answer; the start may be one
@@ -102,7 +100,7 @@ def _answered(
             solution = conclude(problem, run, searched, control, options, budget, record, crash, first, beside)
         finally:
             if beside is not None:
-                beside.stop()
+                beside.line.stop()
         solution.seconds["bound"] += spent
         solution.seconds["solve"] += before
         return solution

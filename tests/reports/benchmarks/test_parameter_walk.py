@@ -36,6 +36,9 @@ MODULES = {
         def told(text: str) -> None:
             print(text)
 
+        def keep(work: Any) -> None:
+            return None
+
         def run_later(work: Any) -> None:
             work()
         """,
@@ -48,6 +51,13 @@ MODULES = {
         class Run:
             problem: Problem
             name: str
+
+            @property
+            def title(self) -> str:
+                return self.name
+
+            def begin(self) -> None:
+                return None
 
         def chosen(problem: Problem, name: str) -> Run:
             backend = solver_named(name)
@@ -63,6 +73,8 @@ MODULES = {
         def solve(problem: Problem) -> int:
             run = chosen(problem, "one")
             backend.told(run.name)
+            backend.told(run.title)
+            backend.keep(run.begin)
             backend.run_later(lambda: again(run.problem))
             problem.features()
             return outcome(problem.size())
@@ -91,7 +103,7 @@ def test_stays_rooms_and_climbs_are_those_counted_by_hand(tmp_path: Path, monkey
         ("tiny.solvers.backend", ["Backend.missing"]),  # solver_named takes no problem
         ("tiny.formulations.problem", ["Problem.features"]),
         ("tiny.solving.method", ["Run"]),  # once; a first climb
-        ("tiny.solvers.backend", ["run_later"]),  # told takes a name of the run; this a function that speaks of the run
+        ("tiny.solvers.backend", ["keep", "run_later"]),  # told takes names; these a method of the run, and what speaks of it
         ("tiny.solving.solve", ["again"]),  # a second climb
         ("tiny.formulations.problem", ["Problem.size"]),  # features was there before; width and outcome take numbers
     ]

@@ -198,7 +198,7 @@ def test_its_bound_is_verified_in_the_certificate_and_again_from_the_file():
 
 
 def test_no_other_method_bounds_it_again(monkeypatch):
-    monkeypatch.setattr("waybound.solving.concluding.find_bounds", lambda *_, **__: pytest.fail("bounded again"))
+    monkeypatch.setattr("waybound.solving.concluding.bounded", lambda *_, **__: pytest.fail("bounded again"))
     solution = solve(lp(even_graph(3, 2000)), "saddle", iterations=3, bound_time=30.0)
     assert solution.bound_source.startswith("prices of")
 
