@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Iterator
 from types import FrameType
+from typing import Any
 
 PATIENCE = 2.0
 """Seconds within which everything ends once a signal has asked for it."""
@@ -125,6 +126,7 @@ def take_over() -> None:
     for number in SIGNALS:
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _hear)
+    sys.unraisablehook = _lost
     ear, mouth = os.pipe()
     os.set_blocking(mouth, False)
     signal.set_wakeup_fd(mouth, warn_on_full_buffer=False)
@@ -146,6 +148,18 @@ def _hear(number: int, frame: FrameType | None) -> None:
         leave(exit_code())
     else:
         raise KeyboardInterrupt
+
+
+def _lost(fault: Any) -> None:
+    """Python drops what is raised while it collects garbage, as in a callback of the import system: the signal is sent again."""
+    if fault.exc_type is not KeyboardInterrupt or not received:
+        sys.__unraisablehook__(fault)
+        return
+    number = received
+    reset()
+    again = threading.Timer(0.01, os.kill, (os.getpid(), number))
+    again.daemon = True
+    again.start()
 
 
 def _watch(ear: int) -> None:

@@ -189,7 +189,10 @@ def _speed(speed: float, travel: Travel, times: Times) -> float:
     clock = times.clock
     if travel.metric not in GEOGRAPHIC or travel.duration_matrix is not None or clock is None:
         return float(speed)
-    return float(speed) * clock.seconds / 3600.0
+    pace = float(speed) * clock.seconds / 3600.0
+    if not 0 < pace < math.inf:
+        raise InputError("speed is too small or too large to compute with", "out-of-range", found=str(speed))
+    return pace
 
 
 def _equal(arguments: FrameArguments, sites: Sites, times: Times) -> tuple[VehicleType, ...]:

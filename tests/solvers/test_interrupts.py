@@ -115,3 +115,27 @@ def test_no_solver_takes_an_interrupt_for_itself(solver: str) -> None:
     done = subprocess.run([sys.executable, "-c", SPLIT, solver], capture_output=True, text=True, timeout=300)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.split() == ["unknown", "interrupt"]
+
+
+LOST = """
+import os, signal, time, weakref
+from waybound.solvers import interrupts
+
+class Thing: pass
+
+interrupts.take_over()
+interrupts._held = HELD
+thing = Thing()
+kept = weakref.ref(thing, lambda _: os.kill(os.getpid(), signal.SIGTERM) or sum(range(100_000)))
+try:
+    del thing  # the signal comes in a callback, where Python drops what is raised
+    time.sleep(20)
+    print("never heard")
+except KeyboardInterrupt:
+    print("heard", interrupts.received)
+"""
+
+
+def test_an_interrupt_that_python_drops_comes_again() -> None:
+    ended = subprocess.run([sys.executable, "-c", LOST.replace("HELD", "0")], capture_output=True, text=True, timeout=60)
+    assert ended.stdout.split() == ["heard", str(int(signal.SIGTERM))] and ended.stderr == ""

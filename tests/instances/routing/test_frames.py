@@ -223,6 +223,11 @@ def test_a_metric_may_be_named_and_a_unit_of_distance() -> None:
     assert metres == pytest.approx(1000 * km)
 
 
+def test_a_speed_that_leaves_no_number_in_another_unit_is_refused() -> None:
+    with pytest.raises(InputError, match="too small or too large to compute with", check=coded("out-of-range")):
+        instance_from_frame(SHOPS, capacity=10, speed=5e-324, time_unit="s")
+
+
 def test_a_speed_of_one_is_a_speed() -> None:
     made = instance_from_frame(SHOPS.iloc[:, :3].assign(service=5.0), speed=1.0, time_unit="h")
     assert made.travel.duration(0, 1) == made.travel.distance(0, 1)
