@@ -295,11 +295,12 @@ def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[s
     "kind", ["winner-takes-all", "dense", "user", "bottleneck", "routing", "routes", "tsp", "roadmap", "tasks", "parts"]
 )
 @pytest.mark.parametrize("name", sorted(BOUNDS))
-def test_a_bound_is_no_reason_to_go_on(name: str, kind: str, share: Any, tally: Any) -> None:
+def test_a_bound_is_no_reason_to_go_on(name: str, kind: str, share: Any, compiled: Any, tally: Any) -> None:
     problem, method, rng = large(kind), BOUNDS[name], np.random.default_rng(8)
     if method.missing(problem):
         return
     method.prepare()
+    compiled(method.kernels)
     for seconds in rng.uniform(0.0, 0.2, share(1, 1)).tolist() + rng.uniform(0.0, 3.0, share(0, 4)).tolist():
         stop = Stop(BUDGET)
 

@@ -17,7 +17,7 @@ import waybound as wb
 from waybound.formulations.certificate import certify
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.problem import Problem
-from waybound.formulations.verified_bounds import proved
+from waybound.formulations.verified_bounds import proved_bound
 from waybound.instances.errors import InputError, UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from waybound.solvers.bounds import BOUNDS, BoundMethod
@@ -64,16 +64,16 @@ def test_evidence_that_reaches_the_target_ends_the_search_only_if_its_checker_ag
     first = min((m for m in BOUNDS.values() if not m.missing(PROBLEM)), key=lambda m: m.order).name
     boast = Evidence("boast", "a boast", 5.0, {})
     registered(CHECKERS, "boast", refuse)
-    assert proved(PROBLEM, boast) is None
+    assert proved_bound(PROBLEM, boast) is None
     instead(registered, first, lambda *_: boast)
     found = find_bounds(PROBLEM, 5.0, target=5.0, known=(boast,))
     assert found[0] is boast
-    assert any(proved(PROBLEM, e) == 5.0 for e in found[1:])
+    assert any(proved_bound(PROBLEM, e) == 5.0 for e in found[1:])
 
 
 def test_what_proves_nothing_is_no_bound(registered: Any) -> None:
     registered(CHECKERS, "vain", lambda problem, data: math.inf)
-    assert proved(PROBLEM, Evidence("vain", "in vain", 5.0, {})) is None
+    assert proved_bound(PROBLEM, Evidence("vain", "in vain", 5.0, {})) is None
 
 
 @pytest.mark.parametrize("heuristic", ["random", "greedy", "brute-force"])

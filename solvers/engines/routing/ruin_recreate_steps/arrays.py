@@ -122,8 +122,11 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     for at, end in ((heads, k.START), (heads + 1, k.END)):
         node[at, k.ROUTE], node[at, k.SITE] = np.arange(len(kind)), types[kind, end]
     node[customers, k.PLACE] = np.arange(len(customers))
+    node[heads, k.FREE], node[heads, k.LATE], node[heads + 1, k.LATEST] = (types[kind, at] for at in (k.OPENS, k.LEAVES, k.CLOSES))
+    node[heads + 1, k.EARLY], node[heads, k.AHEAD] = types[kind, k.OPENS], on[data.profile[kind], ends[kind, 0], ends[kind, 1]]
     route = np.zeros((len(kind), k.LOAD + len(data.limited)), dtype=np.int64)
-    route[:, k.KIND], route[:, k.STAMP], route[:, k.SOUND] = kind, -1, 1
+    route[:, k.KIND], route[:, k.STAMP], route[:, [k.SOUND, k.PUNCTUAL]] = kind, -1, 1
+    route[:, k.LENGTH] = node[heads, k.AHEAD]
     absent = np.zeros(sites, dtype=np.int64)
     absent[: len(customers)] = customers
     sums = np.array([lost[customers].sum(), lost[customers].sum(), len(customers), 0, 0])

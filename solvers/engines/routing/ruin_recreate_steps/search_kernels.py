@@ -20,9 +20,9 @@ SERVICE, READY, DUE, REQUIRED, LOST, MISSED, DEMAND = range(7)
 PROFILE, START, END, MAX_DURATION, MAX_DISTANCE, UNIT, FIXED, TIME, OPENS, LEAVES, CLOSES, FIRST, SLOTS, USED, CAPACITY = range(15)
 """Columns of vehicle types: profile of travel, limits and costs, the first slot, how many there are and are used; capacities follow."""
 
-KIND, VISITS, LENGTH, SPENT, COST, SOUND, STAMP, LOAD = range(8)
-"""Columns of routes: vehicle type, visits, length, least duration, cost, whether all limits are kept, the last step that changed it; loads
-follow."""
+KIND, VISITS, LENGTH, SPENT, COST, SOUND, PUNCTUAL, IN_USE, STAMP, LOAD = range(10)
+"""Columns of routes: vehicle type, visits, length, least duration, cost; whether all limits are kept, nobody comes too late, its vehicle is
+counted as used; the last step that changed it; loads follow."""
 
 FOLLOWING, PREVIOUS, ROUTE, SITE, AHEAD, FREE, LATEST, PLACE, TOOK, LATE, REST, EARLY, LISTED = range(13)
 """Columns of nodes: neighbours on the route; the route, -1 if left out; the site; the length of the move that follows; when a vehicle can
@@ -67,68 +67,106 @@ def _below(random, n):  # type: ignore[no-untyped-def]
     return np.int64(_share(random) * n)
 
 
+@inlined
+def _arrive(ways, at_way, site, types, node, at, ahead, k, p, tail, flags):  # type: ignore[no-untyped-def]
+    """The times of node ``ahead`` from those of ``at`` before it: whether it is in time, and whether any is another one than before."""
+    b = node[ahead, SITE]
+    drives = ways[p, node[at, SITE], b, at_way[3]]
+    reached = node[at, FREE] + drives
+    opens, closes, service = types[k, OPENS], types[k, CLOSES], 0
+    if ahead != tail:
+        opens, closes, service = site[b, READY], site[b, DUE], site[b, SERVICE]
+    free = max(reached, opens) + service
+    other = free != node[ahead, FREE]
+    node[ahead, FREE] = free
+    if flags & SPANNED:
+        on_way = node[at, TOOK] + drives
+        took, late = on_way + max(opens - on_way - node[at, LATE], 0) + service, min(closes - on_way, node[at, LATE])
+        other = other or took != node[ahead, TOOK] or late != node[ahead, LATE]
+        node[ahead, TOOK], node[ahead, LATE] = took, late
+    return reached <= closes, other
+
+
+@inlined
+def _go_on(ways, at_way, site, types, node, behind, at, k, p, head, flags):  # type: ignore[no-untyped-def]
+    """The times of node ``behind`` from those of ``at`` after it; whether any of them is another one than before."""
+    a = node[behind, SITE]
+    opens, closes, drives = types[k, OPENS], types[k, LEAVES], ways[p, a, node[at, SITE], at_way[3]]
+    if behind != head:
+        opens, closes, drives = site[a, READY], site[a, DUE], drives + site[a, SERVICE]
+    latest = min(closes, node[at, LATEST] - drives)
+    other = latest != node[behind, LATEST]
+    node[behind, LATEST] = latest
+    if flags & SPANNED:
+        waited = max(node[at, EARLY] - drives - closes, 0)
+        rest, early = drives + waited + node[at, REST], max(node[at, EARLY] - drives, opens) - waited
+        other = other or rest != node[behind, REST] or early != node[behind, EARLY]
+        node[behind, REST], node[behind, EARLY] = rest, early
+    return other
+
+
 @inner
-def _refresh(ways, at_way, site, types, route, node, sums, r, flags):  # type: ignore[no-untyped-def]
-    """Everything that is kept about route ``r``, anew; the sums, too."""
-    k, sites, dims = route[r, KIND], len(site), site.shape[1] - DEMAND
-    p, on, goes = types[k, PROFILE], at_way[1], at_way[3]
-    head, tail = sites + 2 * r, sites + 2 * r + 1
-    sound, length, visits = True, 0, 0
-    for d in range(dims):
-        route[r, LOAD + d] = 0
-    at = head
-    node[head, FREE] = types[k, OPENS]
-    node[head, TOOK], node[head, LATE] = 0, types[k, LEAVES]
-    while at != tail:
-        ahead = node[at, FOLLOWING]
-        a, b = node[at, SITE], node[ahead, SITE]
-        way = ways[p, a, b, on]
-        node[at, AHEAD] = way
-        length += way
-        last = ahead == tail
-        if not last:
-            visits += 1
-            for d in range(dims):
-                route[r, LOAD + d] += site[b, DEMAND + d]
-        if flags & TIMED:
-            drives = ways[p, a, b, goes]
-            reached = node[at, FREE] + drives
-            opens, closes, service = types[k, OPENS], types[k, CLOSES], 0
-            if not last:
-                opens, closes, service = site[b, READY], site[b, DUE], site[b, SERVICE]
-            sound = sound and reached <= closes
-            node[ahead, FREE] = max(reached, opens) + service
-            if flags & SPANNED:
-                on_way = node[at, TOOK] + drives
-                node[ahead, TOOK] = on_way + max(opens - on_way - node[at, LATE], 0) + service
-                node[ahead, LATE] = min(closes - on_way, node[at, LATE])
-        at = ahead
+def _refresh(ways, at_way, site, types, route, node, sums, r, first, last, flags):  # type: ignore[no-untyped-def]
+    """What is kept about route ``r`` whose visits between the nodes ``first`` and ``last`` are others than before; the sums, too.
+
+    Loads, length and number of visits were brought up to date with the links.
+    """
+    k, head, tail = route[r, KIND], len(site) + 2 * r, len(site) + 2 * r + 1
+    p = types[k, PROFILE]
     if flags & TIMED:
-        node[tail, LATEST] = types[k, CLOSES]
-        node[tail, REST], node[tail, EARLY] = 0, types[k, OPENS]
+        whole = not route[r, PUNCTUAL]
+        if whole:
+            first, last = head, tail
+        at, open_end, punctual = first, True, True
+        while at != tail:
+            ahead = node[at, FOLLOWING]
+            in_time, other = _arrive(ways, at_way, site, types, node, at, ahead, k, p, tail, flags)
+            punctual = punctual and in_time
+            open_end = open_end and ahead != last
+            at = ahead
+            if not (other or open_end):
+                break
+        at, open_end = last, True
         while at != head:
             behind = node[at, PREVIOUS]
-            a, b = node[behind, SITE], node[at, SITE]
-            opens, closes, service = types[k, OPENS], types[k, LEAVES], 0
-            if behind != head:
-                opens, closes, service = site[a, READY], site[a, DUE], site[a, SERVICE]
-            drives = service + ways[p, a, b, goes]
-            node[behind, LATEST] = min(closes, node[at, LATEST] - drives)
-            if flags & SPANNED:
-                waited = max(node[at, EARLY] - drives - closes, 0)
-                node[behind, REST] = drives + waited + node[at, REST]
-                node[behind, EARLY] = max(node[at, EARLY] - drives, opens) - waited
+            other = _go_on(ways, at_way, site, types, node, behind, at, k, p, head, flags)
+            open_end = open_end and behind != first
             at = behind
-    for d in range(dims):
-        sound = sound and route[r, LOAD + d] <= types[k, CAPACITY + d]
+            if not (other or open_end):
+                break
+        route[r, PUNCTUAL] = punctual
+    length, visits = route[r, LENGTH], route[r, VISITS]
     spent = node[tail, TOOK] if flags & SPANNED else 0
-    sound = sound and length <= types[k, MAX_DISTANCE] and spent <= types[k, MAX_DURATION]
+    sound = route[r, PUNCTUAL] != 0 and length <= types[k, MAX_DISTANCE] and spent <= types[k, MAX_DURATION]
+    for d in range(site.shape[1] - DEMAND):
+        sound = sound and route[r, LOAD + d] <= types[k, CAPACITY + d]
     cost = 0 if visits == 0 else types[k, UNIT] * length + types[k, FIXED] + types[k, TIME] * spent
-    types[k, USED] += (visits > 0) - (route[r, VISITS] > 0)
+    types[k, USED] += (visits > 0) - route[r, IN_USE]
     sums[SEARCHED] += cost - route[r, COST]
     sums[OBJECTIVE] += cost - route[r, COST]
-    route[r, VISITS], route[r, LENGTH], route[r, SPENT], route[r, COST] = visits, length, spent, cost
-    route[r, SOUND] = sound or visits == 0
+    route[r, IN_USE], route[r, SPENT], route[r, COST], route[r, SOUND] = visits > 0, spent, cost, sound or visits == 0
+
+
+@inner
+def _recount(ways, at_way, site, types, route, node, sums, r, flags):  # type: ignore[no-untyped-def]
+    """Everything that is kept about route ``r``, anew."""
+    k, head, tail = route[r, KIND], len(site) + 2 * r, len(site) + 2 * r + 1
+    p, dims = types[k, PROFILE], site.shape[1] - DEMAND
+    route[r, LENGTH], route[r, VISITS], route[r, PUNCTUAL] = 0, -1, not flags & TIMED
+    for d in range(dims):
+        route[r, LOAD + d] = 0
+    node[head, FREE], node[head, TOOK], node[head, LATE] = types[k, OPENS], 0, types[k, LEAVES]
+    node[tail, LATEST], node[tail, REST], node[tail, EARLY] = types[k, CLOSES], 0, types[k, OPENS]
+    at = head
+    while at != tail:
+        ahead = node[at, FOLLOWING]
+        node[at, AHEAD] = ways[p, node[at, SITE], node[ahead, SITE], at_way[1]]
+        route[r, LENGTH] += node[at, AHEAD]
+        route[r, VISITS] += 1
+        for d in range(dims if ahead != tail else 0):
+            route[r, LOAD + d] += site[ahead, DEMAND + d]
+        at = ahead
+    _refresh(ways, at_way, site, types, route, node, sums, r, head, tail, flags)
 
 
 @inner
@@ -230,7 +268,7 @@ def settle(ways, at_way, site, types, route, node, absent, sums, flags):  # type
         while at != tail:
             _take_in(site, node, absent, sums, at)
             at = node[at, FOLLOWING]
-        _refresh(ways, at_way, site, types, route, node, sums, r, flags)
+        _recount(ways, at_way, site, types, route, node, sums, r, flags)
         if route[r, SOUND]:
             continue
         at = node[head, FOLLOWING]
@@ -239,7 +277,7 @@ def settle(ways, at_way, site, types, route, node, absent, sums, flags):  # type
             _leave_out(site, node, absent, sums, at)
             at = after
         node[head, FOLLOWING], node[tail, PREVIOUS] = tail, head
-        _refresh(ways, at_way, site, types, route, node, sums, r, flags)
+        _recount(ways, at_way, site, types, route, node, sums, r, flags)
 
 
 @kernel(
@@ -306,8 +344,8 @@ def anneal(  # type: ignore[no-untyped-def]
                     node[at, ROUTE] = other
                     able = able and allowed[k, at]
                     at = node[at, FOLLOWING]
-                _refresh(ways, at_way, site, types, route, node, sums, r, flags)
-                _refresh(ways, at_way, site, types, route, node, sums, other, flags)
+                _recount(ways, at_way, site, types, route, node, sums, r, flags)
+                _recount(ways, at_way, site, types, route, node, sums, other, flags)
                 if not able:
                     route[other, SOUND] = 0
         elif routes > 0:
@@ -344,17 +382,23 @@ def anneal(  # type: ignore[no-untyped-def]
                 for _step in range(low + _below(random, back - low + 1)):
                     at = node[at, PREVIOUS]
                 gap = 1 + _below(random, cut - 1) if kept else span
+                first, p = node[at, PREVIOUS], types[route[r, KIND], PROFILE]
                 for place in range(span):
                     after = node[at, FOLLOWING]
                     if place < gap or place >= gap + kept:
                         behind = node[at, PREVIOUS]
-                        node[behind, FOLLOWING], node[after, PREVIOUS] = after, behind
+                        way = ways[p, node[behind, SITE], node[after, SITE], at_way[1]]
+                        route[r, LENGTH] += way - node[behind, AHEAD] - node[at, AHEAD]
+                        route[r, VISITS] -= 1
+                        for d in range(dims):
+                            route[r, LOAD + d] -= site[at, DEMAND + d]
+                        node[behind, FOLLOWING], node[behind, AHEAD], node[after, PREVIOUS] = after, way, behind
                         _leave_out(site, node, absent, sums, at)
                         node[at, LISTED] = step
                         moved[moves] = todo[moves] = at
                         moves += 1
                     at = after
-                _refresh(ways, at_way, site, types, route, node, sums, r, flags)
+                _refresh(ways, at_way, site, types, route, node, sums, r, first, at, flags)
         for _try in range(min(sums[ABSENT] - moves, 10)):
             c = absent[_below(random, sums[ABSENT])]
             if node[c, LISTED] != step:
@@ -445,10 +489,16 @@ def anneal(  # type: ignore[no-untyped-def]
                 after = sites + 2 * r
             r, onward = node[after, ROUTE], node[after, FOLLOWING]
             logged = _save(route, node, sites, r, step, log, logged)
-            node[after, FOLLOWING], node[c, PREVIOUS], node[c, FOLLOWING], node[onward, PREVIOUS] = c, after, onward, c
-            node[c, ROUTE] = r
+            p = types[route[r, KIND], PROFILE]
+            comes, goes = ways[p, c, node[after, SITE], at_way[0]], ways[p, c, node[onward, SITE], at_way[1]]
+            route[r, LENGTH] += comes + goes - node[after, AHEAD]
+            route[r, VISITS] += 1
+            for d in range(dims):
+                route[r, LOAD + d] += site[c, DEMAND + d]
+            node[after, FOLLOWING], node[after, AHEAD], node[onward, PREVIOUS] = c, comes, c
+            node[c, PREVIOUS], node[c, FOLLOWING], node[c, AHEAD], node[c, ROUTE] = after, onward, goes, r
             _take_in(site, node, absent, sums, c)
-            _refresh(ways, at_way, site, types, route, node, sums, r, flags)
+            _refresh(ways, at_way, site, types, route, node, sums, r, after, onward, flags)
         # Accept, or put everything back.
         sound, at = True, 0
         while at < logged:
@@ -467,7 +517,7 @@ def anneal(  # type: ignore[no-untyped-def]
                     node[last, FOLLOWING], node[c, PREVIOUS], node[c, ROUTE] = c, last, r
                     last = c
                 node[last, FOLLOWING], node[tail, PREVIOUS] = tail, last
-                _refresh(ways, at_way, site, types, route, node, sums, r, flags)
+                _recount(ways, at_way, site, types, route, node, sums, r, flags)
                 at += 2 + many
             for m in range(moves):
                 if node[moved[m], ROUTE] >= 0:
