@@ -122,9 +122,12 @@ class _Search:
     """One run: publishes its incumbents and asks for its end from within the library's callback."""
 
     def __init__(self, problem: RoutingProblem, data: IntegerRouting, options: Options, control: Control, began: float) -> None:
-        self.problem, self.data, self.options, self.control = problem, with_slope(problem, data), options, control
+        self.problem, self.options, self.control = problem, options, control
+        # Where vehicles alone count, tabu search goes on from answer to answer, and counts them, only while all of them are equal.
+        stops, rewarded = bool(stops_between(problem)), bool(data.prize.any()) and not data.fixed.any()
+        self.data = with_slope(problem, data) if stops or rewarded else data
         self.sloped = self.data is not data
-        self.rewarded = self.sloped and bool(data.prize.any()) and not (data.fixed.any() or stops_between(problem))
+        self.rewarded = self.sloped and not stops
         self.began, self.ends = began, began + options.time_limit
         self.solutions = 0
         self.publish_at = 0.0
