@@ -11,7 +11,7 @@ Code = Literal[
     "malformed", "missing", "duplicate", "unknown-name", "out-of-range", "wrong-shape", "contradiction", "ambiguous", "foreign",
     "unsupported", "too-large", "file", "missing-package", "no-answer", "search-failed", "check-failed", "internal",
 ]  # fmt: skip
-"""What is wrong, for programs that read errors; messages may change their words, codes do not. docs/errors.md says what each means."""
+"""Kinds of errors, for programs to branch on: a message may be reworded, its code stays. docs/errors.md explains each."""
 
 
 class WayboundError(Exception):

@@ -311,8 +311,18 @@ class Backend(ABC):
 
 @dataclass(frozen=True)
 class Needs:
-    """What an engine lacks for a problem, and, where that is nothing, what it takes to run it: bytes, seconds before its search begins, and
-    whether a process of its own."""
+    """Whether and how an engine can run on a problem.
+
+    Parameters
+    ----------
+    missing : frozenset of str
+        Features of the problem that the engine lacks; where there are any, the others are not filled in.
+    memory : float, bytes
+    set_up_seconds : float
+        Before its search begins.
+    apart : bool
+        Whether it needs a process of its own to be stopped.
+    """
 
     missing: frozenset[str]
     memory: float = 0.0

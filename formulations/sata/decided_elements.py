@@ -58,7 +58,7 @@ class DecidedElements(Problem):
 
     @staticmethod
     def at_most(column: int, most: int) -> Decision:
-        """What a bound on the binary column of an element says, for forms whose first columns are the elements (``Compiled.at_most``)."""
+        """The decision that ``column <= most`` stands for in a form whose column k says whether element k is chosen."""
         return {"chosen": column}, most >= 1
 
     def in_words(self, statement: Any, holds: bool) -> str:

@@ -63,7 +63,7 @@ def source(module: str) -> tuple[ast.Module, list[str]]:
 
 @cache
 def find(module: str, name: str) -> Part | None:
-    """What a name of a module stands for, if it is of the same package: a part without a name is a module."""
+    """The function, class, variable or module that a name in ``module`` refers to; None if it comes from another package."""
     tree, packages = source(module)
     for node in tree.body:
         if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name:

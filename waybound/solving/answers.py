@@ -90,6 +90,6 @@ def start_given(problem: Problem, given: Any) -> tuple[Any, tuple[str, ...]]:
 
 
 def evaluated(problem: Problem, answer: Any) -> Evaluation:
-    """What the judge says of an answer that a user gave; raises InputError where it cannot judge it."""
+    """The judge's verdict on an answer that a user gave; raises InputError where it cannot be judged."""
     with taken_by(problem):
         return problem.evaluate(answer)

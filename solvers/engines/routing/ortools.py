@@ -123,7 +123,6 @@ class _Search:
 
     def __init__(self, problem: RoutingProblem, data: IntegerRouting, options: Options, control: Control, began: float) -> None:
         self.problem, self.options, self.control = problem, options, control
-        # Where vehicles alone count, tabu search goes on from answer to answer, and counts them, only while all of them are equal.
         stops, rewarded = bool(stops_between(problem)), bool(data.prize.any()) and not data.fixed.any()
         self.data = with_slope(problem, data) if stops or rewarded else data
         self.sloped = self.data is not data

@@ -127,7 +127,8 @@ def _range(problem: RoutingProblem, goal: Scalar) -> float:
     distance = np.minimum(farthest, [v.max_distance for v in problem.fleet])
     distance = np.where([t.own_durations for t in travels], distance, np.minimum(distance, hours))
     priced = np.minimum(goal.unit * distance @ counts, goal.unit.max() * farthest.max())
-    timed = (goal.time + goal.overtime) * duration @ counts
+    dear = goal.time + goal.overtime
+    timed = np.minimum(dear * duration @ counts, n * dear.max() * duration.max())
     return float(priced + n * goal.fixed.max() + timed + goal.prize.sum() + goal.maxima @ [duration.max(), distance.max(), duration.max()])
 
 

@@ -18,7 +18,6 @@ from .routing_integers import integer_routing, with_slope
 from .routing_objective import unscalable
 
 if TYPE_CHECKING:
-    from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
 
 LEAST = {"removals": 1.0, "string": 1.0, "neighbours": 1, "hot": 0.0, "cold": 0.0, "worth": 0.0}
@@ -29,6 +28,10 @@ PIECE = 0.02
 
 PUBLISH_EVERY = 0.05
 """Seconds between two published incumbents, so that a flood of early ones costs nothing."""
+
+
+MOST_PRIZES = 1 << 58
+"""Sum of all prizes up to which they can be added to other costs."""
 
 
 @BACKENDS.register("ruin-recreate")
@@ -46,10 +49,10 @@ class RuinRecreate(Bisecting):
     modules = ("numba",)
     summary = "ruin and recreate of routes, by annealing"
     options = MappingProxyType({"removals": 10.0, "string": 10.0, "neighbours": 60, "hot": 1.0, "cold": 0.01, "worth": 2.0})
-    order = 15
+    order = 25
     honours = frozenset({"iterations", "no_improvement", "gap"})
     one_thread = True
-    bytes_a_move, seconds_a_move = 100.0, 3e-7
+    bytes_a_move, seconds_a_move = 85.0, 4e-7
     features = frozenset(
         {
             "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites", "limited-fleet",
@@ -81,10 +84,6 @@ class RuinRecreate(Bisecting):
         control.end_set_up(time.perf_counter() - began)
         return search.run()
 
-    def apart(self, problem: Problem) -> bool:
-        """See ``Engine.apart``: its loops can be interrupted."""
-        return False
-
 
 class _Search:
     """One run: cools down, publishes its incumbents, and translates its answers."""
@@ -96,7 +95,8 @@ class _Search:
         self.problem, self.options, self.asked, self.control, self.stop = problem, options, asked, control, stop
         self.kernels = search_kernels
         data = integer_routing(problem)
-        self.data = with_slope(problem, data)
+        sloped = with_slope(problem, data)
+        self.data = sloped if int(sloped.prize.sum()) < MOST_PRIZES else data
         self.sloped = self.data is not data
         self.held = arrays(problem, self.data, int(asked["neighbours"]), options.seed % 2**64)
         self.best = np.zeros(1 + len(self.held.node), dtype=np.int64)
@@ -151,7 +151,7 @@ class _Search:
         return RawResult("feasible", limit, self.answer, self.value, statistics=statistics, holds=self.data.holds, links=links)
 
     def advance(self, steps: int, warmth: float) -> None:
-        rest = self.best, self.log, self.sizes, steps, warmth, 1.0, self.held.flags
+        rest = self.best, self.log, self.sizes, steps, warmth, self.held.flags
         self.kernels.anneal(self.stop.flag, *self.held.parts, *rest)
 
     def mean_move(self) -> float:
@@ -173,7 +173,7 @@ class _Search:
         self.control.publish(self.answer, self.value)
 
     def left_out(self) -> str:
-        """Who is on no route of the best answer."""
+        """A sentence that names the required sites on no route of the best answer."""
         customers = self.held.customers
         missing = customers[(self.best[1:][customers] < 0) & self.problem.sites.required[customers]]
         names = ", ".join(self.problem.sites.ids[c] for c in missing[:5])

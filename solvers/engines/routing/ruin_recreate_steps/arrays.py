@@ -39,7 +39,7 @@ class Arrays:
 
     @property
     def parts(self) -> tuple[NDArray[Any], ...]:
-        """What ``search_kernels.anneal`` takes after the flag, in its order."""
+        """The arrays in the order in which ``search_kernels.anneal`` takes them."""
         return tuple(getattr(self, field.name) for field in fields(self) if field.name != "flags")
 
     def begin(self, answer: Routes) -> bool:
@@ -97,16 +97,15 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     sites, customers, fleet = len(problem.sites), problem.customers, problem.fleet
     counts = np.array([len(customers) if v.count is None else min(v.count, len(customers)) for v in fleet])
     counts[data.closes < data.opens] = 0
-    limited = bool((np.minimum(data.max_distance, data.travel_reach) < MOST).any())
-    on = np.stack([_limited(m.distance_up if limited else m.distance) for m in data.moves])
+    longest = np.minimum(np.minimum(data.max_distance, data.travel_reach), MOST - 1)
+    on = np.stack([_limited(m.distance_up if (longest < MOST - 1).any() else m.distance) for m in data.moves])
     if problem.forbidden is not None:
         on = np.where(problem.forbidden, MOST, on)
     goes = np.stack([_limited(m.duration) for m in data.moves])
     ways, at_way = _ways(on, goes)
     required = problem.sites.required[:, None].astype(np.int64)
-    lost = np.where(problem.sites.required, (1 << 60) // (8 * (sites + 1)), data.prize)
+    lost = np.where(problem.sites.required, _dear(problem, data), data.prize)
     site = np.column_stack([data.service, data.ready, _limited(data.due), required, lost, lost, data.demand[:, data.limited]])
-    longest = np.minimum(np.minimum(data.max_distance, data.travel_reach), MOST - 1)
     hours = _limited(data.max_duration)
     ends = np.array([(v.start, v.end) for v in fleet])
     types = np.column_stack([
@@ -140,6 +139,15 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
         ways, at_way, _rows(site), _rows(types), allowed, customers.astype(np.int64), near, route, node, absent, sums,
         np.array([seed], dtype=np.uint64), flags,
     )  # fmt: skip
+
+
+def _dear(problem: RoutingProblem, data: IntegerRouting) -> int:
+    """Price of leaving a required site out: more than all rewards and all routes can cost, as far as such sums stay within 64 bits."""
+    customers, moves = len(problem.customers), 2 * len(problem.customers)
+    routes = moves * max(m.longest for m in data.moves) * int(data.unit.max()) + customers * int(data.fixed.max())
+    times = moves * max(m.slowest for m in data.moves) + int(data.service.sum()) + int(data.ready.max())
+    worth = 1 + int(data.prize.sum()) + routes + customers * times * int(data.time.max())
+    return min(worth, (1 << 59) // (customers + 1))
 
 
 def _rows(values: Integers) -> Integers:

@@ -107,9 +107,9 @@ def _go_on(ways, at_way, site, types, node, behind, at, k, p, head, flags):  # t
 
 @inner
 def _refresh(ways, at_way, site, types, route, node, sums, r, first, last, flags):  # type: ignore[no-untyped-def]
-    """What is kept about route ``r`` whose visits between the nodes ``first`` and ``last`` are others than before; the sums, too.
+    """Bring times, limits and cost of route ``r`` up to date after a change between its nodes ``first`` and ``last``.
 
-    Loads, length and number of visits were brought up to date with the links.
+    Its loads, length and number of visits are up to date already.
     """
     k, head, tail = route[r, KIND], len(site) + 2 * r, len(site) + 2 * r + 1
     p = types[k, PROFILE]
@@ -149,7 +149,7 @@ def _refresh(ways, at_way, site, types, route, node, sums, r, first, last, flags
 
 @inner
 def _recount(ways, at_way, site, types, route, node, sums, r, flags):  # type: ignore[no-untyped-def]
-    """Everything that is kept about route ``r``, anew."""
+    """Compute all that is stored about route ``r`` from its visits."""
     k, head, tail = route[r, KIND], len(site) + 2 * r, len(site) + 2 * r + 1
     p, dims = types[k, PROFILE], site.shape[1] - DEMAND
     route[r, LENGTH], route[r, VISITS], route[r, PUNCTUAL] = 0, -1, not flags & TIMED
@@ -192,7 +192,7 @@ def _take_in(site, node, absent, sums, c):  # type: ignore[no-untyped-def]
 
 @inlined
 def _longer(ways, at_way, site, types, route, node, c, i, r, k, p, least, flags):  # type: ignore[no-untyped-def]
-    """What a visit of ``c`` after node ``i`` costs; ``NONE`` where a limit would be broken. Loads were looked at."""
+    """Cost of visiting ``c`` after node ``i``; ``NONE`` if that breaks a limit. Whether the load fits is not checked here."""
     j = node[i, FOLLOWING]
     a, b = node[i, SITE], node[j, SITE]
     detour = ways[p, c, a, at_way[0]] + ways[p, c, b, at_way[1]] - node[i, AHEAD]
@@ -219,7 +219,7 @@ def _longer(ways, at_way, site, types, route, node, c, i, r, k, p, least, flags)
 
 @inner
 def _alone(ways, at_way, site, types, allowed, c, k, flags):  # type: ignore[no-untyped-def]
-    """What a route for ``c`` alone costs."""
+    """Cost of a route that visits ``c`` alone; ``NONE`` if it breaks a limit."""
     p, a, b = types[k, PROFILE], types[k, START], types[k, END]
     if not allowed[k, c]:
         return NONE
@@ -261,7 +261,7 @@ def _save(route, node, sites, r, step, log, logged):  # type: ignore[no-untyped-
     "(i8[:, :, :, ::1], i8[::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], i8[::1], i8[::1], i8)",
 )
 def settle(ways, at_way, site, types, route, node, absent, sums, flags):  # type: ignore[no-untyped-def]
-    """Everything that is kept about routes that were put in from outside; those that break a limit are dissolved."""
+    """Compute all that is stored about routes that were put in from outside, and dissolve those that break a limit."""
     for r in range(len(route)):
         head, tail = len(site) + 2 * r, len(site) + 2 * r + 1
         at = node[head, FOLLOWING]
@@ -282,7 +282,7 @@ def settle(ways, at_way, site, types, route, node, absent, sums, flags):  # type
 
 @kernel(
     "(i8[::1], i8[:, :, :, ::1], i8[::1], i8[:, ::1], i8[:, ::1], b1[:, ::1], i8[::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], i8[::1], "
-    "i8[::1], u8[::1], i8[::1], i8[::1], f8[::1], i8, f8, f8, i8)"
+    "i8[::1], u8[::1], i8[::1], i8[::1], f8[::1], i8, f8, i8)"
 )
 def anneal(  # type: ignore[no-untyped-def]
     flag,
@@ -303,14 +303,13 @@ def anneal(  # type: ignore[no-untyped-def]
     sizes,
     steps,
     warmth,
-    cooling,
     flags,
 ):
-    """Some steps of ruin and recreate, accepted by annealing from temperature ``warmth``, which each step multiplies by ``cooling``.
+    """Some steps of ruin and recreate, accepted by annealing at temperature ``warmth``.
 
     ``ways[p, c, a]`` has the length of the move from a to c and back, and the time that these take, in the entries ``at_way``. ``near`` has
     for each site the customers next to it, nearest first; -1 ends a row. ``best`` receives the cost and the successor of each node of the
-    best answer. ``sizes`` are the longest string and how many visits are removed on the mean. Returns the temperature.
+    best answer. ``sizes`` are the longest string and how many visits are removed on the mean.
     """
     sites, slots, kinds = len(site), len(route), len(types)
     n, dims = len(customers), site.shape[1] - DEMAND
@@ -527,5 +526,3 @@ def anneal(  # type: ignore[no-untyped-def]
             best[0] = sums[OBJECTIVE]
             for i in range(len(node)):
                 best[1 + i] = node[i, FOLLOWING] if node[i, ROUTE] >= 0 else -1
-        warmth *= cooling
-    return warmth

@@ -47,6 +47,18 @@ def test_where_only_rewards_count_the_claim_is_the_judges_and_routes_are_short()
     assert judged.feasible and found.objective == judged.values[0]
 
 
+@pytest.mark.parametrize("scale", [1.0, 1e3, 1e6, 1e9])
+def test_no_reward_is_worth_a_required_site(scale: float) -> None:
+    """One vehicle can visit a poor required site, or the rich ones that lie the other way."""
+    xy = np.array([[0, 0], [-40, 0], *([30 + k, 0] for k in range(8))], dtype=float)
+    sites = wb.Sites.of(range(10), required=[False, True, *[False] * 8], reward=np.array([0, 1, *range(50, 58)]) * scale, coordinates=xy)
+    vehicle = wb.VehicleType(count=1, max_distance=90.0)
+    for objective in (wb.Reward(), wb.Reward().then(wb.TotalCost()), wb.TotalCost() - wb.Reward()):
+        problem = wb.RoutingProblem(sites, wb.Travel("euclidean", xy), (vehicle,), objective)
+        found = run(problem, iterations=2000)
+        assert found.answer is not None and problem.evaluate(found.answer).feasible
+
+
 def test_the_longest_route_is_taken_by_bisection() -> None:
     problem = replace(small("capacity", 0, "exact"), objective=wb.Objective.of(wb.LongestRoute()))
     found = run(problem, iterations=4000)
