@@ -93,7 +93,7 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
         with off_the_clock("" if self._keeps(sig) or _outer else self.title):
             _outer.append(self)
             try:
-                with _uncollected(), _uncoloured():
+                with _uncollected(), _uncoloured(), _remembering():
                     return super().compile(sig)
             finally:
                 _outer.pop()
@@ -229,6 +229,31 @@ def _uncoloured() -> Iterator[None]:
         yield
     finally:
         errors._termcolor_inst = before  # type: ignore[attr-defined]
+
+
+@contextlib.contextmanager
+def _remembering() -> Iterator[None]:
+    """With what an operator returns for given types remembered: numba asks all that it knows of that operator each time it meets one."""
+    before = types.Function.get_call_type
+    if before.__module__ == __name__:
+        yield
+        return
+
+    def resolved(operator: Any, context: Any, args: Any, kws: Any) -> Any:
+        if kws:
+            return before(operator, context, args, kws)
+        if (operator, args) not in _known:
+            _known[operator, args] = before(operator, context, args, kws)
+        return _known[operator, args]
+
+    types.Function.get_call_type = resolved
+    try:
+        yield
+    finally:
+        types.Function.get_call_type = before
+
+
+_known: dict[tuple[Any, Any], Any] = {}
 
 
 def _read(kind: Any) -> Any:

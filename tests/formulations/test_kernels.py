@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from numba.core.compiler import Flags
 
+from waybound.formulations import kernels
 from waybound.formulations.kernels import Kernel, _Flags, inner, kernel, kernel_modules
 from waybound.formulations.stop import hearing
 
@@ -90,6 +91,27 @@ def test_kernels_are_compiled_as_numba_compiles_them() -> None:
 class Pair(NamedTuple):
     left: np.ndarray
     right: np.ndarray
+
+
+def test_numba_is_asked_once_for_each_operator_and_types(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And as it always was before and after."""
+    asked: list[tuple[str, str]] = []
+    before = numba.types.Function.get_call_type
+
+    def counted(operator, context, args, kws):  # type: ignore[no-untyped-def]
+        asked.append((str(operator), str(args)))
+        return before(operator, context, args, kws)
+
+    monkeypatch.setattr(numba.types.Function, "get_call_type", counted)
+    monkeypatch.setattr(kernels, "_known", {})
+
+    @kernel("f4(f4, f4)")
+    def sums(a, b):  # type: ignore[no-untyped-def]
+        return (a + b) + (b + a) + (a + a) + (b + b)
+
+    sums.make()
+    assert asked.count(("Function(<built-in function add>)", "(float32, float32)")) == 1
+    assert numba.types.Function.get_call_type is counted
 
 
 def test_named_tuples_are_declared_by_name() -> None:
