@@ -246,11 +246,11 @@ def _remembering() -> Iterator[None]:
             _known[operator, args] = before(operator, context, args, kws)
         return _known[operator, args]
 
-    types.Function.get_call_type = resolved
+    types.Function.get_call_type = resolved  # type: ignore[method-assign,assignment]
     try:
         yield
     finally:
-        types.Function.get_call_type = before
+        types.Function.get_call_type = before  # type: ignore[method-assign]
 
 
 _known: dict[tuple[Any, Any], Any] = {}

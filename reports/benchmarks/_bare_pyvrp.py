@@ -1,4 +1,7 @@
-"""PyVRP as its own documentation uses it: ``python _bare_pyvrp.py DATA.npz ITERATIONS``, see ``_bare_routing``."""
+"""PyVRP as its own documentation uses it: ``python _bare_pyvrp.py DATA.npz WORK [SEED]``, iterations or, as in ``30s``, seconds.
+
+See ``_bare_routing``.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ import time
 import pyvrp
 from _bare_routing import load, tell  # type: ignore[import-not-found]  # a script's neighbour
 
-d, iterations = load(sys.argv[1]), int(sys.argv[2])
+d, work, seed = load(sys.argv[1]), sys.argv[2], int([*sys.argv[3:], "1"][0])
 start = time.process_time()
 ends = set(d["shipments"].ravel().tolist())
 depots = d["depots"].tolist()
@@ -42,7 +45,8 @@ data = pyvrp.ProblemData(
     [pyvrp.Location(float(x), float(y)) for x, y in d["xy"]], clients, [pyvrp.Depot(i) for i in depots], vehicles,
     [d["distance"]], [d["duration"]], shipments=shipments,
 )  # fmt: skip
-result = pyvrp.solve(data, pyvrp.stop.MaxIterations(iterations), seed=1, collect_stats=False, display=False)
+end = pyvrp.stop.MaxRuntime(float(work[:-1])) if work.endswith("s") else pyvrp.stop.MaxIterations(int(work))
+result = pyvrp.solve(data, end, seed=seed, collect_stats=False, display=False)
 
 
 def site(activity: pyvrp.Activity) -> int:

@@ -24,7 +24,7 @@ from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.isolation import run_isolated
 
-WORK = {"pyvrp": 200, "ortools": 300, "ruin-recreate": 3000}
+WORK = {"portfolio": 200, "pyvrp": 200, "ortools": 300, "ruin-recreate": 3000}
 """Enough of each engine's own iterations for five customers."""
 
 FINEST = {"vroom": 10_000}

@@ -21,16 +21,14 @@ from ....formulations.evidence import Evidence
 from ....formulations.programs.exactness import Exactness, Link
 from ....formulations.routing.objective import Composable, Objective, TotalCost, TotalDuration, Weighted
 from ....formulations.routing.reachability import unreachable
-from ....formulations.tolerance import same
 from ....instances.errors import UnsupportedError
 from ...backend import Control, Engine, Options, RawResult
+from .best_routes import BestRoutes
 from .routing_objective import MAXIMA, longest_stay, stops_between
 
 if TYPE_CHECKING:
-    from ....formulations.evaluation import Evaluation
     from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
-    from ....formulations.routing.routes import Routes
 
 NEAR = 1e-3
 """Part of the best value to which the ends are brought together; then any better value is asked for."""
@@ -181,18 +179,18 @@ class _Search:
         self.problem = asked.problem
         self.ends = time.perf_counter() + options.time_limit
         self.iterations_left = options.iterations
-        self.best: tuple[Routes, Evaluation] | None = None
+        self.best = BestRoutes(asked.problem, control)
         self.tried = 0
         self.last = RawResult("unknown")
 
     def run(self) -> RawResult:
         asked, at = self.asked, self.asked.level
-        began = self.options.start is not None and self.take(self.options.start)
+        began = self.options.start is not None and self.best.take(self.options.start)
         follows = at + 1 < len(self.problem.senses)
         for share in (0.3 if at else 0.1 if self.repeats else 1.0, 1.0):
-            if self.best is None or (at and not self.tried):
+            if self.best.answer is None or (at and not self.tried):
                 self.probe(math.inf, share, enough=not at)
-        if self.best is None:
+        if self.best.answer is None:
             return self.last
         low = asked.least
         while not self.spent:
@@ -216,14 +214,14 @@ class _Search:
     @property
     def value(self) -> float:
         """Value of the largest route in the best answer."""
-        assert self.best is not None
-        return self.best[1].values[self.asked.level] / self.asked.weight
+        assert self.best.values is not None
+        return self.best.values[self.asked.level] / self.asked.weight
 
     @property
     def before(self) -> tuple[float, ...]:
         """Values of the best answer at the levels before."""
-        assert self.best is not None
-        return self.best[1].values[: self.asked.level]
+        assert self.best.values is not None
+        return self.best.values[: self.asked.level]
 
     @property
     def spent(self) -> bool:
@@ -242,35 +240,18 @@ class _Search:
             return False
         seconds = max(0.0, self.ends - time.perf_counter()) * (1.0 if self.repeats else share)
         most = None if self.iterations_left is None else max(1, int(self.iterations_left * share))
-        start = self.options.start if self.best is None else self.best[0]
+        start = self.best.answer or self.options.start
         control = _ProbeControl(self, enough and not self.repeats)
-        known = self.best
+        known = self.best.answer
         self.last = self.engine.search(problem, replace(self.options, time_limit=seconds, iterations=most, start=start), control)
         if self.iterations_left is not None:
             statistics = self.last.statistics
             self.iterations_left -= max(1, int(statistics.get("iterations", statistics.get("solutions", most or 1))))
         if self.last.answer is not None:
-            self.take(self.last.answer)
-        return self.best is not known
-
-    def take(self, answer: Routes) -> bool:
-        """Keep an answer if it is the best one so far."""
-        verdict = self.problem.evaluate(answer)
-        if not verdict.feasible or (self.best is not None and not self.better(verdict, self.best[1])):
-            return False
-        self.best = (answer, verdict)
-        self.control.publish(answer, verdict.values[0] if len(verdict.values) == 1 else None)
-        return True
-
-    def better(self, one: Evaluation, other: Evaluation) -> bool:
-        for sense, a, b in zip(self.problem.senses, one.values, other.values, strict=True):
-            if not same(a, b):
-                return (a < b) == (sense == "min")
-        return False
+            self.best.take(self.last.answer)
+        return self.best.answer is not known
 
     def result(self) -> RawResult:
-        assert self.best is not None
-        answer, verdict = self.best
         limit = self.last.limit if self.last.limit != "interrupt" else "none"  # which is how the first better answer ends a probe
         if self.control.stopped:
             limit = "interrupt"
@@ -278,13 +259,14 @@ class _Search:
             limit = "iterations"
         elif time.perf_counter() >= self.ends:
             limit = "time"
-        value = verdict.values[0] if len(verdict.values) == 1 else None
         statistics = {**self.last.statistics, "limits_tried": self.tried}
         if self.options.iterations is not None and self.iterations_left is not None:
             statistics["iterations"] = self.options.iterations - self.iterations_left
         detail = f"routes limited in place of {self.asked.term}, {self.tried} limit{'s' if self.tried != 1 else ''} tried"
         links = (*self.last.links, Link("bisection", Exactness.RESTRICTION, detail))
-        return RawResult("feasible", limit, answer, value, statistics=statistics, holds=Exactness.RESTRICTION, links=links)
+        return RawResult(
+            "feasible", limit, self.best.answer, self.best.claim, statistics=statistics, holds=Exactness.RESTRICTION, links=links
+        )
 
 
 class _ProbeControl(Control):
@@ -308,5 +290,5 @@ class _ProbeControl(Control):
         self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
     ) -> None:
         super().publish(answer, objective, bound, evidence)
-        if answer is not None and self._search.take(answer) and self._enough:
+        if answer is not None and self._search.best.take(answer) and self._enough:
             self.stop()

@@ -20,9 +20,9 @@ SERVICE, READY, DUE, REQUIRED, LOST, MISSED, DEMAND = range(7)
 PROFILE, START, END, MAX_DURATION, MAX_DISTANCE, UNIT, FIXED, TIME, OPENS, LEAVES, CLOSES, FIRST, SLOTS, USED, CAPACITY = range(15)
 """Columns of vehicle types: profile of travel, limits and costs, the first slot, how many there are and are used; capacities follow."""
 
-KIND, VISITS, LENGTH, SPENT, COST, SOUND, PUNCTUAL, IN_USE, STAMP, LOAD = range(10)
+KIND, VISITS, LENGTH, SPENT, COST, SOUND, PUNCTUAL, IN_USE, STAMP, ROOM = range(10)
 """Columns of routes: vehicle type, visits, length, least duration, cost; whether all limits are kept, nobody comes too late, its vehicle is
-counted as used; the last step that changed it; loads follow."""
+counted as used; the last step that changed it; what it has room for of each load follows."""
 
 FOLLOWING, PREVIOUS, ROUTE, SITE, AHEAD, FREE, LATEST, PLACE, TOOK, LATE, REST, EARLY, LISTED = range(13)
 """Columns of nodes: neighbours on the route; the route, -1 if left out; the site; the length of the move that follows; when a vehicle can
@@ -139,7 +139,7 @@ def _refresh(ways, at_way, site, types, route, node, sums, r, first, last, flags
     spent = node[tail, TOOK] if flags & SPANNED else 0
     sound = route[r, PUNCTUAL] != 0 and length <= types[k, MAX_DISTANCE] and spent <= types[k, MAX_DURATION]
     for d in range(site.shape[1] - DEMAND):
-        sound = sound and route[r, LOAD + d] <= types[k, CAPACITY + d]
+        sound = sound and route[r, ROOM + d] >= 0
     cost = 0 if visits == 0 else types[k, UNIT] * length + types[k, FIXED] + types[k, TIME] * spent
     types[k, USED] += (visits > 0) - route[r, IN_USE]
     sums[SEARCHED] += cost - route[r, COST]
@@ -154,7 +154,7 @@ def _recount(ways, at_way, site, types, route, node, sums, r, flags):  # type: i
     p, dims = types[k, PROFILE], site.shape[1] - DEMAND
     route[r, LENGTH], route[r, VISITS], route[r, PUNCTUAL] = 0, -1, not flags & TIMED
     for d in range(dims):
-        route[r, LOAD + d] = 0
+        route[r, ROOM + d] = types[k, CAPACITY + d]
     node[head, FREE], node[head, TOOK], node[head, LATE] = types[k, OPENS], 0, types[k, LEAVES]
     node[tail, LATEST], node[tail, REST], node[tail, EARLY] = types[k, CLOSES], 0, types[k, OPENS]
     at = head
@@ -164,7 +164,7 @@ def _recount(ways, at_way, site, types, route, node, sums, r, flags):  # type: i
         route[r, LENGTH] += node[at, AHEAD]
         route[r, VISITS] += 1
         for d in range(dims if ahead != tail else 0):
-            route[r, LOAD + d] += site[ahead, DEMAND + d]
+            route[r, ROOM + d] -= site[ahead, DEMAND + d]
         at = ahead
     _refresh(ways, at_way, site, types, route, node, sums, r, head, tail, flags)
 
@@ -191,13 +191,23 @@ def _take_in(site, node, absent, sums, c):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def _longer(ways, at_way, site, types, route, node, c, i, r, k, p, least, flags):  # type: ignore[no-untyped-def]
-    """Cost of visiting ``c`` after node ``i``; ``NONE`` if that breaks a limit. Whether the load fits is not checked here."""
-    j = node[i, FOLLOWING]
+def _fits(site, route, c, r):  # type: ignore[no-untyped-def]
+    """Whether route ``r`` has room for ``c``."""
+    fits = True
+    for d in range(site.shape[1] - DEMAND):
+        fits = fits and route[r, ROOM + d] >= site[c, DEMAND + d]
+    return fits
+
+
+@inlined
+def _longer(ways, at_way, site, types, allowed, route, node, c, i, r, least, flags):  # type: ignore[no-untyped-def]
+    """Cost of visiting ``c`` after node ``i`` of route ``r``, which has room for it; ``NONE`` if that breaks a limit or costs ``least``."""
+    k = route[r, KIND]
+    j, p = node[i, FOLLOWING], types[k, PROFILE]
     a, b = node[i, SITE], node[j, SITE]
     detour = ways[p, c, a, at_way[0]] + ways[p, c, b, at_way[1]] - node[i, AHEAD]
     cost = types[k, UNIT] * detour
-    if (cost >= least and not flags & SPANNED) or route[r, LENGTH] + detour > types[k, MAX_DISTANCE]:
+    if (cost >= least and not flags & SPANNED) or route[r, LENGTH] + detour > types[k, MAX_DISTANCE] or not allowed[k, c]:
         return NONE
     if flags & TIMED:
         comes, goes = ways[p, c, a, at_way[2]], ways[p, c, b, at_way[3]]
@@ -214,31 +224,6 @@ def _longer(ways, at_way, site, types, route, node, c, i, r, k, p, least, flags)
             if spent > types[k, MAX_DURATION]:
                 return NONE
             cost += types[k, TIME] * (spent - route[r, SPENT])
-    return cost
-
-
-@inner
-def _alone(ways, at_way, site, types, allowed, c, k, flags):  # type: ignore[no-untyped-def]
-    """Cost of a route that visits ``c`` alone; ``NONE`` if it breaks a limit."""
-    p, a, b = types[k, PROFILE], types[k, START], types[k, END]
-    if not allowed[k, c]:
-        return NONE
-    for d in range(site.shape[1] - DEMAND):
-        if site[c, DEMAND + d] > types[k, CAPACITY + d]:
-            return NONE
-    length = ways[p, c, a, at_way[0]] + ways[p, c, b, at_way[1]]
-    if length > types[k, MAX_DISTANCE]:
-        return NONE
-    cost = types[k, UNIT] * length + types[k, FIXED]
-    if flags & TIMED:
-        comes, goes = ways[p, c, a, at_way[2]], ways[p, c, b, at_way[3]]
-        begins = max(types[k, OPENS] + comes, site[c, READY])
-        if begins > site[c, DUE] or begins + site[c, SERVICE] + goes > types[k, CLOSES]:
-            return NONE
-        spent = comes + site[c, SERVICE] + goes + max(0, site[c, READY] - comes - types[k, LEAVES])
-        if spent > types[k, MAX_DURATION]:
-            return NONE
-        cost += types[k, TIME] * spent
     return cost
 
 
@@ -281,18 +266,20 @@ def settle(ways, at_way, site, types, route, node, absent, sums, flags):  # type
 
 
 @kernel(
-    "(i8[::1], i8[:, :, :, ::1], i8[::1], i8[:, ::1], i8[:, ::1], b1[:, ::1], i8[::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], i8[::1], "
-    "i8[::1], u8[::1], i8[::1], i8[::1], f8[::1], i8, f8, i8)"
+    "(i8[::1], i8[:, :, :, ::1], i8[::1], i8[:, ::1], i8[:, ::1], b1[:, ::1], i8[:, ::1], i8[::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], "
+    "i8[:, ::1], i8[::1], i8[::1], u8[::1], i8[::1], i8[::1], f8[::1], i8, f8, i8)"
 )
 def anneal(  # type: ignore[no-untyped-def]
     flag,
     ways,
-    at_way,
+    way_columns,
     site,
     types,
     allowed,
+    alone,
     customers,
     near,
+    reach,
     route,
     node,
     absent,
@@ -307,14 +294,20 @@ def anneal(  # type: ignore[no-untyped-def]
 ):
     """Some steps of ruin and recreate, accepted by annealing at temperature ``warmth``.
 
-    ``ways[p, c, a]`` has the length of the move from a to c and back, and the time that these take, in the entries ``at_way``. ``near`` has
-    for each site the customers next to it, nearest first; -1 ends a row. ``best`` receives the cost and the successor of each node of the
+    ``ways[p, c, a]`` has the length of the move from a to c and back, and the time that these take, in the entries ``way_columns``.
+    ``alone[k, c]`` is the cost of a route of a vehicle of type k that visits c alone. ``near`` has for each site the customers next to it,
+    nearest first; -1 ends a row; ``reach`` has what the two moves of a visit after each of them are long at least, -1 if it can only be
+    before it. ``best`` receives the cost and the successor of each node of the
     best answer. ``sizes`` are the longest string and how many visits are removed on the mean.
     """
     sites, slots, kinds = len(site), len(route), len(types)
     n, dims = len(customers), site.shape[1] - DEMAND
     moved, todo, keys = np.empty(n + 16, np.int64), np.empty(n + 16, np.int64), np.empty(n + 16)
     longest, removed_on_mean = sizes[0], sizes[1]
+    at_way = (way_columns[0], way_columns[1], way_columns[2], way_columns[3])
+    least_unit = types[0, UNIT]
+    for k in range(kinds):
+        least_unit = min(least_unit, types[k, UNIT]) if types[k, TIME] == 0 else 0
     for _ in range(steps):
         if sums[STEPS] & 255 == 0 and asked(flag):
             break
@@ -390,7 +383,7 @@ def anneal(  # type: ignore[no-untyped-def]
                         route[r, LENGTH] += way - node[behind, AHEAD] - node[at, AHEAD]
                         route[r, VISITS] -= 1
                         for d in range(dims):
-                            route[r, LOAD + d] -= site[at, DEMAND + d]
+                            route[r, ROOM + d] += site[at, DEMAND + d]
                         node[behind, FOLLOWING], node[behind, AHEAD], node[after, PREVIOUS] = after, way, behind
                         _leave_out(site, node, absent, sums, at)
                         node[at, LISTED] = step
@@ -424,58 +417,39 @@ def anneal(  # type: ignore[no-untyped-def]
                 keys[place + 1], todo[place + 1] = keys[place], todo[place]
                 place -= 1
             keys[place + 1], todo[place + 1] = key, c
-        bits, left = np.uint64(0), 0
         for m in range(moves):
             c = todo[m]
-            chance, least, after, opened = _below(random, 128), site[c, MISSED], -1, -1
+            chance, due, least, after, opened = _below(random, 128), site[c, DUE], site[c, MISSED], -1, -1
             apart, lone = chance < 2, _below(random, kinds) if chance < 2 else -1  # on a route of its own, by any vehicle
             if not site[c, REQUIRED]:
                 if chance == 2:
                     continue
                 least -= np.int64(warmth * np.log(_share(random) + 1e-300))
+            for k in range(kinds):
+                if types[k, USED] < types[k, SLOTS] and (not apart or k == lone) and alone[k, c] < least:
+                    least, opened = alone[k, c], k
             for q in range(0 if apart else near.shape[1]):
                 i = near[c, q]
                 if i < 0:
                     break
                 r = node[i, ROUTE]
-                if r < 0:
+                if r < 0 or not _fits(site, route, c, r):
                     continue
-                if left == 0:
-                    bits, left = _word(random), 9
-                blink = bits & np.uint64(127) == np.uint64(0)
-                bits >>= np.uint64(7)
-                left -= 1
-                if blink:
-                    continue
-                k = route[r, KIND]
-                fits = allowed[k, c]
-                for d in range(dims):
-                    fits = fits and route[r, LOAD + d] + site[c, DEMAND + d] <= types[k, CAPACITY + d]
-                if not fits:
-                    continue
-                p = types[k, PROFILE]
-                cost = _longer(ways, at_way, site, types, route, node, c, i, r, k, p, least, flags)
-                if cost < least:
-                    least, after = cost, i
-                first = node[i, PREVIOUS]
-                if first >= sites:
-                    cost = _longer(ways, at_way, site, types, route, node, c, first, r, k, p, least, flags)
-                    if cost < least:
-                        least, after = cost, first
-            for k in range(kinds):
-                if types[k, USED] < types[k, SLOTS] and (not apart or k == lone):
-                    cost = _alone(ways, at_way, site, types, allowed, c, k, flags)
-                    if cost < least:
-                        least, after, opened = cost, -1, k
+                behind, far = node[i, PREVIOUS], reach[c, q]
+                if far >= 0 and behind < sites:
+                    behind = -1
+                if far < 0 or least_unit * (far - node[i, AHEAD]) >= least or node[i, FREE] > due:
+                    i, behind = behind, -1
+                while i >= 0:
+                    cost = _longer(ways, at_way, site, types, allowed, route, node, c, i, r, least, flags)
+                    if cost < least and _word(random) & np.uint64(127):
+                        least, after = cost, i
+                    i, behind = behind, -1
             if after < 0 and opened < 0 and site[c, REQUIRED]:
                 for r in range(slots):
-                    k = route[r, KIND]
-                    fits = route[r, VISITS] > 0 and allowed[k, c]
-                    for d in range(dims):
-                        fits = fits and route[r, LOAD + d] + site[c, DEMAND + d] <= types[k, CAPACITY + d]
-                    i = sites + 2 * r
-                    while fits and i != sites + 2 * r + 1:
-                        cost = _longer(ways, at_way, site, types, route, node, c, i, r, k, types[k, PROFILE], least, flags)
+                    i, tail = sites + 2 * r, sites + 2 * r + 1
+                    while i != tail and route[r, VISITS] > 0 and _fits(site, route, c, r):
+                        cost = _longer(ways, at_way, site, types, allowed, route, node, c, i, r, least, flags)
                         if cost < least:
                             least, after = cost, i
                         i = node[i, FOLLOWING]
@@ -493,7 +467,7 @@ def anneal(  # type: ignore[no-untyped-def]
             route[r, LENGTH] += comes + goes - node[after, AHEAD]
             route[r, VISITS] += 1
             for d in range(dims):
-                route[r, LOAD + d] += site[c, DEMAND + d]
+                route[r, ROOM + d] -= site[c, DEMAND + d]
             node[after, FOLLOWING], node[after, AHEAD], node[onward, PREVIOUS] = c, comes, c
             node[c, PREVIOUS], node[c, FOLLOWING], node[c, AHEAD], node[c, ROUTE] = after, onward, goes, r
             _take_in(site, node, absent, sums, c)

@@ -43,8 +43,8 @@ def test_what_is_kept_of_routes_is_what_they_are(kind: str, convention: str) -> 
         for c in problem.customers.tolist():
             assert (held.node[c, k.ROUTE] < 0) == (c in left_out)
         assert held.sums[: k.STEPS].tolist() == again.sums[: k.STEPS].tolist()
-        kept = [(row[k.KIND], *row[k.VISITS : k.SOUND], *row[k.LOAD :]) for row in held.route.tolist() if row[k.VISITS]]
-        anew = [(row[k.KIND], *row[k.VISITS : k.SOUND], *row[k.LOAD :]) for row in again.route.tolist() if row[k.VISITS]]
+        kept = [(row[k.KIND], *row[k.VISITS : k.SOUND], *row[k.ROOM :]) for row in held.route.tolist() if row[k.VISITS]]
+        anew = [(row[k.KIND], *row[k.VISITS : k.SOUND], *row[k.ROOM :]) for row in again.route.tolist() if row[k.VISITS]]
         assert sorted(kept) == sorted(anew)
         assert all(held.node[following[c], k.PREVIOUS] == c for c in visited)
         judged = problem.evaluate(held.routes(best[1:]))

@@ -1,0 +1,190 @@
+"""A portfolio: our own engine and the libraries in turn, each from the best routes of all before."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from ....formulations.evidence import Evidence
+from ....formulations.programs.exactness import Exactness
+from ....instances.errors import UnsupportedError, in_words
+from ...backend import BACKENDS, Control, Engine, Options, RawResult
+from ...children import child
+from .best_routes import BestRoutes
+from .ortools import ORTools
+from .pyvrp import PyVRP
+from .ruin_recreate import RuinRecreate
+from .vroom import VROOM
+
+if TYPE_CHECKING:
+    from ....formulations.problem import Problem
+    from ....formulations.routing.problem import RoutingProblem
+
+RUINS = 100
+"""Ruins for each iteration that is asked for: they take a local search of PyVRP about as long as one iteration does."""
+
+WORK = ("iterations", "solutions", "scale")
+"""What is told of an engine's own statistics."""
+
+FIRST_SHARE = 0.5
+"""Part of the time for ruin and recreate where another engine can go on from its routes."""
+
+@dataclass(frozen=True)
+class Turn:
+    """One engine's turn: its part of the time that is left then, and what an iteration that is asked for is to it."""
+
+    engine: type[Engine]
+    share: float = 1.0
+    work: int = 1
+
+
+@BACKENDS.register("portfolio")
+class Portfolio(Engine):
+    """Ruin and recreate, then a library's engine from its routes, within one limit of time.
+
+    Problems that only one of its engines takes are that engine's. ``iterations`` counts those of the library; a hundred ruins are one.
+    """
+
+    name = "portfolio"
+    package = "waybound"
+    modules = ("numba",)
+    summary = "ruin and recreate, then PyVRP, OR-Tools or VROOM from its routes"
+    family: ClassVar[str] = "routing"
+    options = MappingProxyType({})
+    order = 5
+    honours = frozenset({"iterations", "no_improvement", "gap"})
+    one_thread = True
+    features = RuinRecreate.features | PyVRP.features | ORTools.features | VROOM.features
+
+    def turns(self, problem: RoutingProblem) -> list[Turn]:
+        """Who has a turn at a problem, first to last; nobody where no installed engine takes it."""
+        able = [kind for kind in (RuinRecreate, PyVRP, ORTools, VROOM) if kind.installed() and not kind().missing(problem)]
+        if able[:2] == [RuinRecreate, PyVRP]:
+            return [Turn(RuinRecreate, FIRST_SHARE, RUINS), Turn(PyVRP)]
+        return [Turn(kind, work=RUINS if kind is RuinRecreate else 1) for kind in able[:1]]
+
+    def missing(self, problem: Problem) -> frozenset[str]:
+        lacking = super().missing(problem)
+        if lacking or self.turns(problem):  # type: ignore[arg-type]
+            return lacking
+        return min((kind().missing(problem) for kind in (RuinRecreate, PyVRP, ORTools, VROOM) if kind.installed()), key=len)
+
+    def apart(self, problem: Problem) -> bool:
+        return any(turn.engine().apart(problem) for turn in self.turns(problem))  # type: ignore[arg-type]
+
+    def memory(self, problem: Problem) -> float:
+        return max(turn.engine().memory(problem) for turn in self.turns(problem))  # type: ignore[arg-type]
+
+    def set_up_seconds(self, problem: Problem) -> float:
+        return self.turns(problem)[0].engine().set_up_seconds(problem)  # type: ignore[arg-type]
+
+    def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
+        lacking = self.missing(problem)
+        if lacking:
+            raise UnsupportedError(self.name, lacking)
+        self.converted(options)
+        return _Search(problem, options, control).run(self.turns(problem))  # type: ignore[arg-type]
+
+
+class _Search:
+    """One run: gives each engine its turn, and keeps the best answer."""
+
+    def __init__(self, problem: RoutingProblem, options: Options, control: Control) -> None:
+        self.problem, self.options, self.control = problem, options, control
+        self.ends = time.perf_counter() + options.time_limit
+        self.best = BestRoutes(problem, control)
+        self.turns: list[dict[str, Any]] = []
+
+    def run(self, turns: list[Turn]) -> RawResult:
+        started = self.options.start is not None and self.best.take(self.options.start)
+        results = []
+        with ExitStack() as stack:
+            compiler = self.compiler(stack, turns)
+            if compiler is not None:
+                results.append(self.turn(turns[-1], 1.0, compiler))
+                if compiler.poll() is None:
+                    turns = []
+            for turn in turns:
+                results.append(self.turn(turn, turn.share))
+                if self.control.stopped or results[-1].status in ("optimal", "infeasible"):
+                    break
+        last = results[-1]
+        statistics = {name: value for name, value in last.statistics.items() if name in WORK} | {"turns": self.turns}
+        if self.options.start is not None:
+            statistics["start"] = "used" if started else "refused"
+        limit = "interrupt" if self.control.stopped else last.limit
+        if self.best.answer is None:
+            worst = next((r for r in results if r.status == "error"), last)
+            return replace(worst, limit=limit, statistics=statistics)
+        found = RawResult("feasible", limit, self.best.answer, self.best.claim, statistics=statistics, message=last.message)
+        if last.status == "optimal":
+            found = replace(found, status="optimal", bound=last.bound)
+        links = tuple(dict.fromkeys(link for result in results for link in result.links))
+        return replace(found, holds=next((r.holds for r in results if r.holds is not Exactness.EXACT), Exactness.EXACT), links=links)
+
+    def compiler(self, stack: ExitStack, turns: list[Turn]) -> subprocess.Popen[bytes] | None:
+        """A process that compiles the loops of ruin and recreate while a library searches; None where nothing or nobody has to wait."""
+        if turns[0].engine is not RuinRecreate or len(turns) == 1 or self.options.iterations or self.options.no_improvement:
+            return None
+        from .ruin_recreate_steps import search_kernels
+
+        if search_kernels.anneal.kept():
+            return None
+        command = [sys.executable, "-m", "waybound", "warm", "--quiet", "search_kernels"]
+        return stack.enter_context(child(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+
+    def turn(self, turn: Turn, share: float, until: subprocess.Popen[bytes] | None = None) -> RawResult:
+        """What an engine makes of the best routes so far within its share of what is left, or until a process ends."""
+        asked, left = self.options, max(0.0, self.ends - time.perf_counter())
+        own = replace(
+            asked,
+            time_limit=left if asked.iterations or asked.no_improvement else left * share,
+            iterations=asked.iterations and asked.iterations * turn.work,
+            no_improvement=asked.no_improvement and asked.no_improvement * turn.work,
+            start=self.best.answer or asked.start,
+        )
+        control, before, began = _TurnControl(self, until), self.best.values, time.perf_counter()
+        try:
+            result = turn.engine().run(self.problem, own, control)
+        except Exception as fault:  # the next one goes on
+            result = RawResult("error", message=f"{turn.engine.name} failed: {in_words(fault)}")
+        if result.answer is not None:
+            self.best.take(result.answer)
+        done = {name: value for name, value in result.statistics.items() if name in WORK}
+        found = {"before": before and list(before), "after": self.best.values and list(self.best.values)}
+        self.turns.append({"engine": turn.engine.name, "seconds": round(time.perf_counter() - began, 2), **done, **found})
+        return result
+
+
+class _TurnControl(Control):
+    """Takes what an engine publishes in its turn, and ends the turn when a process does."""
+
+    def __init__(self, search: _Search, until: subprocess.Popen[bytes] | None) -> None:
+        super().__init__()
+        self._search, self._until = search, until
+        search.control.on_stop(self.stop)
+
+    @property
+    def stopped(self) -> bool:
+        return super().stopped or (self._until is not None and self._until.poll() is not None)
+
+    def begin_set_up(self) -> None:
+        if self._search.best.answer is None:
+            super().begin_set_up()
+            self._search.control.begin_set_up()
+
+    def end_set_up(self, seconds: float) -> None:
+        super().end_set_up(seconds)
+        self._search.control.end_set_up(seconds)
+
+    def publish(
+        self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
+    ) -> None:
+        super().publish(answer, objective, bound, evidence)
+        if answer is not None:
+            self._search.best.take(answer)

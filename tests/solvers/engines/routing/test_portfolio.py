@@ -1,0 +1,108 @@
+"""Who has a turn, from which routes, and what is told of it; that answers are right is held by the conformance suite."""
+
+from __future__ import annotations
+
+import contextlib
+import subprocess
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from coded import coded
+from small_routing import small, varied
+
+import waybound as wb
+from waybound.instances.errors import UnsupportedError, UsageError
+from waybound.solvers.backend import Control, Options, RawResult
+from waybound.solvers.engines.routing import portfolio
+from waybound.solvers.engines.routing.portfolio import Portfolio
+from waybound.solvers.engines.routing.pyvrp import PyVRP
+from waybound.solvers.engines.routing.ruin_recreate import RuinRecreate
+
+
+def run(problem: wb.RoutingProblem, **options: object) -> RawResult:
+    return Portfolio().run(problem, Options(**{"time_limit": 60.0, **options}), Control())  # type: ignore[arg-type]
+
+
+def engines(result: RawResult) -> list[str]:
+    return [turn["engine"] for turn in result.statistics["turns"]]
+
+
+@pytest.mark.parametrize(
+    ("kind", "names"),
+    [("several-depots", ["ruin-recreate", "pyvrp"]), ("overtime", ["pyvrp"]), ("recharging", ["ortools"]), ("route-risk", [])],
+)
+def test_who_has_a_turn_is_told_by_what_the_problem_has(kind: str, names: list[str]) -> None:
+    assert [turn.engine.name for turn in Portfolio().turns(varied(kind, 0))] == names
+
+
+def test_what_no_engine_takes_is_refused_by_what_the_nearest_one_lacks() -> None:
+    problem = varied("recharging", 0)
+    with pytest.MonkeyPatch.context() as patch:
+        for kind in (portfolio.ORTools, portfolio.VROOM):
+            patch.setattr(kind, "installed", classmethod(lambda cls: False))
+        least = min(len(kind().missing(problem)) for kind in (PyVRP, RuinRecreate))
+        with pytest.raises(UnsupportedError) as caught:
+            run(problem)
+    assert len(caught.value.missing) == least > 0
+
+
+def test_the_second_goes_on_from_the_routes_of_the_first_and_all_repeats() -> None:
+    problem = wb.generate("random", customers=40, capacity=40)
+    one, again = run(problem, iterations=20), run(problem, iterations=20)
+    assert one.answer == again.answer and one.objective == again.objective
+    first, second = one.statistics["turns"]
+    assert (first["engine"], first["iterations"]) == ("ruin-recreate", 2000) and (second["engine"], second["iterations"]) == ("pyvrp", 20)
+    assert first["before"] is None and second["before"] == first["after"] and second["after"][0] <= second["before"][0] == first["after"][0]
+    assert one.statistics["iterations"] == 20 and [one.objective] == second["after"]
+
+
+def test_no_answer_is_worse_than_the_start() -> None:
+    problem = wb.generate("random", customers=30, capacity=40)
+    start = run(problem, iterations=200).answer
+    found = run(problem, iterations=1, start=start)
+    assert found.statistics["start"] == "used"
+    assert found.objective <= problem.evaluate(start).values[0]
+
+
+def test_an_engine_that_fails_leaves_the_turn_to_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: object) -> RawResult:
+        raise RuntimeError("out of luck")
+
+    problem = small("capacity", 0, "round")
+    monkeypatch.setattr(RuinRecreate, "search", fails)
+    assert run(problem, iterations=50).status == "feasible"
+    monkeypatch.setattr(PyVRP, "search", fails)
+    ended = run(problem, iterations=50)
+    assert ended.status == "error" and ended.message == "ruin-recreate failed: RuntimeError: out of luck"
+
+
+def test_a_library_searches_while_loops_are_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    from waybound.solvers.engines.routing.ruin_recreate_steps import search_kernels
+
+    commands: list[list[str]] = []
+
+    @contextlib.contextmanager
+    def short(command: list[str], **given: Any) -> Iterator[subprocess.Popen[bytes]]:
+        commands.append(command)
+        with subprocess.Popen([sys.executable, "-c", "import time; time.sleep(0.3)"]) as process:
+            yield process
+
+    monkeypatch.setattr(portfolio, "child", short)
+    monkeypatch.setattr(type(search_kernels.anneal), "kept", lambda kernel: False)
+    problem = wb.generate("random", customers=30, capacity=40)
+    with_compiler = run(problem, time_limit=2.0)
+    assert engines(with_compiler) == ["pyvrp", "ruin-recreate", "pyvrp"]
+    assert commands == [[sys.executable, "-m", "waybound", "warm", "--quiet", "search_kernels"]]
+    assert engines(run(problem, iterations=10)) == ["ruin-recreate", "pyvrp"] and len(commands) == 1  # which shall repeat
+
+
+def test_it_has_no_options_of_its_own() -> None:
+    with pytest.raises(UsageError, check=coded("unknown-name")):
+        run(small("capacity", 0, "round"), extra={"string": 3.0})
+
+
+def test_the_default_of_the_family_is_the_portfolio() -> None:
+    problem = wb.generate("random", customers=8, capacity=40)
+    assert wb.solve(problem, time_limit=0.5, bound_time=0).solver == "portfolio"
