@@ -49,7 +49,7 @@ SETS = {
         ("C101", "C104", "C201", "C204", "R101", "R112", "R203", "R210", "RC103", "RC107", "RC201", "RC207", "C1_2_5", "R1_2_1", "RC2_2_5",
          "C2_4_5", "R1_4_5", "RC1_4_1"),
         {"convention": "dimacs"},
-        {"convention": "dimacs"},
+        {"convention": "dimacs-trunc1"},
     ),
     "cvrp": Kept(
         ("cvrp/X",),

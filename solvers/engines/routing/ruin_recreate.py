@@ -100,7 +100,6 @@ class _Search:
         self.sloped = self.data is not data
         self.held = arrays(problem, self.data, int(asked["neighbours"]), options.seed % 2**64)
         self.best = np.zeros(1 + len(self.held.node), dtype=np.int64)
-        self.log = np.zeros(len(self.held.site) + 2 * len(self.held.route) + 2, dtype=np.int64)
         self.sizes = np.array([asked["string"], asked["removals"]])
         self.answer: Routes | None = None
         self.value: float | None = None
@@ -151,8 +150,7 @@ class _Search:
         return RawResult("feasible", limit, self.answer, self.value, statistics=statistics, holds=self.data.holds, links=links)
 
     def advance(self, steps: int, warmth: float) -> None:
-        rest = self.best, self.log, self.sizes, steps, warmth, self.held.flags
-        self.kernels.anneal(self.stop.flag, *self.held.parts, *rest)
+        self.kernels.anneal(self.stop.flag, *self.held.parts, self.best, self.sizes, steps, warmth, self.held.flags)
 
     def mean_move(self) -> float:
         """Cost of a move on the mean."""

@@ -35,11 +35,15 @@ class Arrays:
     customers: Integers
     near: Integers
     reach: Integers
+    drive: Integers
     route: Integers
     node: Integers
     absent: Integers
     sums: Integers
     random: NDArray[np.uint64]
+    log: Integers
+    lists: Integers
+    keys: NDArray[np.float64]
     flags: int
 
     @property
@@ -110,7 +114,8 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     ways, at_way = _ways(on, goes)
     required = problem.sites.required[:, None].astype(np.int64)
     lost = np.where(problem.sites.required, _dear(problem, data), data.prize)
-    site = np.column_stack([data.service, data.ready, _limited(data.due), required, lost, lost, data.demand[:, data.limited]])
+    away = data.service + np.where(np.eye(sites, dtype=bool), MOST, goes).min(axis=(0, 2))
+    site = np.column_stack([data.service, data.ready, _limited(data.due), required, lost, lost, away, data.demand[:, data.limited]])
     hours = _limited(data.max_duration)
     ends = np.array([(v.start, v.end) for v in fleet])
     types = np.column_stack([
@@ -119,7 +124,7 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     ])  # fmt: skip
     kind = np.repeat(np.arange(len(fleet)), counts)
     heads = sites + 2 * np.arange(len(kind))
-    node = np.zeros((sites + 2 * len(kind), k.LISTED + 1), dtype=np.int64)
+    node = np.zeros((sites + 2 * len(kind), k.NODE_COLUMNS), dtype=np.int64)
     node[:, [k.ROUTE, k.PLACE, k.LISTED]] = -1
     node[:sites, k.SITE] = np.arange(sites)
     node[heads, k.FOLLOWING], node[heads + 1, k.PREVIOUS] = heads + 1, heads
@@ -140,10 +145,11 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     spanned = bool((hours < MOST).any() or data.time.any())
     late = (site[customers, k.DUE] < MOST).any() or (types[:, k.CLOSES] < MOST).any()
     flags = (k.TIMED if spanned or late or data.ready.any() else 0) | (k.SPANNED if spanned else 0)
-    near, reach = _near(data, customers, on.min(axis=0), goes.min(axis=0), min(neighbours, len(customers) - 1))
+    near, reach, drive = _near(data, customers, on.min(axis=0), goes.min(axis=0), min(neighbours, len(customers) - 1))
     return Arrays(
         ways, at_way, _rows(site), _rows(types), allowed, _alone(site, types, allowed, on, goes, bool(flags & k.TIMED)),
-        customers.astype(np.int64), near, reach, route, node, absent, sums, np.array([seed], dtype=np.uint64), flags,
+        customers.astype(np.int64), near, reach, drive, route, node, absent, sums, np.array([seed], dtype=np.uint64),
+        np.zeros(sites + 2 * len(route) + 2, dtype=np.int64), np.zeros((2, sites), dtype=np.int64), np.zeros(sites), flags,
     )  # fmt: skip
 
 
@@ -196,8 +202,8 @@ def _ways(on: Integers, goes: Integers) -> tuple[Integers, Integers]:
     return np.ascontiguousarray(np.stack(held, axis=-1)), np.array(places)
 
 
-def _near(data: IntegerRouting, customers: Integers, on: Integers, goes: Integers, many: int) -> tuple[Integers, Integers]:
-    """The customers next to each site, nearest first, and the ``reach`` of ``search_kernels.anneal``.
+def _near(data: IntegerRouting, customers: Integers, on: Integers, goes: Integers, many: int) -> tuple[Integers, Integers, Integers]:
+    """The customers next to each site, nearest first, and the ``reach`` and ``drive`` of ``search_kernels.anneal``.
 
     Near is who can come right before or right after it, over a short way and without much waiting (the proximity of Vidal, Crainic,
     Gendreau and Prins 2013, Computers & Operations Research 40(1), with a weight of 0.2 for time that is lost).
@@ -211,7 +217,8 @@ def _near(data: IntegerRouting, customers: Integers, on: Integers, goes: Integer
     alone[customers] = False
     far[:, alone] = far[np.diag_indices_from(far)] = MOST
     near = np.argsort(far, axis=1, kind="stable")[:, : max(many, 1)]
-    onward = np.where(np.eye(len(near), dtype=bool), MOST, on).min(axis=1)
-    rows = np.arange(len(near))[:, None]
-    reach = np.where(in_time[near, rows], on[near, rows] + onward[:, None], -1)
-    return _rows(np.where(np.take_along_axis(far, near, axis=1) < MOST, near, -1)), _rows(reach)
+    rows, others = np.arange(len(near))[:, None], np.where(np.eye(len(near), dtype=bool), MOST, on)
+    before = in_time[near, rows]
+    reach = np.where(before, on[near, rows] + others.min(axis=1)[:, None], -1 - on[rows, near] - others.min(axis=0)[:, None])
+    drive = np.where(before, goes[near, rows], data.service[:, None] + goes[rows, near])
+    return _rows(np.where(np.take_along_axis(far, near, axis=1) < MOST, near, -1)), _rows(reach), _rows(drive)

@@ -22,8 +22,7 @@ def searched(problem: RoutingProblem, steps: int, warmth: float, seed: int = 1) 
     held = arrays(problem, with_slope(problem, integer_routing(problem)), 60, seed)
     best = np.zeros(1 + len(held.node), dtype=np.int64)
     best[0] = np.iinfo(np.int64).max
-    log = np.zeros(len(held.site) + 2 * len(held.route) + 2, dtype=np.int64)
-    k.anneal(np.zeros(1, np.int64), *held.parts, best, log, np.array([10.0, 3.0]), steps, warmth, held.flags)
+    k.anneal(np.zeros(1, np.int64), *held.parts, best, np.array([10.0, 3.0]), steps, warmth, held.flags)
     return held, best
 
 
@@ -62,6 +61,5 @@ def test_a_wish_to_end_is_heard_at_the_next_look() -> None:
     problem = small("capacity", 0, "round")
     held, best = searched(problem, 10, 1.0)
     done = int(held.sums[k.STEPS])
-    log = np.zeros(len(held.site) + 2 * len(held.route) + 2, dtype=np.int64)
-    k.anneal(np.ones(1, np.int64), *held.parts, best, log, np.array([10.0, 3.0]), 10**6, 1.0, held.flags)
+    k.anneal(np.ones(1, np.int64), *held.parts, best, np.array([10.0, 3.0]), 10**6, 1.0, held.flags)
     assert done <= held.sums[k.STEPS] <= done + 256
