@@ -61,7 +61,8 @@ SETS = {
          "p5.3.q", "p7.4.t"),
     ),
     "longest-route": Kept(
-        ("minmax-mtsp/mtsplib", "minmax-mtsp/set3", "minmax-mtsp/set4"), ("eil51-m5", "berlin52-m3", "rat99-m5", "mtsp100_3", "kroa200_10", "lin318_5")
+        ("minmax-mtsp/mtsplib", "minmax-mtsp/set3", "minmax-mtsp/set4"),
+        ("eil51-m5", "berlin52-m3", "rat99-m5", "mtsp100_3", "kroa200_10", "lin318_5"),
     ),
     "pickup-delivery": Kept(
         ("pdptw-lilim/100", "pdptw-lilim/200"), ("lc101", "lr105", "lrc103", "lr205", "lc1_2_5", "lr1_2_5", "lrc1_2_5", "lr2_2_5")

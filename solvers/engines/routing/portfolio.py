@@ -34,6 +34,7 @@ WORK = ("iterations", "solutions", "scale")
 FIRST_SHARE = 0.5
 """Part of the time for ruin and recreate where another engine can go on from its routes."""
 
+
 @dataclass(frozen=True)
 class Turn:
     """One engine's turn: its part of the time that is left then, and what an iteration that is asked for is to it."""

@@ -367,13 +367,14 @@ def _timed(data: IntegerRouting) -> bool:
 def load_factor(data: IntegerRouting) -> int:
     """Power of ten by which loads are multiplied, so that too much load can never pay.
 
-    PyVRP prices a unit of excess load at 1e5 at most; where costs count in millionths that is next to nothing.
+    PyVRP prices a unit of excess load at 1e5 at most; where costs count in millionths that is next to nothing. What it prices stays within
+    64 bits: beyond, its search does not end.
     """
     dear = int((data.time + data.overtime).max())
     moved = [m.longest * int(data.unit.max()) + (m.slowest * dear if dear else 0) for m in data.moves]
     gain = max(*moved, int(data.fixed.max()), int(data.prize.max()))
     carried = max(int(values.sum()) for values in (data.demand, data.pickup, data.shipped))
-    factor, most = 1, UNLIMITED // max(1, 10 * max(carried, len(data.demand)))
+    factor, most = 1, UNLIMITED // (100 * MAX_PENALTY * max(carried, len(data.demand), 1))
     while factor * MAX_PENALTY < 10 * gain and factor <= most:
         factor *= 10
     return factor

@@ -30,6 +30,9 @@ STRIP = 1 << 20
 _PRECISE = 10_000
 """Least price of a unit of time that no power of ten makes whole."""
 
+SLOPE = 1 << 20
+"""Length of the longest move, where lengths only tell which of two equal answers is shorter."""
+
 
 @dataclass(frozen=True, eq=False)
 class Moves:
@@ -234,6 +237,7 @@ def with_slope(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:
     stops = stops_between(problem)
     if data.unit.any() or (timed and not stops):
         return data
+    data = _coarse(data)
     step = max(1, int(np.gcd.reduce(np.concatenate([*costs.values()]))))
     outweighed, moves = 1 + _farthest(problem, data), 2 * len(problem.customers) * (1 + stops)
     most = 1 + sum(int((v // step).sum()) for v in costs.values())
@@ -244,6 +248,17 @@ def with_slope(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:
         return data
     dearer = {name: v // step * outweighed for name, v in costs.items()}
     return replace(data, **dearer, unit=np.ones_like(data.unit), cost_factor=data.cost_factor * outweighed / step)
+
+
+def _coarse(data: IntegerRouting) -> IntegerRouting:
+    """The data with lengths of some six digits where these limit nothing: no larger prices are needed to outweigh them then, beside which
+    limits of times and loads would count for little."""
+    longest = max(m.longest for m in data.moves)
+    if longest <= SLOPE or (data.max_distance != UNLIMITED).any() or (data.travel_reach != UNLIMITED).any():
+        return data
+    factor = data.moves[0].length.factor / 2.0 ** math.ceil(math.log2(longest / SLOPE))
+    moves = tuple(replace(m, length=Scale(factor, False)) for m in data.moves)
+    return replace(data, moves=moves, scales={**data.scales, "distance": factor})
 
 
 def _farthest(problem: RoutingProblem, data: IntegerRouting) -> int:

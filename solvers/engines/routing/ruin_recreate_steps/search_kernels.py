@@ -305,10 +305,10 @@ def anneal(  # type: ignore[no-untyped-def]
     ``ways[p, c, a]`` has the length of the move from a to c and back, and the time that these take, in the entries ``way_columns``.
     ``alone[k, c]`` is the cost of a route of a vehicle of type k that visits c alone. ``near`` has for each site the customers next to it,
     nearest first; -1 ends a row. ``reach`` has what the two moves of a visit right after each of them are long at least, and ``drive`` what
-    the first of them takes; who can only follow has -1 less the length of those before it, and service and the time of the second. ``best`` receives the cost and
-    the successor of each node of the best answer. ``sizes`` are the longest string and how many visits are removed on the mean. ``log``,
-    ``lists`` and ``keys`` are room for work: what is compiled without memory of its own counts no references to arrays, which took half of
-    its time.
+    the first of them takes; who can only follow has -1 less the length of those before it, and service and the time of the second.
+    ``best`` receives the cost and the successor of each node of the best answer. ``sizes`` are the longest string and how many visits are
+    removed on the mean. ``log``, ``lists`` and ``keys`` are room for work: what is compiled without memory of its own counts no references
+    to arrays, which took half of its time.
     """
     sites, slots, kinds = len(site), len(route), len(types)
     n, dims = len(customers), site.shape[1] - DEMAND

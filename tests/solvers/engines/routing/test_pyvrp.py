@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from small_routing import small
 
+import waybound as wb
 from waybound import Objective, TotalCost, UsageError, Vehicles
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.engines.routing.integer_scales import UNLIMITED
 from waybound.solvers.engines.routing.pyvrp import MAX_PENALTY, Model, PyVRP, load_factor
-from waybound.solvers.engines.routing.routing_integers import integer_routing
+from waybound.solvers.engines.routing.routing_integers import integer_routing, with_slope
 
 
 def test_options_reach_their_group() -> None:
@@ -97,3 +98,23 @@ def test_durations_are_made_only_where_time_is_limited_or_priced() -> None:
     ):
         data = integer_routing(timed)
         assert np.array_equal(Model(timed, data).data.duration_matrix(0), data.moves[0].duration)
+
+
+def test_what_it_prices_of_loads_of_many_digits_stays_within_64_bits() -> None:
+    """Where moves cost nothing but a slope is given, too: beyond, its search does not end."""
+    xy = np.array([[0, 0], [7167.008092, 0], [0, 2430.080372], [7167.008092, 1.25]])
+    sites = wb.Sites.of(range(4), demand=[0.0, 4876.50624215, 6591.62708919, 10109.29279748], coordinates=xy)
+    vehicle = wb.VehicleType(capacity=11690.64392067265, max_distance=15380.75408837651, fixed_cost=1e-7, unit_cost=0.0)
+    problem = wb.RoutingProblem(sites, wb.Travel("euclidean", xy), (vehicle,))
+    data = with_slope(problem, integer_routing(problem))
+    assert load_factor(data) * int(data.demand.sum()) * MAX_PENALTY <= UNLIMITED
+    assert PyVRP().run(problem, Options(iterations=30, time_limit=60.0), Control()).limit == "iterations"
+
+
+def test_lengths_that_only_break_ties_have_no_more_digits_than_that_takes() -> None:
+    """So that no reward outweighs what is paid for a limit that is not kept."""
+    problem = small("reward", 0, "exact")
+    free = replace(problem, fleet=tuple(replace(v, max_distance=math.inf, max_duration=100.0, energy=None) for v in problem.fleet))
+    assert with_slope(free, integer_routing(free)).moves[0].longest <= 1 << 20 < integer_routing(free).moves[0].longest
+    limited = replace(problem, fleet=tuple(replace(v, max_distance=100.0) for v in problem.fleet))
+    assert with_slope(limited, integer_routing(limited)).moves[0].longest == integer_routing(limited).moves[0].longest
