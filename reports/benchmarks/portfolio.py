@@ -65,7 +65,7 @@ SETS = {
         ("eil51-m5", "berlin52-m3", "rat99-m5", "mtsp100_3", "kroa200_10", "lin318_5"),
     ),
     "pickup-delivery": Kept(
-        ("pdptw-lilim/100", "pdptw-lilim/200"), ("lc101", "lr105", "lrc103", "lr205", "lc1_2_5", "lr1_2_5", "lrc1_2_5", "lr2_2_5")
+        ("pdptw-lilim/100", "pdptw-lilim/200"), ("lc101", "lr104", "lrc103", "lr205", "lc1_2_5", "lr1_2_10", "lrc1_2_10", "lr2_2_10")
     ),
     "simultaneous-pickup": Kept(("vrpspd-salhi",), ("CMT1X", "CMT2X", "CMT4X", "CMT12Y"), {"vehicles": "unlimited"}),
     "several-depots": Kept(("mdvrp-cordeau",), ("p01", "p04", "p10", "p15")),

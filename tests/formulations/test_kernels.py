@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import operator
 import pkgutil
 from pathlib import Path
 from typing import NamedTuple
@@ -12,6 +13,7 @@ import numba
 import numpy as np
 import pytest
 from numba.core.compiler import Flags
+from numba.core.registry import cpu_target
 
 from waybound.formulations import kernels
 from waybound.formulations.kernels import Kernel, _Flags, inner, kernel, kernel_modules
@@ -105,12 +107,14 @@ def test_numba_is_asked_once_for_each_operator_and_types(monkeypatch: pytest.Mon
     monkeypatch.setattr(numba.types.Function, "get_call_type", counted)
     monkeypatch.setattr(kernels, "_known", {})
 
-    @kernel("f4(f4, f4)")
-    def sums(a, b):  # type: ignore[no-untyped-def]
-        return (a + b) + (b + a) + (a + a) + (b + b)
-
-    sums.make()
-    assert asked.count(("Function(<built-in function add>)", "(float32, float32)")) == 1
+    context = cpu_target.typing_context
+    add = context.resolve_value_type(operator.add)
+    with kernels._remembering():
+        found = [add.get_call_type(context, (numba.float32, numba.float32), {}) for _ in range(3)]
+        with kernels._remembering():
+            add.get_call_type(context, (numba.float32, numba.float32), {})
+    assert found[0] == found[1] == found[2] == numba.float32(numba.float32, numba.float32)
+    assert asked == [("Function(<built-in function add>)", "(float32, float32)")]
     assert numba.types.Function.get_call_type is counted
 
 
