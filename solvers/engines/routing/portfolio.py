@@ -31,8 +31,25 @@ RUINS = 100
 WORK = ("iterations", "solutions", "scale")
 """What is told of an engine's own statistics."""
 
+ENOUGH = 10_000
+"""Ruins for each customer after which ruin and recreate gains less than another engine that goes on from its routes."""
+
 FIRST_SHARE = 0.5
-"""Part of the time for ruin and recreate where another engine can go on from its routes."""
+"""Least part of the time for ruin and recreate where another engine goes on from its routes."""
+
+TOO_LATE = 0.05
+"""Seconds of the time limit with which no engine is begun."""
+
+LAST_SHARE = 0.1
+"""Part of the time below which no other engine is begun."""
+
+
+class Opening(RuinRecreate):
+    """Ruin and recreate that leaves time for another engine where its speed allows."""
+
+    def seconds_at(self, speed: float, customers: int, left: float) -> float:
+        share = max(FIRST_SHARE, ENOUGH * customers / max(1.0, speed * left))
+        return left * (share if share <= 1.0 - LAST_SHARE else 1.0)
 
 
 @dataclass(frozen=True)
@@ -66,7 +83,8 @@ class Portfolio(Engine):
         """Who has a turn at a problem, first to last; nobody where no installed engine takes it."""
         able = [kind for kind in (RuinRecreate, PyVRP, ORTools, VROOM) if kind.installed() and not kind().missing(problem)]
         if able[:2] == [RuinRecreate, PyVRP]:
-            return [Turn(RuinRecreate, FIRST_SHARE, RUINS), Turn(PyVRP)]
+            plain = not RuinRecreate().bisects(problem)  # else it is asked again and again, each time for a part of its time
+            return [Turn(Opening, work=RUINS) if plain else Turn(RuinRecreate, FIRST_SHARE, RUINS), Turn(PyVRP)]
         return [Turn(kind, work=RUINS if kind is RuinRecreate else 1) for kind in able[:1]]
 
     def missing(self, problem: Problem) -> frozenset[str]:
@@ -112,7 +130,7 @@ class _Search:
                     turns = []
             for turn in turns:
                 results.append(self.turn(turn, turn.share))
-                if self.control.stopped or results[-1].status in ("optimal", "infeasible"):
+                if self.control.stopped or results[-1].status in ("optimal", "infeasible") or self.ends - time.perf_counter() < TOO_LATE:
                     break
         last = results[-1]
         statistics = {name: value for name, value in last.statistics.items() if name in WORK} | {"turns": self.turns}
@@ -128,9 +146,14 @@ class _Search:
         links = tuple(dict.fromkeys(link for result in results for link in result.links))
         return replace(found, holds=next((r.holds for r in results if r.holds is not Exactness.EXACT), Exactness.EXACT), links=links)
 
+    @property
+    def repeats(self) -> bool:
+        """Whether the run shall repeat, so that no clock may end a turn."""
+        return self.options.iterations is not None or self.options.no_improvement is not None
+
     def compiler(self, stack: ExitStack, turns: list[Turn]) -> subprocess.Popen[bytes] | None:
         """A process that compiles the loops of ruin and recreate while a library searches; None where nothing or nobody has to wait."""
-        if turns[0].engine is not RuinRecreate or len(turns) == 1 or self.options.iterations or self.options.no_improvement:
+        if not issubclass(turns[0].engine, RuinRecreate) or len(turns) == 1 or self.repeats:
             return None
         from .ruin_recreate_steps import search_kernels
 
@@ -144,7 +167,7 @@ class _Search:
         asked, left = self.options, max(0.0, self.ends - time.perf_counter())
         own = replace(
             asked,
-            time_limit=left if asked.iterations or asked.no_improvement else left * share,
+            time_limit=left if self.repeats else left * share,
             iterations=asked.iterations and asked.iterations * turn.work,
             no_improvement=asked.no_improvement and asked.no_improvement * turn.work,
             start=self.best.answer or asked.start,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -26,9 +27,16 @@ LEAST = {"removals": 1.0, "string": 1.0, "neighbours": 1, "hot": 0.0, "cold": 0.
 PIECE = 0.02
 """Seconds of searching between two looks at the clock."""
 
+MEASURED = 0.1
+"""Seconds of searching after which its speed is told."""
+
 PUBLISH_EVERY = 0.05
 """Seconds between two published incumbents, so that a flood of early ones costs nothing."""
 
+
+WARMER_WITH_WINDOWS = (3.0, 2.0)
+"""What the first and the last temperature are multiplied by where anybody can come too late: routes that windows hold together come apart
+by changes that cost more."""
 
 MOST_PRIZES = 1 << 58
 """Sum of all prizes up to which they can be added to other costs."""
@@ -40,8 +48,8 @@ class RuinRecreate(Bisecting):
 
     ``iterations`` counts ruins. Options: ``removals``, how many visits are removed on the mean; ``string``, the longest string of them;
     ``neighbours``, next to which customers a visit is inserted; ``hot`` and ``cold``, the temperatures at the beginning and the end, in
-    lengths of a mean move; ``worth``, where rewards are all that counts, for how many times the cost of the routes all rewards on them
-    are taken in the search, 0 for what they are in the objective.
+    lengths of a mean move (where windows bind, three times and twice that); ``worth``, where rewards are all that counts, for how many
+    times the cost of the routes all rewards on them are taken in the search, 0 for what they are in the objective.
     """
 
     name = "ruin-recreate"
@@ -69,6 +77,10 @@ class RuinRecreate(Bisecting):
         apart = any(problem.travel_of(k).own_durations for k in charged)  # time on the move is limited as a distance
         return unscalable(problem) | ({"energy:travel with separate-durations"} if apart else frozenset())
 
+    def seconds_at(self, speed: float, customers: int, left: float) -> float:
+        """For how many of the seconds that are left it goes on, told its speed in ruins a second: for who has other plans for the rest."""
+        return left
+
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
         asked = {**self.options, **self.converted(options).extra}
         for name, least in LEAST.items():
@@ -80,7 +92,7 @@ class RuinRecreate(Bisecting):
             return RawResult("optimal", answer=Routes(()), objective=0.0, bound=0.0, message="there are no customers")
         control.begin_set_up()
         began = time.perf_counter()
-        search = _Search(problem, options, asked, control, stop)
+        search = _Search(problem, options, asked, control, stop, self.seconds_at)
         control.end_set_up(time.perf_counter() - began)
         return search.run()
 
@@ -88,11 +100,20 @@ class RuinRecreate(Bisecting):
 class _Search:
     """One run: cools down, publishes its incumbents, and translates its answers."""
 
-    def __init__(self, problem: RoutingProblem, options: Options, asked: dict[str, Any], control: Control, stop: Stop) -> None:
+    def __init__(
+        self,
+        problem: RoutingProblem,
+        options: Options,
+        asked: dict[str, Any],
+        control: Control,
+        stop: Stop,
+        seconds_at: Callable[[float, int, float], float],
+    ) -> None:
         from .ruin_recreate_steps import search_kernels
         from .ruin_recreate_steps.arrays import arrays
 
         self.problem, self.options, self.asked, self.control, self.stop = problem, options, asked, control, stop
+        self.seconds_at = seconds_at
         self.kernels = search_kernels
         data = integer_routing(problem)
         sloped = with_slope(problem, data)
@@ -116,26 +137,32 @@ class _Search:
         self.best[0] = sums[k.OBJECTIVE]
         self.best[1:] = np.where(self.held.node[:, k.ROUTE] >= 0, self.held.node[:, k.FOLLOWING], -1)
         self.publish()
-        began, pieces = now(), 64
+        began, pieces, whole = now(), 64, max(1e-9, self.options.time_limit)
         self.advance(int(min(len(self.held.customers), most)), 0.0)
         if self.data.prize.any() and self.sloped and self.asked["worth"]:
             self.held.reward(self.asked["worth"])
         move = self.mean_move()
-        hot, cold = self.asked["hot"] * move, self.asked["cold"] * move
+        warmer = WARMER_WITH_WINDOWS if self.held.flags & k.TIMED else (1.0, 1.0)
+        hot, cold = (self.asked[name] * move * more for name, more in zip(("hot", "cold"), warmer, strict=True))
         bettered = at = 0
         limit = "time"
-        while not self.stop.reached():
+        measured = not self.by_clock
+        while not self.stop.reached() and now() - began < whole:
             done = int(sums[k.STEPS])
+            if not measured and now() - began >= MEASURED:
+                measured = True
+                spent = now() - began
+                whole = spent + self.seconds_at(done / spent, len(self.held.customers), self.stop.seconds_left)
             if sums[k.BETTER] > bettered:
                 bettered, at = int(sums[k.BETTER]), done
             if done >= most or done - at >= idle:
                 limit = "iterations"
                 break
-            share = done / most if math.isfinite(most) else (now() - began) / max(1e-9, self.options.time_limit)
+            share = done / most if math.isfinite(most) else (now() - began) / whole
             started = now()
             steps = int(min(pieces, most - done, idle - (done - at)))
             self.advance(steps, max(cold, 1e-9) * (max(hot, 1e-9) / max(cold, 1e-9)) ** (1.0 - min(1.0, share)))
-            if not math.isfinite(most) and not math.isfinite(idle):
+            if self.by_clock:
                 pieces = max(16, int(pieces * min(4.0, PIECE / max(1e-6, now() - started))))
             self.publish()
         self.publish(last=True)
@@ -148,6 +175,11 @@ class _Search:
         if self.answer is None:
             return RawResult("unknown", limit, statistics=statistics, message=self.left_out(), links=links)
         return RawResult("feasible", limit, self.answer, self.value, statistics=statistics, holds=self.data.holds, links=links)
+
+    @property
+    def by_clock(self) -> bool:
+        """Whether a clock ends the search, and no work limit."""
+        return self.options.iterations is None and self.options.no_improvement is None
 
     def advance(self, steps: int, warmth: float) -> None:
         self.kernels.anneal(self.stop.flag, *self.held.parts, self.best, self.sizes, steps, warmth, self.held.flags)
