@@ -175,5 +175,7 @@ def _shown(solution: Solution, verbose: bool) -> str:
     if verbose:
         lines.append(Line("versions", ", ".join(f"{k} {v}" for k, v in solution.versions.items()), "quiet"))
         lines += [Line("chain" if k == 0 else "", str(link), "quiet") for k, link in enumerate(solution.chain)]
-        lines += [Line(k, str(v), "quiet") for k, v in solution.statistics.items()]
+        for name, value in solution.statistics.items():
+            told = [", ".join(f"{k} {v}" for k, v in one.items()) for one in value] if name == "turns" else [str(value)]
+            lines += [Line("" if k else name, each, "quiet") for k, each in enumerate(told)]
     return tables + lines_text(solution_title(solution), lines)

@@ -47,9 +47,10 @@ class RuinRecreate(Bisecting):
     """Ruin and recreate with string removal, greedy insertion with blinks and annealing (Christiaens & Vanden Berghe 2020).
 
     ``iterations`` counts ruins. Options: ``removals``, how many visits are removed on the mean; ``string``, the longest string of them;
-    ``neighbours``, next to which customers a visit is inserted; ``hot`` and ``cold``, the temperatures at the beginning and the end, in
-    lengths of a mean move (where windows bind, three times and twice that); ``worth``, where rewards are all that counts, for how many
-    times the cost of the routes all rewards on them are taken in the search, 0 for what they are in the objective.
+    ``neighbours``, next to how many customers a visit is inserted, twice as many where some may be left out; ``hot`` and ``cold``, the
+    temperatures at the beginning and the end, in lengths of a mean move (where windows bind, three times and twice that); ``worth``, where
+    rewards are all that counts, for how many times the cost of the routes all rewards on them are taken in the search, 0 for what they are
+    in the objective.
     """
 
     name = "ruin-recreate"
@@ -66,9 +67,9 @@ class RuinRecreate(Bisecting):
             "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites", "limited-fleet",
             "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations", "energy:travel", "energy:elapsed",
             "energy:elapsed-fixed-start", "initial-energy", "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel", "several-loads",
-            "skills", "forbidden-moves", "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward",
-            "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights",
-            "objective:priorities",
+            "pickups", "skills", "forbidden-moves", "objective:total-cost", "objective:total-duration", "objective:vehicles",
+            "objective:reward", "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return",
+            "objective:weights", "objective:priorities",
         }
     )  # fmt: skip
 
@@ -119,7 +120,8 @@ class _Search:
         sloped = with_slope(problem, data)
         self.data = sloped if int(sloped.prize.sum()) < MOST_PRIZES else data
         self.sloped = self.data is not data
-        self.held = arrays(problem, self.data, int(asked["neighbours"]), options.seed % 2**64)
+        optional = not problem.sites.required[problem.customers].all()
+        self.held = arrays(problem, self.data, int(asked["neighbours"]) * (2 if optional else 1), options.seed % 2**64)
         self.best = np.zeros(1 + len(self.held.node), dtype=np.int64)
         self.sizes = np.array([asked["string"], asked["removals"]])
         self.answer: Routes | None = None

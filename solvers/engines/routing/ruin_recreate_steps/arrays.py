@@ -115,7 +115,11 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     required = problem.sites.required[:, None].astype(np.int64)
     lost = np.where(problem.sites.required, _dear(problem, data), data.prize)
     away = data.service + np.where(np.eye(sites, dtype=bool), MOST, goes).min(axis=(0, 2))
-    site = np.column_stack([data.service, data.ready, _limited(data.due), required, lost, lost, away, data.demand[:, data.limited]])
+    loads = [data.demand[:, data.limited]]
+    picked = bool(data.pickup[:, data.limited].any())
+    if picked:
+        loads.append(data.pickup[:, data.limited])
+    site = np.column_stack([data.service, data.ready, _limited(data.due), required, lost, lost, away, *loads])
     hours = _limited(data.max_duration)
     ends = np.array([(v.start, v.end) for v in fleet])
     types = np.column_stack([
@@ -124,7 +128,7 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     ])  # fmt: skip
     kind = np.repeat(np.arange(len(fleet)), counts)
     heads = sites + 2 * np.arange(len(kind))
-    node = np.zeros((sites + 2 * len(kind), k.NODE_COLUMNS), dtype=np.int64)
+    node = np.zeros((sites + 2 * len(kind), k.NODE_COLUMNS + 2 * picked * len(data.limited)), dtype=np.int64)
     node[:, [k.ROUTE, k.PLACE, k.LISTED]] = -1
     node[:sites, k.SITE] = np.arange(sites)
     node[heads, k.FOLLOWING], node[heads + 1, k.PREVIOUS] = heads + 1, heads
@@ -144,7 +148,7 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     allowed = np.array([[not skilled or asked <= v.skills for asked in skilled or [frozenset()] * sites] for v in fleet])
     spanned = bool((hours < MOST).any() or data.time.any())
     late = (site[customers, k.DUE] < MOST).any() or (types[:, k.CLOSES] < MOST).any()
-    flags = (k.TIMED if spanned or late or data.ready.any() else 0) | (k.SPANNED if spanned else 0)
+    flags = (k.TIMED if spanned or late or data.ready.any() else 0) | (k.SPANNED if spanned else 0) | (k.PICKED if picked else 0)
     near, reach, drive = _near(data, customers, on.min(axis=0), goes.min(axis=0), min(neighbours, len(customers) - 1))
     return Arrays(
         ways, at_way, _rows(site), _rows(types), allowed, _alone(site, types, allowed, on, goes, bool(flags & k.TIMED)),
@@ -161,7 +165,8 @@ def _alone(site: Integers, types: Integers, allowed: NDArray[np.bool_], on: Inte
     for kind, row in enumerate(types):
         p, start, end = row[[k.PROFILE, k.START, k.END]]
         length = on[p, start] + on[p, :, end]
-        fits = allowed[kind] & (site[:, k.DEMAND :] <= row[k.CAPACITY :]).all(axis=1) & (length <= row[k.MAX_DISTANCE])
+        loads = site[:, k.DEMAND :].reshape(len(site), -1, len(row) - k.CAPACITY) if len(row) > k.CAPACITY else site[:, :0, None]
+        fits = allowed[kind] & (loads <= row[k.CAPACITY :]).all(axis=(1, 2)) & (length <= row[k.MAX_DISTANCE])
         spent = np.zeros_like(length)
         if timed:
             comes, leaves = goes[p, start], site[:, k.SERVICE] + goes[p, :, end]

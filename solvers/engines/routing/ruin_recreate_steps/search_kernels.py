@@ -16,7 +16,8 @@ from .....formulations.stop_kernel import asked
 
 SERVICE, READY, DUE, REQUIRED, LOST, MISSED, AWAY, DEMAND = range(8)
 """Columns of sites. ``LOST`` is what leaving a site out costs in the objective, ``MISSED`` what it counts in the search;
-``AWAY`` is the service and the least time of any move that follows; demands come last."""
+``AWAY`` is the service and the least time of any move that follows; then come what is
+delivered of each load and, with ``PICKED``, what is picked up."""
 
 PROFILE, START, END, MAX_DURATION, MAX_DISTANCE, UNIT, FIXED, TIME, OPENS, LEAVES, CLOSES, FIRST, SLOTS, USED, CAPACITY = range(15)
 """Columns of vehicle types: profile of travel, limits and costs, the first slot, how many there are and are used; capacities follow."""
@@ -29,14 +30,15 @@ FOLLOWING, PREVIOUS, ROUTE, SITE, AHEAD, FREE, LATEST, PLACE, TOOK, LATE, REST, 
 """Columns of nodes: neighbours on the route; the route, -1 if left out; the site; the length of the move that follows; when a vehicle can
 leave at the earliest, and service must begin at the latest; the place among those left out; least duration up to here and the latest
 departure for it; least duration from here on and the earliest arrival for it; the last step that listed it. Rows have a width that keeps
-what is read most in as few lines of the processor's cache as can be."""
+what is read most in as few lines of the processor's cache as can be. With ``PICKED`` two more columns follow for each load: what the
+vehicle has room for all the way up to the next node, and all the way from here on."""
 
 SEARCHED, OBJECTIVE, ABSENT, STEPS, BETTER = range(5)
 """Entries of ``sums``: cost of routes and what the search misses; the same in the objective; how many are left out; steps done; how many of
 them led to a better answer than all before."""
 
-TIMED, SPANNED = 1, 2
-"""Flags: anybody can come too late; the duration of a route is limited or priced."""
+TIMED, SPANNED, PICKED = 1, 2, 4
+"""Flags: anybody can come too late; the duration of a route is limited or priced; loads are picked up, too, and brought to the end."""
 
 NONE = 1 << 60
 """Cost of what cannot be done."""
@@ -109,6 +111,27 @@ def _go_on(ways, at_way, site, types, node, behind, at, k, p, head, flags):  # t
 
 
 @inner
+def _load(site, types, route, node, r, k, d):  # type: ignore[no-untyped-def]
+    """Bring up to date what room route ``r`` has for load ``d`` before and behind each node; returns the least."""
+    dims, head, tail = route.shape[1] - ROOM, len(site) + 2 * r, len(site) + 2 * r + 1
+    before, behind = NODE_COLUMNS + d, NODE_COLUMNS + dims + d
+    room = least = route[r, ROOM + d]
+    node[head, before] = node[head, behind] = room
+    at = node[head, FOLLOWING]
+    while at != tail:
+        room += site[at, DEMAND + d] - site[at, DEMAND + dims + d]
+        least = min(least, room)
+        node[at, before], node[at, behind] = least, room
+        at = node[at, FOLLOWING]
+    least = room
+    while at != head:
+        at = node[at, PREVIOUS]
+        least = min(least, node[at, behind])
+        node[at, behind] = least
+    return least
+
+
+@inner
 def _refresh(ways, at_way, site, types, route, node, sums, r, first, last, flags):  # type: ignore[no-untyped-def]
     """Bring times, limits and cost of route ``r`` up to date after a change between its nodes ``first`` and ``last``.
 
@@ -141,8 +164,10 @@ def _refresh(ways, at_way, site, types, route, node, sums, r, first, last, flags
     length, visits = route[r, LENGTH], route[r, VISITS]
     spent = node[tail, TOOK] if flags & SPANNED else 0
     sound = route[r, PUNCTUAL] != 0 and length <= types[k, MAX_DISTANCE] and spent <= types[k, MAX_DURATION]
-    for d in range(site.shape[1] - DEMAND):
+    for d in range(route.shape[1] - ROOM):
         sound = sound and route[r, ROOM + d] >= 0
+        if flags & PICKED:
+            sound = sound and _load(site, types, route, node, r, k, d) >= 0
     cost = 0 if visits == 0 else types[k, UNIT] * length + types[k, FIXED] + types[k, TIME] * spent
     types[k, USED] += (visits > 0) - route[r, IN_USE]
     sums[SEARCHED] += cost - route[r, COST]
@@ -154,7 +179,7 @@ def _refresh(ways, at_way, site, types, route, node, sums, r, first, last, flags
 def _recount(ways, at_way, site, types, route, node, sums, r, flags):  # type: ignore[no-untyped-def]
     """Compute all that is stored about route ``r`` from its visits."""
     k, head, tail = route[r, KIND], len(site) + 2 * r, len(site) + 2 * r + 1
-    p, dims = types[k, PROFILE], site.shape[1] - DEMAND
+    p, dims = types[k, PROFILE], route.shape[1] - ROOM
     route[r, LENGTH], route[r, VISITS], route[r, PUNCTUAL] = 0, -1, not flags & TIMED
     for d in range(dims):
         route[r, ROOM + d] = types[k, CAPACITY + d]
@@ -197,7 +222,7 @@ def _take_in(site, node, absent, sums, c):  # type: ignore[no-untyped-def]
 def _fits(site, route, c, r):  # type: ignore[no-untyped-def]
     """Whether route ``r`` has room for ``c``."""
     fits = True
-    for d in range(site.shape[1] - DEMAND):
+    for d in range(route.shape[1] - ROOM):
         fits = fits and route[r, ROOM + d] >= site[c, DEMAND + d]
     return fits
 
@@ -208,6 +233,12 @@ def _longer(ways, at_way, site, types, allowed, route, node, c, i, r, least, fla
     k = route[r, KIND]
     j, p = node[i, FOLLOWING], types[k, PROFILE]
     a, b = node[i, SITE], node[j, SITE]
+    if flags & PICKED:
+        dims = route.shape[1] - ROOM
+        for d in range(dims):
+            before, behind = node[i, NODE_COLUMNS + d], node[i, NODE_COLUMNS + dims + d]
+            if before < site[c, DEMAND + d] or behind < site[c, DEMAND + dims + d]:
+                return NONE
     detour = ways[p, c, a, at_way[0]] + ways[p, c, b, at_way[1]] - node[i, AHEAD]
     cost = types[k, UNIT] * detour
     if (cost >= least and not flags & SPANNED) or route[r, LENGTH] + detour > types[k, MAX_DISTANCE] or not allowed[k, c]:
@@ -311,7 +342,7 @@ def anneal(  # type: ignore[no-untyped-def]
     to arrays, which took half of its time.
     """
     sites, slots, kinds = len(site), len(route), len(types)
-    n, dims = len(customers), site.shape[1] - DEMAND
+    n, dims = len(customers), route.shape[1] - ROOM
     moved, todo = lists[0], lists[1]
     longest, removed_on_mean = sizes[0], sizes[1]
     at_way = (way_columns[0], way_columns[1], way_columns[2], way_columns[3])
@@ -412,8 +443,8 @@ def anneal(  # type: ignore[no-untyped-def]
         draw = _below(random, 15 if flags & TIMED else 11)
         for m in range(moves):
             c = todo[m]
-            if draw >= 4 and draw < 8 and dims > 0:
-                keys[m] = -np.float64(site[c, DEMAND])
+            if draw >= 4 and draw < 8:
+                keys[m] = -np.float64(site[c, DEMAND] if dims > 0 and site[c, REQUIRED] else site[c, MISSED])
             elif draw < 8:
                 keys[m] = _share(random)
             elif draw < 11:

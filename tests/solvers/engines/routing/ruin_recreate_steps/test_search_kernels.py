@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from small_routing import small
@@ -13,8 +15,15 @@ from waybound.solvers.engines.routing.ruin_recreate_steps.arrays import Arrays, 
 
 KINDS = (
     "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "limited-fleet", "heterogeneous-fleet",
-    "multiple-depots", "open-routes", "separate-durations", "vehicles", "prizes", "reward", "reward-then-cost",
+    "multiple-depots", "open-routes", "separate-durations", "vehicles", "prizes", "reward", "reward-then-cost", "pickups",
 )  # fmt: skip
+
+
+def picking(seed: int, convention: str) -> RoutingProblem:
+    """Loads are brought, others taken away, and a vehicle is full of both together."""
+    problem, rng = small("capacity", seed, convention), np.random.default_rng(seed)
+    pickup = np.where(problem.sites.depot, 0.0, rng.integers(0, 1 + int(problem.sites.demand.max()), len(problem.sites)))
+    return replace(problem, sites=replace(problem.sites, pickup=pickup))
 
 
 def searched(problem: RoutingProblem, steps: int, warmth: float, seed: int = 1) -> tuple[Arrays, np.ndarray]:
@@ -30,7 +39,7 @@ def searched(problem: RoutingProblem, steps: int, warmth: float, seed: int = 1) 
 @pytest.mark.parametrize("convention", ["exact", "trunc1"])
 def test_what_is_kept_of_routes_is_what_they_are(kind: str, convention: str) -> None:
     for seed in range(3):
-        problem = small(kind, seed, convention)
+        problem = picking(seed, convention) if kind == "pickups" else small(kind, seed, convention)
         held, best = searched(problem, 400, 1e4, seed)
         following = held.node[:, k.FOLLOWING]
         routes = held.routes(following)
