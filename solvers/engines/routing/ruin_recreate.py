@@ -30,6 +30,9 @@ PIECE = 0.02
 MEASURED = 0.1
 """Seconds of searching after which its speed is told."""
 
+FEW = 300
+"""Ruins for each customer below which there is no time to cool down from far above a start: it is bettered from where it is."""
+
 PUBLISH_EVERY = 0.05
 """Seconds between two published incumbents, so that a flood of early ones costs nothing."""
 
@@ -61,7 +64,7 @@ class RuinRecreate(Bisecting):
     order = 25
     honours = frozenset({"iterations", "no_improvement", "gap"})
     one_thread = True
-    bytes_a_move, seconds_a_move = 85.0, 4e-7
+    bytes_a_move, seconds_a_move = 50.0, 4e-7
     features = frozenset(
         {
             "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites", "limited-fleet",
@@ -155,6 +158,8 @@ class _Search:
                 measured = True
                 spent = now() - began
                 whole = spent + self.seconds_at(done / spent, len(self.held.customers), self.stop.seconds_left)
+                if start and done / spent * whole < FEW * len(self.held.customers):
+                    hot = min(hot, 3.0 * cold)
             if sums[k.BETTER] > bettered:
                 bettered, at = int(sums[k.BETTER]), done
             if done >= most or done - at >= idle:

@@ -21,6 +21,9 @@ MOST = 1 << 50
 WAITING = 0.2
 """What waiting counts beside travel of the same time where it is told who is near."""
 
+BLOCK = 256
+"""Sites whose neighbours are looked for together."""
+
 
 @dataclass(frozen=True, eq=False)
 class Arrays:
@@ -107,20 +110,28 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     counts = np.array([len(customers) if v.count is None else min(v.count, len(customers)) for v in fleet])
     counts[data.closes < data.opens] = 0
     longest = np.minimum(np.minimum(data.max_distance, data.travel_reach), MOST - 1)
-    on = np.stack([_limited(m.distance_up if (longest < MOST - 1).any() else m.distance) for m in data.moves])
+    on = _stacked([_limited(m.distance_up if (longest < MOST - 1).any() else m.distance) for m in data.moves])
     if problem.forbidden is not None:
         on = np.where(problem.forbidden, MOST, on)
-    goes = np.stack([_limited(m.duration) for m in data.moves])
+    hours = _limited(data.max_duration)
+    spanned = bool((hours < MOST).any() or data.time.any())
+    late = (data.due[customers] < MOST).any() or (data.closes < MOST).any()
+    timed = bool(spanned or late or data.ready.any())
+    goes = _stacked([_limited(m.duration) for m in data.moves]) if timed else on
+    for moves in data.moves:
+        moves.forget()  # they are held here
     ways, at_way = _ways(on, goes)
+    near, reach, drive, least = _near(
+        data, customers, on if len(on) == 1 else on.min(axis=0)[None], goes if len(goes) == 1 else goes.min(axis=0)[None], neighbours
+    )
     required = problem.sites.required[:, None].astype(np.int64)
     lost = np.where(problem.sites.required, _dear(problem, data), data.prize)
-    away = data.service + np.where(np.eye(sites, dtype=bool), MOST, goes).min(axis=(0, 2))
+    away = data.service + least
     loads = [data.demand[:, data.limited]]
     picked = bool(data.pickup[:, data.limited].any())
     if picked:
         loads.append(data.pickup[:, data.limited])
     site = np.column_stack([data.service, data.ready, _limited(data.due), required, lost, lost, away, *loads])
-    hours = _limited(data.max_duration)
     ends = np.array([(v.start, v.end) for v in fleet])
     types = np.column_stack([
         data.profile, ends, hours, longest, data.unit, data.fixed, data.time, data.opens, _limited(data.leaves), _limited(data.closes),
@@ -146,12 +157,9 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     sums = np.array([lost[customers].sum(), lost[customers].sum(), len(customers), 0, 0])
     skilled = problem.sites.skills
     allowed = np.array([[not skilled or asked <= v.skills for asked in skilled or [frozenset()] * sites] for v in fleet])
-    spanned = bool((hours < MOST).any() or data.time.any())
-    late = (site[customers, k.DUE] < MOST).any() or (types[:, k.CLOSES] < MOST).any()
-    flags = (k.TIMED if spanned or late or data.ready.any() else 0) | (k.SPANNED if spanned else 0) | (k.PICKED if picked else 0)
-    near, reach, drive = _near(data, customers, on.min(axis=0), goes.min(axis=0), min(neighbours, len(customers) - 1))
+    flags = (k.TIMED if timed else 0) | (k.SPANNED if spanned else 0) | (k.PICKED if picked else 0)
     return Arrays(
-        ways, at_way, _rows(site), _rows(types), allowed, _alone(site, types, allowed, on, goes, bool(flags & k.TIMED)),
+        ways, at_way, _rows(site), _rows(types), allowed, _alone(site, types, allowed, on, goes, timed),
         customers.astype(np.int64), near, reach, drive, route, node, absent, sums, np.array([seed], dtype=np.uint64),
         np.zeros(sites + 2 * len(route) + 2, dtype=np.int64), np.zeros((2, sites), dtype=np.int64), np.zeros(sites), flags,
     )  # fmt: skip
@@ -192,38 +200,66 @@ def _rows(values: Integers) -> Integers:
 
 
 def _limited(values: Integers) -> Integers:
-    return np.minimum(values, MOST)
+    return np.minimum(values, MOST) if values.max(initial=0) > MOST else values
+
+
+def _stacked(matrices: list[Integers]) -> Integers:
+    """All in one array; a single one is not copied, for that of 5,000 sites takes 200 MB."""
+    return np.ascontiguousarray(matrices[0])[None] if len(matrices) == 1 else np.stack(matrices)
 
 
 def _ways(on: Integers, goes: Integers) -> tuple[Integers, Integers]:
     """Moves between two sites side by side, each kind once: to the second one's row from the first, and back, lengths and times."""
     held: list[Integers] = []
     places = []
-    for matrix in (on.transpose(0, 2, 1), on, goes.transpose(0, 2, 1), goes):
+    for matrix in (on, on.transpose(0, 2, 1), goes, goes.transpose(0, 2, 1)):
         place = next((k for k, known in enumerate(held) if np.array_equal(known, matrix)), len(held))
         if place == len(held):
             held.append(matrix)
         places.append(place)
-    return np.ascontiguousarray(np.stack(held, axis=-1)), np.array(places)
+    ways = held[0][..., None] if len(held) == 1 else np.stack(held, axis=-1)
+    return np.ascontiguousarray(ways), np.array(places)[[1, 0, 3, 2]]
 
 
-def _near(data: IntegerRouting, customers: Integers, on: Integers, goes: Integers, many: int) -> tuple[Integers, Integers, Integers]:
-    """The customers next to each site, nearest first, and the ``reach`` and ``drive`` of ``search_kernels.anneal``.
+def _near(
+    data: IntegerRouting, customers: Integers, on: Integers, goes: Integers, many: int
+) -> tuple[Integers, Integers, Integers, Integers]:
+    """The customers next to each site, nearest first, the ``reach`` and ``drive`` of ``search_kernels.anneal``, and the least time from
+    each site to any other, of moves of shape (1, sites, sites).
 
     Near is who can come right before or right after it, over a short way and without much waiting (the proximity of Vidal, Crainic,
-    Gendreau and Prins 2013, Computers & Operations Research 40(1), with a weight of 0.2 for time that is lost).
+    Gendreau and Prins 2013, Computers & Operations Research 40(1), with a weight of 0.2 for time that is lost). ``BLOCK`` sites are looked
+    at together, for no further matrix of all of them shall be needed.
     """
-    begins = data.ready + data.service
-    in_time = begins[:, None] + goes <= data.due[None, :]
-    waits = np.maximum(data.ready[None, :] - (np.minimum(data.due, MOST) + data.service)[:, None] - goes, 0)
-    far = np.where(in_time, on + WAITING * waits * (on.mean() / max(1.0, goes.mean())), MOST)
-    far = np.minimum(far, far.T)
-    alone = np.ones(len(far), dtype=bool)
-    alone[customers] = False
-    far[:, alone] = far[np.diag_indices_from(far)] = MOST
-    near = np.argsort(far, axis=1, kind="stable")[:, : max(many, 1)]
-    rows, others = np.arange(len(near))[:, None], np.where(np.eye(len(near), dtype=bool), MOST, on)
-    before = in_time[near, rows]
-    reach = np.where(before, on[near, rows] + others.min(axis=1)[:, None], -1 - on[rows, near] - others.min(axis=0)[:, None])
-    drive = np.where(before, goes[near, rows], data.service[:, None] + goes[rows, near])
-    return _rows(np.where(np.take_along_axis(far, near, axis=1) < MOST, near, -1)), _rows(reach), _rows(drive)
+    on, goes, sites = on[0], goes[0], on.shape[-1]
+    weight, begins, latest = (
+        WAITING * on.mean() / max(1.0, goes.mean()),
+        data.ready + data.service,
+        np.minimum(data.due, MOST) + data.service,
+    )
+    others = np.ones(sites, dtype=bool)
+    others[customers] = False
+    many = max(1, min(many, len(customers) - 1))
+    near, first, second, comes, leaves = (np.empty((sites, many), dtype=np.int64) for _ in range(5))
+    able = np.empty((sites, many), dtype=bool)
+    shortest, quickest, shortest_to = np.full(sites, MOST), np.full(sites, MOST), np.full(sites, MOST)
+    for low in range(0, sites, BLOCK):
+        block = np.arange(low, min(sites, low + BLOCK))
+        itself = block[:, None] == np.arange(sites)
+        from_here, to_here, goes_from, goes_to = on[block], on[:, block].T, goes[block], goes[:, block].T
+        after = begins[block][:, None] + goes_from <= data.due
+        before = begins + goes_to <= data.due[block][:, None]
+        waits_after = np.maximum(data.ready - latest[block][:, None] - goes_from, 0)
+        waits_before = np.maximum(data.ready[block][:, None] - latest - goes_to, 0)
+        far = np.minimum(np.where(after, from_here + weight * waits_after, MOST), np.where(before, to_here + weight * waits_before, MOST))
+        far[itself | others] = MOST
+        order = np.argsort(far, axis=1, kind="stable")[:, :many]
+        near[block] = np.where(np.take_along_axis(far, order, axis=1) < MOST, order, -1)
+        able[block] = np.take_along_axis(before, order, axis=1)
+        first[block], second[block] = np.take_along_axis(to_here, order, axis=1), np.take_along_axis(from_here, order, axis=1)
+        comes[block], leaves[block] = np.take_along_axis(goes_to, order, axis=1), np.take_along_axis(goes_from, order, axis=1)
+        shortest[block] = np.where(itself, MOST, from_here).min(axis=1)
+        quickest[block] = np.where(itself, MOST, goes_from).min(axis=1)
+        shortest_to[block] = np.where(itself, MOST, to_here).min(axis=1)
+    reach = np.where(able, first + shortest[:, None], -1 - second - shortest_to[:, None])
+    return near, reach, np.where(able, comes, data.service[:, None] + leaves), quickest

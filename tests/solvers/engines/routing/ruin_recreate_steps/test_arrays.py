@@ -58,9 +58,9 @@ def test_moves_of_one_kind_are_kept_once() -> None:
         return held.ways.shape[-1], held.at_way.tolist()
 
     assert kinds(both, both) == (1, [0, 0, 0, 0])
-    assert kinds(one_way, one_way) == (2, [0, 1, 0, 1])
-    assert kinds(both, hours) == (3, [0, 0, 1, 2])
-    assert kinds(one_way, hours) == (4, [0, 1, 2, 3])
+    assert kinds(one_way, one_way) == (2, [1, 0, 1, 0])
+    assert kinds(both, hours) == (3, [0, 0, 2, 1])
+    assert kinds(one_way, hours) == (4, [1, 0, 3, 2])
 
 
 def test_neighbours_are_the_nearest_of_those_that_can_be_on_one_route() -> None:
