@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
@@ -13,7 +12,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from ....formulations.evidence import Evidence
 from ....formulations.programs.exactness import Exactness
-from ....instances.errors import UnsupportedError, in_words
+from ....formulations.stop import now
+from ....instances.errors import UnsupportedError, UsageError, in_words
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...children import child
 from .best_routes import BestRoutes
@@ -112,7 +112,14 @@ class Portfolio(Engine):
         if lacking:
             raise UnsupportedError(self.name, lacking)
         self.converted(options)
-        return _Search(problem, options, control).run(self.turns(problem))  # type: ignore[arg-type]
+        turns = self.turns(problem)  # type: ignore[arg-type]
+        for turn in turns:
+            ignored = [name for name in options.asked() if name not in turn.engine.honours]
+            if ignored:
+                raise UsageError(
+                    f"{turn.engine.name}, which alone takes this problem, does not keep to {', '.join(ignored)}", "unsupported"
+                )
+        return _Search(problem, options, control).run(turns)  # type: ignore[arg-type]
 
 
 class _Search:
@@ -120,7 +127,7 @@ class _Search:
 
     def __init__(self, problem: RoutingProblem, options: Options, control: Control) -> None:
         self.problem, self.options, self.control = problem, options, control
-        self.ends = time.perf_counter() + options.time_limit
+        self.ends = now() + options.time_limit
         self.best = BestRoutes(problem, control)
         self.turns: list[dict[str, Any]] = []
 
@@ -131,11 +138,10 @@ class _Search:
             compiler = self.compiler(stack, turns)
             if compiler is not None:
                 results.append(self.turn(turns[-1], 1.0, compiler))
-                if compiler.poll() is None:
-                    turns = []
+                turns = [] if compiler.poll() is None else turns if self.compiled() else turns[-1:]  # no folder may keep what is compiled
             for turn in turns:
                 results.append(self.turn(turn, turn.share))
-                if self.control.stopped or results[-1].status in ("optimal", "infeasible") or self.ends - time.perf_counter() < TOO_LATE:
+                if self.control.stopped or results[-1].status in ("optimal", "infeasible") or self.ends - now() < TOO_LATE:
                     break
         last = results[-1]
         statistics = {name: value for name, value in last.statistics.items() if name in WORK} | {"turns": self.turns}
@@ -160,16 +166,21 @@ class _Search:
         """A process that compiles the loops of ruin and recreate while a library searches; None where nothing or nobody has to wait."""
         if not issubclass(turns[0].engine, RuinRecreate) or len(turns) == 1 or self.repeats:
             return None
-        from .ruin_recreate_steps import search_kernels
-
-        if search_kernels.anneal.kept():
+        if self.compiled():
             return None
         command = [sys.executable, "-m", "waybound", "warm", "--quiet", "search_kernels"]
         return stack.enter_context(child(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
 
+    @staticmethod
+    def compiled() -> bool:
+        """Whether ruin and recreate takes no compiler."""
+        from .ruin_recreate_steps import search_kernels
+
+        return search_kernels.anneal.kept()
+
     def turn(self, turn: Turn, share: float, until: subprocess.Popen[bytes] | None = None) -> RawResult:
         """What an engine makes of the best routes so far within its share of what is left, or until a process ends."""
-        asked, left = self.options, max(0.0, self.ends - time.perf_counter())
+        asked, left = self.options, max(0.0, self.ends - now())
         own = replace(
             asked,
             time_limit=left if self.repeats else left * share,
@@ -178,7 +189,7 @@ class _Search:
             start=self.best.answer or asked.start,
             extra=dict(turn.options),
         )
-        control, before, began = _TurnControl(self, until), self.best.values, time.perf_counter()
+        control, before, began = _TurnControl(self, until), self.best.values, now()
         try:
             result = turn.engine().run(self.problem, own, control)
         except Exception as fault:  # the next one goes on
@@ -187,7 +198,7 @@ class _Search:
             self.best.take(result.answer)
         done = {name: value for name, value in result.statistics.items() if name in ("iterations", "solutions")}
         found = {"before": before and list(before), "after": self.best.values and list(self.best.values)}
-        self.turns.append({"engine": turn.engine.name, "seconds": round(time.perf_counter() - began, 2), **done, **found})
+        self.turns.append({"engine": turn.engine.name, "seconds": round(now() - began, 2), **done, **found})
         return result
 
 

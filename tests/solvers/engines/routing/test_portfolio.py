@@ -81,6 +81,7 @@ def test_an_engine_that_fails_leaves_the_turn_to_the_next(monkeypatch: pytest.Mo
 def test_a_library_searches_while_loops_are_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
     from waybound.solvers.engines.routing.ruin_recreate_steps import search_kernels
 
+    search_kernels.anneal.make()
     commands: list[list[str]] = []
 
     @contextlib.contextmanager
@@ -90,12 +91,22 @@ def test_a_library_searches_while_loops_are_compiled(monkeypatch: pytest.MonkeyP
             yield process
 
     monkeypatch.setattr(portfolio, "child", short)
-    monkeypatch.setattr(type(search_kernels.anneal), "kept", lambda kernel: False)
+    looks: list[bool] = []
+    monkeypatch.setattr(type(search_kernels.anneal), "kept", lambda kernel: looks.append(True) or len(looks) > 1)
     problem = wb.generate("random", customers=30, capacity=40)
     with_compiler = run(problem, time_limit=2.0)
     assert engines(with_compiler) == ["pyvrp", "ruin-recreate", "pyvrp"]
     assert commands == [[sys.executable, "-m", "waybound", "warm", "--quiet", "search_kernels"]]
+    monkeypatch.setattr(type(search_kernels.anneal), "kept", lambda kernel: False)
+    assert engines(run(problem, time_limit=1.0)) == ["pyvrp", "pyvrp"] and commands.pop()  # where nothing that is compiled can be kept
     assert engines(run(problem, iterations=10)) == ["ruin-recreate", "pyvrp"] and len(commands) == 1  # which shall repeat
+
+
+def test_what_the_only_engine_that_takes_a_problem_does_not_keep_to_is_refused() -> None:
+    with pytest.raises(
+        UsageError, match="ortools, which alone takes this problem, does not keep to no_improvement", check=coded("unsupported")
+    ):
+        run(varied("recharging", 0), no_improvement=5)
 
 
 def test_it_has_no_options_of_its_own() -> None:
