@@ -450,7 +450,7 @@ def test_savings_open_where_engines_are_slow_to_begin() -> None:
 def test_thousands_of_customers_are_begun_by_savings_and_work_limits_repeat() -> None:
     problem = scattered(1_600)
     run = default_run(problem, Options(time_limit=60.0), isolate=False)
-    assert (run.name, run.opening) == ("pyvrp", "savings")
+    assert (run.name, run.opening) == ("portfolio", "savings")
     once, again = (solve(problem, iterations=2, bound_time=0, time_limit=600.0) for _ in range(2))
-    assert once.solver == "pyvrp" and once.answer == again.answer and "savings" not in once.message
+    assert once.solver == "portfolio" and once.answer == again.answer and "savings" not in once.message
     assert once.statistics["iterations"] == 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -168,7 +169,8 @@ class _Search:
             return None
         if self.compiled():
             return None
-        command = [sys.executable, "-m", "waybound", "warm", "--quiet", "search_kernels"]
+        nice = shutil.which("nice")  # who searches and who bounds come first
+        command = [*([nice, "-n", "19"] if nice else []), sys.executable, "-m", "waybound", "warm", "--quiet", "search_kernels"]
         return stack.enter_context(child(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
 
     @staticmethod
