@@ -27,8 +27,9 @@ import numpy as np
 from waybound import read, solve
 from waybound.formulations.routing.routes import Routes
 
-from ._harness import Folder, Option, command, in_a_fresh_process, known_values, markdown
+from ._harness import Folder, Option, command, in_a_fresh_process, markdown
 from .overhead import integers
+from .routing_families import Known, Sample, best_known, distance
 
 BARE = "bare-pyvrp"
 
@@ -73,8 +74,7 @@ SETS = {
 
 
 FOUND = {
-    "tsiligirides_problem_2_budget_30": ("score(max)", 265.0), "set_66_1_060": ("score(max)", 915.0),
-    "mtsp100_3": ("longest route", 8509.16), "kroa200_10": ("longest route", 6223.22), "lin318_5": ("longest route", 11660.1),
+    "tsiligirides_problem_2_budget_30": 265.0, "set_66_1_060": 915.0, "mtsp100_3": 8509.16, "kroa200_10": 6223.22, "lin318_5": 11660.1,
 }  # fmt: skip
 """The best values that were found in long runs, of files that ``bks.csv`` has no row for."""
 
@@ -83,16 +83,18 @@ FOUND = {
 class Task:
     """One run: which file, by whom, with which seed, for how long."""
 
-    path: str
+    folder: Path
+    path: Path
     settings: Mapping[str, Any]
     solver: str
     seed: int
     seconds: float
 
 
-def run(task: Task) -> tuple[tuple[float, ...], float]:
-    """The judged values of the answer, empty where there is none, and CPU seconds."""
-    problem: Any = read(task.path, **task.settings)
+def run(task: Task) -> tuple[tuple[float, ...], bool, float]:
+    """The judged values of the answer, empty where there is none, whether the first is maximised, and CPU seconds."""
+    problem: Any = read(task.folder / task.path, **task.settings)
+    most = problem.senses[0] == "max"
     began = time.process_time()
     if task.solver == BARE:
         with tempfile.TemporaryDirectory() as folder:
@@ -101,10 +103,10 @@ def run(task: Task) -> tuple[tuple[float, ...], float]:
             script = Path(__file__).with_name("_bare_pyvrp.py")
             told = in_a_fresh_process(script, data, f"{task.seconds}s", task.seed)
         verdict = problem.evaluate(Routes.of(told["routes"]))
-        return (tuple(verdict.values) if verdict.feasible else ()), told["engine"]
+        return (tuple(verdict.values) if verdict.feasible else ()), most, told["engine"]
     solution = solve(problem, task.solver, time_limit=task.seconds, seed=task.seed, bound_time=0)
     values = () if solution.answer is None else tuple(problem.evaluate(solution.answer).values)
-    return values, time.process_time() - began
+    return values, most, time.process_time() - began
 
 
 def tasks(folder: Path, names: Iterable[str], solvers: Sequence[str], seeds: Iterable[int], seconds: float) -> dict[str, list[Task]]:
@@ -116,24 +118,20 @@ def tasks(folder: Path, names: Iterable[str], solvers: Sequence[str], seeds: Ite
             path = next((p for place in kept.folders for p in sorted((folder / place).glob(f"{file}.*")) if p.suffix != ".sol"), None)
             if path is None:
                 raise SystemExit(f"error: no file {file} in {', '.join(kept.folders)}")
-            many = [Task(str(path), kept.settings, s, seed, seconds) for s in solvers for seed in seeds]
+            many = [Task(folder, path.relative_to(folder), kept.settings, s, seed, seconds) for s in solvers for seed in seeds]
             found.setdefault(name, []).extend(many)
     return found
 
 
-def gap(values: Sequence[float], path: str, known: Sequence[Mapping[str, str]], row: Mapping[str, str]) -> float:
-    """Per cent of the best value known; not a number where there is no answer."""
-    if not values:
-        return math.nan
-    place = Path(path)
-    wanted = {"instance": place.stem, **row}
-    family = "/".join(place.parts[-3:-1])
-    line = next((line for line in known if line.items() >= wanted.items() and family.endswith(line["family"])), None)
-    objective, best = FOUND[place.stem] if line is None else (line["objective"], float(line["value"]))
-    if objective.startswith("vehicles") and line is not None and round(values[0]) != int(line["vehicles"]):
-        return 100.0 * (values[0] / int(line["vehicles"]) - 1.0)
-    away = (best - values[-1]) if objective.endswith("(max)") else (values[-1] - best)
-    return max(0.0, 100.0 * away / best)
+def known_of(task: Task, row: Mapping[str, str]) -> Known:
+    """The best values known of its file."""
+    return best_known(task.folder, Sample(str(task.path), row)) or Known((FOUND[task.path.stem],), "")
+
+
+def gap(values: Sequence[float], most: bool, known: Known) -> float:
+    """Per cent beyond the best values known, at the first level that differs; not a number where there is no answer."""
+    away = distance(values, known.values)
+    return math.nan if math.isnan(away) else max(0.0, 100.0 * (-away if most else away))
 
 
 def interval(values: Sequence[float]) -> str:
@@ -172,19 +170,18 @@ def main(
     out: Annotated[str, Option(help="file that each run's gap is added to, a JSON object a line")] = "",
 ) -> bool:
     good = True
-    known = list(known_values(folder))
     with multiprocessing.get_context("spawn").Pool(jobs, maxtasksperchild=1) as pool:
         for name, many in tasks(folder, kind or SETS, solver, range(1, seeds + 1), seconds).items():
             gaps: dict[tuple[str, str, int], float] = {}
             cpu: dict[str, list[float]] = {}
-            for task, (values, spent) in zip(many, pool.imap(run, many, chunksize=1), strict=True):
-                away = gap(values, task.path, known, SETS[name].row)
-                gaps[Path(task.path).stem, task.solver, task.seed] = away
+            for task, (values, most, spent) in zip(many, pool.imap(run, many, chunksize=1), strict=True):
+                away = gap(values, most, known_of(task, SETS[name].row))
+                gaps[task.path.stem, task.solver, task.seed] = away
                 cpu.setdefault(task.solver, []).append(spent)
                 good = good and not math.isnan(away)
                 if out:
                     with Path(out).open("a") as stream:
-                        print(json.dumps([name, Path(task.path).stem, task.solver, task.seed, values, away, round(spent, 2)]), file=stream)
+                        print(json.dumps([name, task.path.stem, task.solver, task.seed, values, away, round(spent, 2)]), file=stream)
             print("\n".join(table(f"{name}, {seconds:g} s", solver, gaps, cpu)), flush=True)
     return good
 

@@ -1,16 +1,17 @@
-"""The best of the answers that several searches find for one routing problem."""
+"""The best of the answers that several searches find for one routing problem, and the line to each of these searches."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ....formulations.tolerance import same
+from ...backend import Control
 
 if TYPE_CHECKING:
     from ....formulations.evaluation import Evaluation
+    from ....formulations.evidence import Evidence
     from ....formulations.routing.problem import RoutingProblem
     from ....formulations.routing.routes import Routes
-    from ...backend import Control
 
 
 class BestRoutes:
@@ -42,3 +43,34 @@ class BestRoutes:
             if not same(one, other):
                 return (one < other) == (sense == "min")
         return False
+
+
+class PartControl(Control):
+    """The line to one of several searches: its answers go to ``best``, a wish to end comes from whoever asks them all.
+
+    Of set-up only the first search tells: when the others begin, nobody waits for a first answer any more.
+    """
+
+    def __init__(self, best: BestRoutes, first: bool) -> None:
+        super().__init__()
+        self._best, self._first = best, first
+        best.control.on_stop(self.stop)
+
+    def begin_set_up(self) -> None:
+        if self._first:
+            super().begin_set_up()
+            self._best.control.begin_set_up()
+
+    def end_set_up(self, seconds: float) -> None:
+        super().end_set_up(seconds)
+        self._best.control.end_set_up(seconds)
+
+    def publish(
+        self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
+    ) -> None:
+        super().publish(answer, objective, bound, evidence)
+        if answer is not None and self._best.take(answer):
+            self.taken()
+
+    def taken(self) -> None:
+        """An answer of this search is the best one so far."""

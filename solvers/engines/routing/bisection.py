@@ -15,15 +15,14 @@ import math
 import time
 from abc import abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from ....formulations.evidence import Evidence
 from ....formulations.programs.exactness import Exactness, Link
 from ....formulations.routing.objective import Composable, Objective, TotalCost, TotalDuration, Weighted
 from ....formulations.routing.reachability import unreachable
 from ....instances.errors import UnsupportedError
 from ...backend import Control, Engine, Options, RawResult
-from .best_routes import BestRoutes
+from .best_routes import BestRoutes, PartControl
 from .routing_objective import MAXIMA, longest_stay, stops_between
 
 if TYPE_CHECKING:
@@ -269,26 +268,13 @@ class _Search:
         )
 
 
-class _ProbeControl(Control):
-    """Takes the answers that a probe publishes; the first better one ends the probe where that is enough."""
+class _ProbeControl(PartControl):
+    """The line to a probe, which its first better answer ends where that is enough."""
 
     def __init__(self, search: _Search, enough: bool) -> None:
-        super().__init__()
-        self._search, self._enough = search, enough
-        search.control.on_stop(self.stop)
+        super().__init__(search.best, search.tried == 1)
+        self._enough = enough
 
-    def begin_set_up(self) -> None:
-        if self._search.tried == 1:  # the others differ in a limit, and nobody waits for a first answer any more
-            super().begin_set_up()
-            self._search.control.begin_set_up()
-
-    def end_set_up(self, seconds: float) -> None:
-        super().end_set_up(seconds)
-        self._search.control.end_set_up(seconds)
-
-    def publish(
-        self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
-    ) -> None:
-        super().publish(answer, objective, bound, evidence)
-        if answer is not None and self._search.best.take(answer) and self._enough:
+    def taken(self) -> None:
+        if self._enough:
             self.stop()

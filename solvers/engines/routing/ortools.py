@@ -16,14 +16,12 @@ from ...backend import BACKENDS, Control, Options, RawResult
 from ...own_options import own_options
 from .bisection import USUAL_FEATURES, Bisecting
 from .ortools_model import Model
+from .pace import Pace
 from .routing_integers import IntegerRouting, entangled, integer_routing, with_slope
 from .routing_objective import awaited, claimed_objective, stops_between, unscalable
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
-
-PUBLISH_EVERY = 0.05
-"""Seconds between two published incumbents, so that a flood of early ones costs nothing."""
 
 STATUS_MAP = {
     "ROUTING_NOT_SOLVED": ("unknown", "none"),
@@ -129,7 +127,7 @@ class _Search:
         self.rewarded = self.sloped and not stops
         self.began, self.ends = began, began + options.time_limit
         self.solutions = 0
-        self.publish_at = 0.0
+        self.pace = Pace()
         self.cost: int | None = None
         self.answer: Routes | None = None
         self.claim: float | None = None
@@ -171,10 +169,10 @@ class _Search:
 
         def at_solution() -> None:
             self.solutions += 1
-            cost, now = routing.CostVar().Max(), time.perf_counter()
-            if now >= self.publish_at and (self.cost is None or cost < self.cost):
-                self._take(cost, model, lambda i: routing.NextVar(i).Value())
-                self.publish_at = now + PUBLISH_EVERY
+            cost = routing.CostVar().Max()
+            if self.pace.due and (self.cost is None or cost < self.cost):
+                with self.pace.handing_out():
+                    self._take(cost, model, lambda i: routing.NextVar(i).Value())
             if self.control.stopped:
                 routing.solver().FinishCurrentSearch()
 

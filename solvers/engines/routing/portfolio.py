@@ -11,13 +11,12 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from ....formulations.evidence import Evidence
 from ....formulations.programs.exactness import Exactness
 from ....formulations.stop import now
 from ....instances.errors import UnsupportedError, UsageError, in_words
-from ...backend import BACKENDS, Control, Engine, Options, RawResult
+from ...backend import BACKENDS, Control, Engine, Needs, Options, RawResult
 from ...children import child
-from .best_routes import BestRoutes
+from .best_routes import BestRoutes, PartControl
 from .ortools import ORTools
 from .pyvrp import PyVRP
 from .ruin_recreate import RuinRecreate
@@ -27,14 +26,17 @@ if TYPE_CHECKING:
     from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
 
+ENGINES = (RuinRecreate, PyVRP, ORTools, VROOM)
+"""In the order in which they are asked for their turns."""
+
 RUINS = 100
 """Ruins for each iteration that is asked for: they take a local search of PyVRP about as long as one iteration does."""
 
 WORK = ("iterations", "solutions", "scale")
-"""What is told of an engine's own statistics."""
+"""Entries of the last engine's statistics that the portfolio's statistics repeat."""
 
 ENOUGH = 10_000
-"""Ruins for each customer after which ruin and recreate gains less than another engine that goes on from its routes."""
+"""Ruins for each customer that ruin and recreate is given time for, if the limit has it, before another engine goes on from its routes."""
 
 FIRST_SHARE = 0.5
 """Least part of the time for ruin and recreate where another engine goes on from its routes."""
@@ -80,11 +82,11 @@ class Portfolio(Engine):
     order = 5
     honours = frozenset({"iterations", "no_improvement", "gap"})
     one_thread = True
-    features = RuinRecreate.features | PyVRP.features | ORTools.features | VROOM.features
+    features = frozenset[str]().union(*(kind.features for kind in ENGINES))
 
     def turns(self, problem: RoutingProblem) -> list[Turn]:
-        """Who has a turn at a problem, first to last; nobody where no installed engine takes it."""
-        able = [kind for kind in (RuinRecreate, PyVRP, ORTools, VROOM) if kind.installed() and not kind().missing(problem)]
+        """The turns at a problem, first to last; none where no installed engine takes it."""
+        able = [kind for kind in ENGINES if kind.installed() and not kind().missing(problem)]
         if able[:2] == [RuinRecreate, PyVRP]:
             if {term.name for level in problem.objective.levels() for _, term in level.terms} == {"reward"}:
                 rich = Turn(RuinRecreate, 0.5, RUINS, {"worth": 4.0})
@@ -93,20 +95,16 @@ class Portfolio(Engine):
             return [Turn(Opening, work=RUINS) if plain else Turn(RuinRecreate, FIRST_SHARE, RUINS), Turn(PyVRP)]
         return [Turn(kind, work=RUINS if kind is RuinRecreate else 1) for kind in able[:1]]
 
-    def missing(self, problem: Problem) -> frozenset[str]:
+    def needs(self, problem: Problem) -> Needs:
         lacking = super().missing(problem)
-        if lacking or self.turns(problem):  # type: ignore[arg-type]
-            return lacking
-        return min((kind().missing(problem) for kind in (RuinRecreate, PyVRP, ORTools, VROOM) if kind.installed()), key=len)
+        turns = [] if lacking else self.turns(problem)  # type: ignore[arg-type]
+        if not turns:
+            return Needs(lacking or min((kind().missing(problem) for kind in ENGINES if kind.installed()), key=len))
+        each = [turn.engine().needs(problem) for turn in turns]
+        return Needs(frozenset(), max(one.memory for one in each), each[0].set_up_seconds, any(one.apart for one in each))
 
-    def apart(self, problem: Problem) -> bool:
-        return any(turn.engine().apart(problem) for turn in self.turns(problem))  # type: ignore[arg-type]
-
-    def memory(self, problem: Problem) -> float:
-        return max(turn.engine().memory(problem) for turn in self.turns(problem))  # type: ignore[arg-type]
-
-    def set_up_seconds(self, problem: Problem) -> float:
-        return self.turns(problem)[0].engine().set_up_seconds(problem)  # type: ignore[arg-type]
+    def missing(self, problem: Problem) -> frozenset[str]:
+        return self.needs(problem).missing
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         lacking = self.missing(problem)
@@ -149,10 +147,11 @@ class _Search:
         if self.options.start is not None:
             statistics["start"] = "used" if started else "refused"
         limit = "interrupt" if self.control.stopped else last.limit
+        failures = [result for result in results if result.status == "error"]
         if self.best.answer is None:
-            worst = next((r for r in results if r.status == "error"), last)
-            return replace(worst, limit=limit, statistics=statistics)
-        found = RawResult("feasible", limit, self.best.answer, self.best.claim, statistics=statistics, message=last.message)
+            return replace((failures or [last])[0], limit=limit, statistics=statistics)
+        message = "; ".join(dict.fromkeys(result.message for result in [*failures, last] if result.message))
+        found = RawResult("feasible", limit, self.best.answer, self.best.claim, statistics=statistics, message=message)
         if last.status == "optimal":
             found = replace(found, status="optimal", bound=last.bound)
         links = tuple(dict.fromkeys(link for result in results for link in result.links))
@@ -181,7 +180,7 @@ class _Search:
         return search_kernels.anneal.kept()
 
     def turn(self, turn: Turn, share: float, until: subprocess.Popen[bytes] | None = None) -> RawResult:
-        """What an engine makes of the best routes so far within its share of what is left, or until a process ends."""
+        """Run one engine from the best routes so far, for its share of the time that is left or until process ``until`` ends."""
         asked, left = self.options, max(0.0, self.ends - now())
         own = replace(
             asked,
@@ -194,7 +193,7 @@ class _Search:
         control, before, began = _TurnControl(self, until), self.best.values, now()
         try:
             result = turn.engine().run(self.problem, own, control)
-        except Exception as fault:  # the next one goes on
+        except Exception as fault:  # the next one goes on, and the message tells it
             result = RawResult("error", message=f"{turn.engine.name} failed: {in_words(fault)}")
         if result.answer is not None:
             self.best.take(result.answer)
@@ -204,30 +203,13 @@ class _Search:
         return result
 
 
-class _TurnControl(Control):
-    """Takes what an engine publishes in its turn, and ends the turn when a process does."""
+class _TurnControl(PartControl):
+    """The line to an engine in its turn, which ends when process ``until`` does."""
 
     def __init__(self, search: _Search, until: subprocess.Popen[bytes] | None) -> None:
-        super().__init__()
-        self._search, self._until = search, until
-        search.control.on_stop(self.stop)
+        super().__init__(search.best, not search.turns)
+        self._until = until
 
     @property
     def stopped(self) -> bool:
         return super().stopped or (self._until is not None and self._until.poll() is not None)
-
-    def begin_set_up(self) -> None:
-        if self._search.best.answer is None:
-            super().begin_set_up()
-            self._search.control.begin_set_up()
-
-    def end_set_up(self, seconds: float) -> None:
-        super().end_set_up(seconds)
-        self._search.control.end_set_up(seconds)
-
-    def publish(
-        self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
-    ) -> None:
-        super().publish(answer, objective, bound, evidence)
-        if answer is not None:
-            self._search.best.take(answer)

@@ -19,15 +19,13 @@ from ...backend import BACKENDS, Control, Options, RawResult
 from ...own_options import own_options
 from .bisection import USUAL_FEATURES, Bisecting
 from .integer_scales import UNLIMITED, Integers
+from .pace import Pace
 from .routing_integers import IntegerRouting, entangled, integer_routing, with_slope
 from .routing_objective import claimed_objective, unscalable
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
-
-PUBLISH_EVERY = 0.05
-"""Seconds between two published incumbents, so that a flood of early ones costs nothing."""
 
 LARGEST_WITHIN = 1_500
 """Sites up to which it runs in our own process: it looks for their neighbours in a quarter of a second, during which nothing else runs."""
@@ -97,7 +95,7 @@ class _Search:
         self.limit = "none"
         self.pending: Any = None
         self.ends = began + options.time_limit
-        self.publish_at = 0.0
+        self.pace = Pace()
         self.best_cost, self.best_at = math.inf, 0
 
     def run(self, params: Any) -> RawResult:
@@ -131,10 +129,11 @@ class _Search:
     def _stop(self, best_cost: float) -> bool:
         now = time.perf_counter()
         self.control.end_set_up(now - self.began)
-        if self.pending is not None and now >= self.publish_at:
-            answer = self.model.routes(self.pending)
-            self.control.publish(answer, self._claim(self.pending, answer))
-            self.pending, self.publish_at = None, now + PUBLISH_EVERY
+        if self.pending is not None and self.pace.due:
+            with self.pace.handing_out():
+                answer = self.model.routes(self.pending)
+                self.control.publish(answer, self._claim(self.pending, answer))
+            self.pending = None
         if self.control.stopped:
             self.limit = "interrupt"
         elif (self.options.iterations is not None and self.iterations >= self.options.iterations) or (

@@ -15,6 +15,7 @@ from ....formulations.stop import Stop, now
 from ....instances.errors import UsageError
 from ...backend import BACKENDS, Control, Options, RawResult
 from .bisection import Bisecting
+from .pace import Pace
 from .routing_integers import integer_routing, with_slope
 from .routing_objective import unscalable
 
@@ -33,13 +34,9 @@ MEASURED = 0.1
 FEW = 300
 """Ruins for each customer below which there is no time to cool down from far above a start: it is bettered from where it is."""
 
-PUBLISH_EVERY = 0.05
-"""Seconds between two published incumbents, so that a flood of early ones costs nothing."""
-
-
 WARMER_WITH_WINDOWS = (3.0, 2.0)
-"""What the first and the last temperature are multiplied by where anybody can come too late: routes that windows hold together come apart
-by changes that cost more."""
+"""Factors of the first and of the last temperature for problems with time windows: there a search that begins at the usual temperature
+seldom gets rid of a route."""
 
 MOST_PRIZES = 1 << 58
 """Sum of all prizes up to which they can be added to other costs."""
@@ -129,7 +126,7 @@ class _Search:
         self.sizes = np.array([asked["string"], asked["removals"]])
         self.answer: Routes | None = None
         self.value: float | None = None
-        self.told, self.publish_at = int(np.iinfo(np.int64).max), 0.0
+        self.told, self.pace = int(np.iinfo(np.int64).max), Pace()
 
     def run(self) -> RawResult:
         k, sums = self.kernels, self.held.sums
@@ -199,15 +196,16 @@ class _Search:
 
     def publish(self, last: bool = False) -> None:
         """Hand out the best answer, if it is a new one and leaves no required customer out."""
-        if self.best[0] >= self.told or (not last and time.perf_counter() < self.publish_at):
+        if self.best[0] >= self.told or not (last or self.pace.due):
             return
         following = self.best[1:]
         if (following[self.held.customers][self.problem.sites.required[self.held.customers]] < 0).any():
             return
-        self.told, self.publish_at = int(self.best[0]), time.perf_counter() + PUBLISH_EVERY
-        self.answer = self.held.routes(following)
-        self.value = self.problem.evaluate(self.answer).values[0] if len(self.problem.senses) == 1 else None
-        self.control.publish(self.answer, self.value)
+        self.told = int(self.best[0])
+        with self.pace.handing_out():
+            self.answer = self.held.routes(following)
+            self.value = self.problem.evaluate(self.answer).values[0] if len(self.problem.senses) == 1 else None
+            self.control.publish(self.answer, self.value)
 
     def left_out(self) -> str:
         """A sentence that names the required sites on no route of the best answer."""

@@ -19,7 +19,7 @@ MOST = 1 << 50
 """Limits beyond it are none; moves as long as it are made by nobody."""
 
 WAITING = 0.2
-"""What waiting counts beside travel of the same time where it is told who is near."""
+"""Weight of a minute of waiting against a minute of travel, when customers are ranked by how near they are to each other."""
 
 BLOCK = 256
 """Sites whose neighbours are looked for together."""

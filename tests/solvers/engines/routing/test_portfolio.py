@@ -72,7 +72,8 @@ def test_an_engine_that_fails_leaves_the_turn_to_the_next(monkeypatch: pytest.Mo
 
     problem = small("capacity", 0, "round")
     monkeypatch.setattr(RuinRecreate, "search", fails)
-    assert run(problem, iterations=50).status == "feasible"
+    found = run(problem, iterations=50)
+    assert found.status == "feasible" and found.message == "ruin-recreate failed: RuntimeError: out of luck"
     monkeypatch.setattr(PyVRP, "search", fails)
     ended = run(problem, iterations=50)
     assert ended.status == "error" and ended.message == "ruin-recreate failed: RuntimeError: out of luck"
