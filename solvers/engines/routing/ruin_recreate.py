@@ -16,7 +16,7 @@ from ....instances.errors import UsageError
 from ...backend import BACKENDS, Control, Options, RawResult
 from .bisection import Bisecting
 from .pace import Pace
-from .routing_integers import integer_routing, with_slope
+from .routing_integers import entangled, integer_routing, with_slope
 from .routing_objective import unscalable
 
 if TYPE_CHECKING:
@@ -37,6 +37,15 @@ FEW = 300
 WARMER_WITH_WINDOWS = (3.0, 2.0)
 """Factors of the first and of the last temperature for problems with time windows: there a search that begins at the usual temperature
 seldom gets rid of a route."""
+
+PLACING = 0.2
+"""Share of the time for places of required sites that are left out, and for fewer vehicles where a vehicle outweighs all else."""
+
+WARMTH, PRICE, GROWTH = 0.3, 5.0, 0.01
+"""Temperature of the search for places, the price of a visit left out at first, and by what it grows a step: all in mean moves."""
+
+PATIENCE = 1000
+"""Steps of it between two looks at the clock."""
 
 MOST_PRIZES = 1 << 58
 """Sum of all prizes up to which they can be added to other costs."""
@@ -64,19 +73,26 @@ class RuinRecreate(Bisecting):
     bytes_a_move, seconds_a_move = 50.0, 4e-7
     features = frozenset(
         {
-            "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites", "limited-fleet",
-            "heterogeneous-fleet", "multiple-depots", "open-routes", "fixed-cost", "separate-durations", "energy:travel", "energy:elapsed",
-            "energy:elapsed-fixed-start", "initial-energy", "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel", "several-loads",
-            "pickups", "skills", "forbidden-moves", "objective:total-cost", "objective:total-duration", "objective:vehicles",
-            "objective:reward", "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return",
-            "objective:weights", "objective:priorities",
+            "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites", "groups",
+            "reloads", "overtime", "committed-vehicles", "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes",
+            "fixed-cost", "separate-durations", "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "initial-energy",
+            "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "skills",
+            "forbidden-moves", "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward",
+            "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights",
+            "objective:priorities",
         }
     )  # fmt: skip
 
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
         charged = (k for k, v in enumerate(problem.fleet) if v.energy is not None and v.energy.charge == "travel")
         apart = any(problem.travel_of(k).own_durations for k in charged)  # time on the move is limited as a distance
-        return unscalable(problem) | ({"energy:travel with separate-durations"} if apart else frozenset())
+        clashing = {"shipments", "reloads"} <= problem.features()
+        return (
+            unscalable(problem)
+            | ({"shipments with reloads"} if clashing else frozenset())
+            | entangled(problem)
+            | ({"energy:travel with separate-durations"} if apart else frozenset())
+        )
 
     def seconds_at(self, speed: float, customers: int, left: float) -> float:
         """For how many of the seconds that are left it goes on, told its speed in ruins a second: for who has other plans for the rest."""
@@ -110,12 +126,12 @@ class _Search:
         stop: Stop,
         seconds_at: Callable[[float, int, float], float],
     ) -> None:
-        from .ruin_recreate_steps import search_kernels
+        from .ruin_recreate_steps import route_kernels, search_kernels
         from .ruin_recreate_steps.arrays import arrays
 
         self.problem, self.options, self.asked, self.control, self.stop = problem, options, asked, control, stop
         self.seconds_at = seconds_at
-        self.kernels = search_kernels
+        self.kernels, self.columns = search_kernels, route_kernels
         data = integer_routing(problem)
         sloped = with_slope(problem, data)
         self.data = sloped if int(sloped.prize.sum()) < MOST_PRIZES else data
@@ -123,17 +139,17 @@ class _Search:
         optional = not problem.sites.required[problem.customers].all()
         self.held = arrays(problem, self.data, int(asked["neighbours"]) * (2 if optional else 1), options.seed % 2**64)
         self.best = np.zeros(1 + len(self.held.node), dtype=np.int64)
-        self.sizes = np.array([asked["string"], asked["removals"]])
+        self.sizes = np.array([asked["string"], asked["removals"], 0.0])
         self.answer: Routes | None = None
         self.value: float | None = None
         self.told, self.pace = int(np.iinfo(np.int64).max), Pace()
 
     def run(self) -> RawResult:
-        k, sums = self.kernels, self.held.sums
+        k, sums = self.columns, self.held.sums
         if not self.held.types[:, k.SLOTS].any():
             message = "no vehicle can leave its depot and return in time"
             return RawResult("infeasible" if self.problem.sites.required.any() else "unknown", message=message)
-        k.anneal.make()
+        self.kernels.anneal.make()
         most, idle = self.options.iterations or math.inf, self.options.no_improvement or math.inf
         start = self.options.start is not None and self.held.begin(self.options.start)
         self.best[0] = sums[k.OBJECTIVE]
@@ -141,6 +157,7 @@ class _Search:
         self.publish()
         began, pieces, whole = now(), 64, max(1e-9, self.options.time_limit)
         self.advance(int(min(len(self.held.customers), most)), 0.0)
+        self.find_places(most, idle)
         if self.data.prize.any() and self.sloped and self.asked["worth"]:
             self.held.reward(self.asked["worth"])
         move = self.mean_move()
@@ -180,6 +197,56 @@ class _Search:
             return RawResult("unknown", limit, statistics=statistics, message=self.left_out(), links=links)
         return RawResult("feasible", limit, self.answer, self.value, statistics=statistics, holds=self.data.holds, links=links)
 
+    def find_places(self, most: float, idle: float) -> None:
+        """Find places for required sites that are left out, and, where a vehicle outweighs all else that routes cost, dissolve one route
+        after the other as long as its sites find places on the others.
+
+        Meanwhile a site left out counts for more with each step that leaves it out, until others make room for it: the sums of absences of
+        Christiaens and Vanden Berghe (2020), section 4.3, as prices.
+        """
+        k, held = self.columns, self.held
+        types, slots, used = held.types, held.types[:, k.SLOTS].copy(), held.types[:, k.USED] > 0
+        fixed = np.where(types[:, k.HOME] > 0, 0, types[:, k.FIXED])  # committed vehicles are paid for anyway
+        required = held.customers[held.site[held.customers, k.REQUIRED] > 0]
+        running = int(held.route[:, k.COST].sum() - (fixed * types[:, k.USED]).sum())
+        outweighed = used.any() and fixed[used].min() >= max(1, running)
+        if not len(required) or not (outweighed or self.lacking):
+            return
+        ends, steps_end, move = now() + PLACING * self.stop.seconds_left, int(held.sums[k.STEPS]), self.mean_move()
+        steps_end += math.inf if self.by_clock else PLACING * most if math.isfinite(most) else idle
+        fewest, prices, nothing = max(1, self.data.fewest()), held.site[:, k.MISSED].copy(), np.full_like(self.best, -k.NONE)
+        types[:, k.FIXED] -= fixed
+        held.alone[:] -= np.where(held.alone < k.NONE, fixed[:, None], 0)
+        held.site[required, k.MISSED], self.sizes[2] = max(1, round(PRICE * move)), max(1.0, GROWTH * move)
+        held.put(held.routes(self.best[1:]))
+        while True:
+            if not self.lacking:
+                self.best[0] = held.sums[k.OBJECTIVE] + (fixed * types[:, k.USED]).sum()
+                self.best[1:] = np.where(held.node[:, k.ROUTE] >= 0, held.node[:, k.FOLLOWING], -1)
+                self.publish()
+                if not outweighed or types[:, k.USED].sum() <= fewest:
+                    break
+                routes = held.routes(self.best[1:])
+                lightest = min(routes, key=lambda one: held.site[list(one.visits), k.MISSED].sum())
+                types[:, k.SLOTS] = types[:, k.USED]
+                types[lightest.vehicle, k.SLOTS] -= 1
+                held.put(Routes.of(one for one in routes if one is not lightest))
+            steps = min(PATIENCE, steps_end - held.sums[k.STEPS])
+            if steps <= 0 or self.stop.reached() or (self.by_clock and now() > ends):
+                break
+            self.kernels.anneal(self.stop.flag, *held.parts, nothing, self.sizes, int(steps), WARMTH * move, held.flags)
+        types[:, k.FIXED] += fixed
+        held.alone[:] += np.where(held.alone < k.NONE, fixed[:, None], 0)
+        types[:, k.SLOTS] = slots
+        held.site[:, k.MISSED], self.sizes[2] = prices, 0.0
+        held.put(held.routes(self.best[1:]))
+        self.best[0] = held.sums[k.OBJECTIVE]
+
+    @property
+    def lacking(self) -> bool:
+        """Whether the routes at hand leave required sites out."""
+        return len(self.held.unserved(self.held.node[: len(self.problem.sites), self.columns.ROUTE] >= 0)) > 0
+
     @property
     def by_clock(self) -> bool:
         """Whether a clock ends the search, and no work limit."""
@@ -189,17 +256,17 @@ class _Search:
         self.kernels.anneal(self.stop.flag, *self.held.parts, self.best, self.sizes, steps, warmth, self.held.flags)
 
     def mean_move(self) -> float:
-        """Cost of a move on the mean."""
-        k, route = self.kernels, self.held.route
+        """Cost of a move on the mean, without that of the vehicles."""
+        k, route, types = self.columns, self.held.route, self.held.types
         moves = int(route[:, k.VISITS].sum() + (route[:, k.VISITS] > 0).sum())
-        return float(route[:, k.COST].sum()) / max(1, moves)
+        return float(route[:, k.COST].sum() - (types[:, k.FIXED] * types[:, k.USED]).sum()) / max(1, moves)
 
     def publish(self, last: bool = False) -> None:
         """Hand out the best answer, if it is a new one and leaves no required customer out."""
         if self.best[0] >= self.told or not (last or self.pace.due):
             return
         following = self.best[1:]
-        if (following[self.held.customers][self.problem.sites.required[self.held.customers]] < 0).any():
+        if len(self.held.unserved(following[: len(self.problem.sites)] >= 0)):
             return
         self.told = int(self.best[0])
         with self.pace.handing_out():
@@ -209,7 +276,6 @@ class _Search:
 
     def left_out(self) -> str:
         """A sentence that names the required sites on no route of the best answer."""
-        customers = self.held.customers
-        missing = customers[(self.best[1:][customers] < 0) & self.problem.sites.required[customers]]
+        missing = self.held.unserved(self.best[1 : 1 + len(self.problem.sites)] >= 0)
         names = ", ".join(self.problem.sites.ids[c] for c in missing[:5])
         return f"no answer was found that visits every required site; the best one leaves out {len(missing)}: {names}"

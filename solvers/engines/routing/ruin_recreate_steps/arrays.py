@@ -1,4 +1,4 @@
-"""A routing problem, and an answer to it, as the arrays of ``search_kernels``."""
+"""A routing problem, and an answer to it, as the arrays of ``route_kernels``."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ BLOCK = 256
 
 @dataclass(frozen=True, eq=False)
 class Arrays:
-    """The arrays of ``search_kernels``, by the names that they have there."""
+    """The arrays of ``route_kernels`` and ``search_kernels``, by the names that they have there."""
 
     ways: Integers
     at_way: Integers
@@ -39,6 +39,7 @@ class Arrays:
     near: Integers
     reach: Integers
     drive: Integers
+    depots: Integers
     route: Integers
     node: Integers
     absent: Integers
@@ -56,28 +57,66 @@ class Arrays:
 
     def begin(self, answer: Routes) -> bool:
         """Put the visits of an answer in, but for routes that break a limit; whether it is one of these customers and vehicles."""
-        from . import search_kernels as k
+        from . import route_kernels as k
+        from .search_kernels import settle
 
         sites, places = len(self.site), []
         free = {kind: list(range(int(row[k.FIRST]), int(row[k.FIRST] + row[k.SLOTS]))) for kind, row in enumerate(self.types)}
-        visited = [c for one in answer for c in one.visits]
+        reloads = set(self.depots[:, 0].tolist())
+        visited = [c for one in answer for c in one.visits if c not in reloads]
         if len(set(visited)) < len(visited) or not set(visited) <= set(self.customers.tolist()):
             return False
         for one in answer:
             if not free.get(one.vehicle):
                 return False
             places.append(free[one.vehicle].pop(0))
+        if self.flags & k.SHIPPED and not all(self.keeps_order(one.visits) for one in answer):
+            return False
+        free_nodes = {site: list(range(first, first + many)) for site, first, many in self.depots.tolist()}
         for r, one in zip(places, answer, strict=True):
-            stops = [sites + 2 * r, *one.visits, sites + 2 * r + 1]
+            between = [free_nodes[site].pop(0) if site in free_nodes else site for site in one.visits]
+            stops = [sites + 2 * r, *between, sites + 2 * r + 1]
             self.node[stops[:-1], k.FOLLOWING], self.node[stops[1:], k.PREVIOUS] = stops[1:], stops[:-1]
-            self.node[list(one.visits), k.ROUTE] = r
-        k.settle(self.ways, self.at_way, self.site, self.types, self.route, self.node, self.absent, self.sums, self.flags)
+            self.node[between, k.ROUTE] = r
+        settle(self.ways, self.at_way, self.site, self.types, self.route, self.node, self.absent, self.sums, self.flags)
         return True
+
+    def put(self, answer: Routes) -> bool:
+        """Begin anew with an answer, whatever was there."""
+        from . import route_kernels as k
+
+        sites, slots = len(self.site), 2 * np.arange(len(self.route))
+        self.node[sites + slots, k.FOLLOWING], self.node[sites + slots + 1, k.PREVIOUS] = sites + slots + 1, sites + slots
+        self.node[:sites, k.ROUTE], self.node[self.customers, k.PLACE] = -1, np.arange(len(self.customers))
+        self.node[sites + 2 * len(self.route) :, k.ROUTE], self.node[:sites, k.CHOSEN] = -1, 0
+        self.absent[: len(self.customers)] = self.customers
+        home = self.types[self.route[:, k.KIND], k.HOME]
+        self.types[:, k.USED], self.route[:, k.IN_USE], self.route[:, k.COST] = 0, 0, home
+        left_out = (self.site[self.customers, column].sum() + home.sum() for column in (k.MISSED, k.LOST))
+        self.sums[: k.STEPS] = *left_out, len(self.customers)
+        return self.begin(answer)
+
+    def unserved(self, visited: NDArray[np.bool_]) -> Integers:
+        """The required sites that are not visited, and of each required group that is not the first one."""
+        from . import route_kernels as k
+
+        group, wanted = self.site[:, k.GROUP], self.site[:, k.REQUIRED] > 0
+        served = np.zeros(len(self.site), dtype=bool)
+        served[group[visited & (group >= 0)]] = True
+        return self.customers[(wanted & np.where(group < 0, ~visited, ~served & (group == np.arange(len(group)))))[self.customers]]
+
+    def keeps_order(self, visits: tuple[int, ...]) -> bool:
+        """Whether one route picks up all that it delivers, and before that."""
+        from . import route_kernels as k
+
+        place = {c: at for at, c in enumerate(visits)}
+        partners = ((c, int(self.site[c, k.PARTNER])) for c in visits if self.site[c, k.PARTNER] >= 0)
+        return all(p in place and (place[c] < place[p]) == (self.site[c, k.SECOND] == 0) for c, p in partners)
 
     def reward(self, share: float) -> None:
         """Have the search take all rewards on the routes together for ``share`` times the cost of the routes, no longer for what they count
         in the objective: beside rewards that outweigh all distance no detour is too long, and no room is made for others."""
-        from . import search_kernels as k
+        from . import route_kernels as k
 
         optional = self.customers[self.site[self.customers, k.REQUIRED] == 0]
         lost = self.site[optional, k.LOST]
@@ -89,13 +128,13 @@ class Arrays:
 
     def routes(self, following: Integers) -> Routes:
         """The routes that ``following``, the successor of each node, makes up."""
-        from .search_kernels import KIND
+        from .route_kernels import KIND, SITE
 
         sites, routes = len(self.site), []
         for r, row in enumerate(self.route):
             visits, at = [], int(following[sites + 2 * r])
-            while at < sites:
-                visits.append(at)
+            while at != sites + 2 * r + 1:
+                visits.append(int(self.node[at, SITE]))
                 at = int(following[at])
             if visits:
                 routes.append(Route(tuple(visits), int(row[KIND])))
@@ -104,7 +143,7 @@ class Arrays:
 
 def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed: int) -> Arrays:
     """The arrays of a problem, nobody being visited."""
-    from . import search_kernels as k
+    from . import route_kernels as k
 
     sites, customers, fleet = len(problem.sites), problem.customers, problem.fleet
     counts = np.array([len(customers) if v.count is None else min(v.count, len(customers)) for v in fleet])
@@ -114,7 +153,7 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     if problem.forbidden is not None:
         on = np.where(problem.forbidden, MOST, on)
     hours = _limited(data.max_duration)
-    spanned = bool((hours < MOST).any() or data.time.any())
+    spanned = bool((hours < MOST).any() or data.time.any() or data.overtime.any())
     late = (data.due[customers] < MOST).any() or (data.closes < MOST).any()
     timed = bool(spanned or late or data.ready.any())
     goes = _stacked([_limited(m.duration) for m in data.moves]) if timed else on
@@ -124,22 +163,41 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     near, reach, drive, least = _near(
         data, customers, on if len(on) == 1 else on.min(axis=0)[None], goes if len(goes) == 1 else goes.min(axis=0)[None], neighbours
     )
-    required = problem.sites.required[:, None].astype(np.int64)
-    lost = np.where(problem.sites.required, _dear(problem, data), data.prize)
+    required, group, alternative = problem.sites.required.astype(np.int64), *np.full((2, sites), -1)
+    for one in problem.sites.groups:
+        members = np.array(one.sites)
+        required[members], group[members], alternative[members] = one.required, members[0], np.roll(members, -1)
+    lost = np.where(required > 0, _dear(problem, data), 0) + np.where(problem.sites.required, 0, data.prize)
     away = data.service + least
     loads = [data.demand[:, data.limited]]
-    picked = bool(data.pickup[:, data.limited].any())
+    shipments = problem.sites.shipments
+    reloads = sorted({site for v in fleet for site in v.reloads})
+    picked = bool(shipments) or bool(reloads) or bool(data.pickup[:, data.limited].any())
+    partner, second = np.full(sites, -1), np.zeros(sites, dtype=np.int64)
     if picked:
         loads.append(data.pickup[:, data.limited])
-    site = np.column_stack([data.service, data.ready, _limited(data.due), required, lost, lost, away, *loads])
+    for shipment, load in zip(shipments, data.shipped[:, data.limited], strict=True):
+        ends = [shipment.pickup, shipment.delivery]
+        partner[ends], second[ends[1]] = ends[::-1], 1
+        loads[1][ends[0]] += load
+        loads[1][ends[1]] -= load
+    site = np.column_stack(
+        [data.service, data.ready, _limited(data.due), required, lost, lost, away, partner, second, group, alternative, *loads]
+    )
     ends = np.array([(v.start, v.end) for v in fleet])
+    most_reloads = [len(customers) * bool(v.reloads) if v.max_reloads is None else v.max_reloads for v in fleet]
+    spare = int(min(len(customers), (counts * most_reloads).sum()))
+    direct, lasts = (moves[data.profile, ends[:, 0], ends[:, 1]] for moves in (on, goes))
+    home = data.unit * direct + data.fixed + data.time * lasts + data.overtime * np.maximum(lasts - data.regular_duration, 0)
+    home = np.where([v.committed for v in fleet], home, 0)
     types = np.column_stack([
-        data.profile, ends, hours, longest, data.unit, data.fixed, data.time, data.opens, _limited(data.leaves), _limited(data.closes),
-        np.cumsum(counts) - counts, counts, np.zeros_like(counts), _limited(data.capacity[:, data.limited]),
+        data.profile, ends, hours, longest, data.unit, data.fixed, data.time, _limited(data.regular_duration), data.overtime,
+        data.opens, _limited(data.leaves), _limited(data.closes),
+        np.cumsum(counts) - counts, counts, np.zeros_like(counts), most_reloads, home, _limited(data.capacity[:, data.limited]),
     ])  # fmt: skip
     kind = np.repeat(np.arange(len(fleet)), counts)
     heads = sites + 2 * np.arange(len(kind))
-    node = np.zeros((sites + 2 * len(kind), k.NODE_COLUMNS + 2 * picked * len(data.limited)), dtype=np.int64)
+    node = np.zeros((sites + 2 * len(kind) + len(reloads) * spare, k.NODE_COLUMNS + 3 * picked * len(data.limited)), dtype=np.int64)
     node[:, [k.ROUTE, k.PLACE, k.LISTED]] = -1
     node[:sites, k.SITE] = np.arange(sites)
     node[heads, k.FOLLOWING], node[heads + 1, k.PREVIOUS] = heads + 1, heads
@@ -151,39 +209,69 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     route = np.zeros((len(kind), k.ROOM + len(data.limited)), dtype=np.int64)
     route[:, k.ROOM :] = types[kind, k.CAPACITY :]
     route[:, k.KIND], route[:, k.STAMP], route[:, [k.SOUND, k.PUNCTUAL]] = kind, -1, 1
-    route[:, k.LENGTH] = node[heads, k.AHEAD]
+    route[:, k.LENGTH], route[:, k.COST] = node[heads, k.AHEAD], home[kind]
+    depots = np.array([(site, sites + 2 * len(kind) + at * spare, spare) for at, site in enumerate(reloads)], dtype=np.int64).reshape(-1, 3)
+    for depot, first, many in depots:
+        node[first : first + many, k.SITE] = depot
     absent = np.zeros(sites, dtype=np.int64)
     absent[: len(customers)] = customers
-    sums = np.array([lost[customers].sum(), lost[customers].sum(), len(customers), 0, 0])
+    sums = np.array([*[lost[customers].sum() + home[kind].sum()] * 2, len(customers), 0, 0])
     skilled = problem.sites.skills
     allowed = np.array([[not skilled or asked <= v.skills for asked in skilled or [frozenset()] * sites] for v in fleet])
-    flags = (k.TIMED if timed else 0) | (k.SPANNED if spanned else 0) | (k.PICKED if picked else 0)
+    for at, vehicle in enumerate(fleet):
+        allowed[at, reloads] = [site in vehicle.reloads for site in reloads]
+    features = {
+        k.TIMED: timed, k.SPANNED: spanned, k.PICKED: picked, k.SHIPPED: shipments, k.GROUPED: problem.sites.groups, k.RELOADING: reloads,
+    }  # fmt: skip
+    flags = sum(flag for flag, there in features.items() if there)
     return Arrays(
         ways, at_way, _rows(site), _rows(types), allowed, _alone(site, types, allowed, on, goes, timed),
-        customers.astype(np.int64), near, reach, drive, route, node, absent, sums, np.array([seed], dtype=np.uint64),
-        np.zeros(sites + 2 * len(route) + 2, dtype=np.int64), np.zeros((2, sites), dtype=np.int64), np.zeros(sites), flags,
+        customers.astype(np.int64), near, reach, drive, depots, route, node, absent, sums, np.array([seed], dtype=np.uint64),
+        np.zeros(len(node) + 2, dtype=np.int64), np.zeros((3, max(2, sites)), dtype=np.int64), np.zeros(sites), flags,
     )  # fmt: skip
 
 
 def _alone(site: Integers, types: Integers, allowed: NDArray[np.bool_], on: Integers, goes: Integers, timed: bool) -> Integers:
-    """Cost of a route that visits one site alone, for each vehicle type; ``NONE`` if it breaks a limit."""
-    from . import search_kernels as k
+    """Cost of a route that visits one site alone, or carries one shipment, for each vehicle type; ``NONE`` if it breaks a limit."""
+    from . import route_kernels as k
 
     costs = np.full(allowed.shape, k.NONE)
+    unpaired, pickups = np.nonzero(site[:, k.PARTNER] < 0)[0], np.nonzero((site[:, k.PARTNER] >= 0) & (site[:, k.SECOND] == 0))[0]
     for kind, row in enumerate(types):
-        p, start, end = row[[k.PROFILE, k.START, k.END]]
-        length = on[p, start] + on[p, :, end]
-        loads = site[:, k.DEMAND :].reshape(len(site), -1, len(row) - k.CAPACITY) if len(row) > k.CAPACITY else site[:, :0, None]
-        fits = allowed[kind] & (loads <= row[k.CAPACITY :]).all(axis=(1, 2)) & (length <= row[k.MAX_DISTANCE])
-        spent = np.zeros_like(length)
-        if timed:
-            comes, leaves = goes[p, start], site[:, k.SERVICE] + goes[p, :, end]
-            begins = np.maximum(row[k.OPENS] + comes, site[:, k.READY])
-            spent = comes + leaves + np.maximum(site[:, k.READY] - comes - row[k.LEAVES], 0)
-            fits &= (begins <= site[:, k.DUE]) & (begins + leaves <= row[k.CLOSES]) & (spent <= row[k.MAX_DURATION])
-        cost = row[k.UNIT] * np.where(fits, length, 0) + row[k.FIXED] + row[k.TIME] * np.where(fits, spent, 0)
-        costs[kind, fits] = cost[fits]
+        for stops in ([unpaired], [pickups, site[pickups, k.PARTNER]]):
+            costs[kind, stops[0]] = _cost_of(row, stops, site, allowed[kind], on[row[k.PROFILE]], goes[row[k.PROFILE]], timed)
     return costs
+
+
+def _cost_of(
+    row: Integers, stops: list[Integers], site: Integers, allowed: NDArray[np.bool_], on: Integers, goes: Integers, timed: bool
+) -> Integers:
+    """Costs of routes of a vehicle type, each with one stop of each array of ``stops``, ``NONE`` for those that break a limit."""
+    from . import route_kernels as k
+
+    at: Any = row[k.START]
+    length, spent = np.zeros((2, len(stops[0])), dtype=np.int64)
+    fits, free, latest = np.ones(len(length), dtype=bool), np.full(len(length), row[k.OPENS]), np.full(len(length), row[k.LEAVES])
+    room = np.resize(row[k.CAPACITY :], site.shape[1] - k.DEMAND)  # for what is delivered, and for what is picked up
+    for stop in stops:
+        fits &= allowed[stop] & (site[stop, k.DEMAND :] <= room).all(axis=1)
+        length += on[at, stop]
+        if timed:
+            ready, due, service, comes = *(site[stop, column] for column in (k.READY, k.DUE, k.SERVICE)), goes[at, stop]
+            begins, on_way = np.maximum(free + comes, ready), spent + comes
+            fits &= begins <= due
+            free, spent = begins + service, on_way + np.maximum(ready - on_way - latest, 0) + service
+            latest = np.minimum(due - on_way, latest)
+        at = stop
+    length += on[at, row[k.END]]
+    if timed:
+        spent += goes[at, row[k.END]]
+        fits &= (free + goes[at, row[k.END]] <= row[k.CLOSES]) & (spent <= row[k.MAX_DURATION])
+    fits &= length <= row[k.MAX_DISTANCE]
+    spent = np.where(fits, spent, 0)
+    hours = row[k.TIME] * spent + row[k.OVERTIME] * np.maximum(spent - row[k.REGULAR], 0)
+    cost = row[k.UNIT] * np.where(fits, length, 0) + row[k.FIXED] + hours - row[k.HOME]
+    return np.where(fits, cost, k.NONE)
 
 
 def _dear(problem: RoutingProblem, data: IntegerRouting) -> int:

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_routing import small
+from small_routing import WHOLE_FAMILY, small, varied
 
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.solvers.engines.routing.routing_integers import integer_routing, with_slope
-from waybound.solvers.engines.routing.ruin_recreate_steps import search_kernels as k
+from waybound.solvers.engines.routing.ruin_recreate import RuinRecreate
+from waybound.solvers.engines.routing.ruin_recreate_steps import route_kernels as k
 from waybound.solvers.engines.routing.ruin_recreate_steps.arrays import Arrays, arrays
+from waybound.solvers.engines.routing.ruin_recreate_steps.search_kernels import anneal
 
 KINDS = (
     "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "limited-fleet", "heterogeneous-fleet",
-    "multiple-depots", "open-routes", "separate-durations", "vehicles", "prizes", "reward", "reward-then-cost", "pickups",
+    "multiple-depots", "open-routes", "separate-durations", "vehicles", "prizes", "reward", "reward-then-cost", "pickups", "overtime",
+    "shipments", "groups", "reloads", "committed-vehicles",
 )  # fmt: skip
 
 
@@ -26,12 +30,21 @@ def picking(seed: int, convention: str) -> RoutingProblem:
     return replace(problem, sites=replace(problem.sites, pickup=pickup))
 
 
+def drawn(kind: str, seed: int, convention: str) -> RoutingProblem:
+    if kind == "pickups":
+        return picking(seed, convention)
+    if kind not in WHOLE_FAMILY:
+        return small(kind, seed, convention)
+    every = (varied(kind, number, 7) for number in itertools.count(100 * seed))
+    return next(one for one in every if not RuinRecreate().missing(one) and not RuinRecreate().bisects(one))
+
+
 def searched(problem: RoutingProblem, steps: int, warmth: float, seed: int = 1) -> tuple[Arrays, np.ndarray]:
     """The state after some steps, and the best answer on the way."""
     held = arrays(problem, with_slope(problem, integer_routing(problem)), 60, seed)
     best = np.zeros(1 + len(held.node), dtype=np.int64)
     best[0] = np.iinfo(np.int64).max
-    k.anneal(np.zeros(1, np.int64), *held.parts, best, np.array([10.0, 3.0]), steps, warmth, held.flags)
+    anneal(np.zeros(1, np.int64), *held.parts, best, np.array([10.0, 3.0, 0.0]), steps, warmth, held.flags)
     return held, best
 
 
@@ -39,7 +52,7 @@ def searched(problem: RoutingProblem, steps: int, warmth: float, seed: int = 1) 
 @pytest.mark.parametrize("convention", ["exact", "trunc1"])
 def test_what_is_kept_of_routes_is_what_they_are(kind: str, convention: str) -> None:
     for seed in range(3):
-        problem = picking(seed, convention) if kind == "pickups" else small(kind, seed, convention)
+        problem = drawn(kind, seed, convention)
         held, best = searched(problem, 400, 1e4, seed)
         following = held.node[:, k.FOLLOWING]
         routes = held.routes(following)
@@ -70,5 +83,5 @@ def test_a_wish_to_end_is_heard_at_the_next_look() -> None:
     problem = small("capacity", 0, "round")
     held, best = searched(problem, 10, 1.0)
     done = int(held.sums[k.STEPS])
-    k.anneal(np.ones(1, np.int64), *held.parts, best, np.array([10.0, 3.0]), 10**6, 1.0, held.flags)
+    anneal(np.ones(1, np.int64), *held.parts, best, np.array([10.0, 3.0, 0.0]), 10**6, 1.0, held.flags)
     assert done <= held.sums[k.STEPS] <= done + 256
