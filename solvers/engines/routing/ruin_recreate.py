@@ -232,7 +232,7 @@ class _Search:
                 types[lightest.vehicle, k.SLOTS] -= 1
                 held.put(Routes.of(one for one in routes if one is not lightest))
             steps = min(PATIENCE, steps_end - held.sums[k.STEPS])
-            if steps <= 0 or self.stop.reached() or (self.by_clock and now() > ends):
+            if steps < 1 or self.stop.reached() or (self.by_clock and now() > ends):
                 break
             self.kernels.anneal(self.stop.flag, *held.parts, nothing, self.sizes, int(steps), WARMTH * move, held.flags)
         types[:, k.FIXED] += fixed

@@ -94,24 +94,26 @@ def hand_over(ways, at_way, types, allowed, customers, route, node, site, sums, 
     sites, r, k = len(site), node[customers[below(random, len(customers))], ROUTE], below(random, len(types))
     if r < 0 or k == route[r, KIND] or types[k, USED] >= types[k, SLOTS]:
         return logged
+    head = sites + 2 * r
+    at = node[head, FOLLOWING]
+    while at != head + 1:
+        if not allowed[k, node[at, SITE]]:
+            return logged
+        at = node[at, FOLLOWING]
     other = types[k, FIRST]
     while route[other, VISITS] > 0:
         other += 1
     logged = save(route, node, sites, r, step, log, logged)
     logged = save(route, node, sites, other, step, log, logged)
-    head, tail = sites + 2 * r, sites + 2 * other
+    tail = sites + 2 * other
     at, last = node[head, FOLLOWING], node[head + 1, PREVIOUS]
     node[tail, FOLLOWING], node[at, PREVIOUS], node[tail + 1, PREVIOUS], node[last, FOLLOWING] = at, tail, last, tail + 1
     node[head, FOLLOWING], node[head + 1, PREVIOUS] = head + 1, head
-    able = True
     while at != tail + 1:
         node[at, ROUTE] = other
-        able = able and allowed[k, node[at, SITE]]
         at = node[at, FOLLOWING]
     recount(ways, at_way, site, types, route, node, sums, r, flags)
     recount(ways, at_way, site, types, route, node, sums, other, flags)
-    if not able:
-        route[other, SOUND] = 0
     return logged
 
 
