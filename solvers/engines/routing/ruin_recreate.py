@@ -16,6 +16,7 @@ from ....instances.errors import UsageError
 from ...backend import BACKENDS, Control, Options, RawResult
 from .bisection import Bisecting
 from .pace import Pace
+from .parts import Search, divides
 from .routing_integers import integer_routing, with_slope
 from .routing_objective import unscalable
 
@@ -60,7 +61,6 @@ class RuinRecreate(Bisecting):
     options = MappingProxyType({"removals": 10.0, "string": 10.0, "neighbours": 60, "hot": 1.0, "cold": 0.01, "worth": 2.0})
     order = 25
     honours = frozenset({"iterations", "no_improvement", "gap"})
-    one_thread = True
     bytes_a_move, seconds_a_move = 50.0, 4e-7
     features = frozenset(
         {
@@ -93,6 +93,10 @@ class RuinRecreate(Bisecting):
             return RawResult("optimal", answer=Routes(()), objective=0.0, bound=0.0, message="there are no customers")
         control.begin_set_up()
         began = time.perf_counter()
+        if divides(problem, options):
+            parts = Search(problem, options, asked, control, stop)
+            control.end_set_up(time.perf_counter() - began)
+            return parts.run()
         search = _Search(problem, options, asked, control, stop, self.seconds_at)
         control.end_set_up(time.perf_counter() - began)
         return search.run()

@@ -125,7 +125,7 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
         data, customers, on if len(on) == 1 else on.min(axis=0)[None], goes if len(goes) == 1 else goes.min(axis=0)[None], neighbours
     )
     required = problem.sites.required[:, None].astype(np.int64)
-    lost = np.where(problem.sites.required, _dear(problem, data), data.prize)
+    lost = np.where(problem.sites.required, dear(problem, data), data.prize)
     away = data.service + least
     loads = [data.demand[:, data.limited]]
     picked = bool(data.pickup[:, data.limited].any())
@@ -186,7 +186,7 @@ def _alone(site: Integers, types: Integers, allowed: NDArray[np.bool_], on: Inte
     return costs
 
 
-def _dear(problem: RoutingProblem, data: IntegerRouting) -> int:
+def dear(problem: RoutingProblem, data: IntegerRouting) -> int:
     """Price of leaving a required site out: more than all rewards and all routes can cost, as far as such sums stay within 64 bits."""
     customers, moves = len(problem.customers), 2 * len(problem.customers)
     routes = moves * max(m.longest for m in data.moves) * int(data.unit.max()) + customers * int(data.fixed.max())
