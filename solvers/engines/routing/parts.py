@@ -22,6 +22,7 @@ import numpy as np
 
 from ....formulations.routing.routes import Route, Routes
 from ....formulations.stop import Stop, now
+from ....instances.memory import fits
 from ...backend import Control, Options, RawResult
 from .integer_scales import Floats, Integers
 from .pace import Pace
@@ -45,7 +46,10 @@ WHOLE = 2_000
 FEWEST = 300
 """Customers from which on several threads share the routes."""
 
-LAP = 50
+ALONE = 5_000
+"""Customers from which no other engine comes to a search of its own within minutes."""
+
+LAP = 40
 """Ruins for each customer in a round."""
 
 PROBED = 1_000
@@ -54,11 +58,23 @@ PROBED = 1_000
 LEGS = 4
 """Temperatures of a part in a round, one after the other."""
 
+INNER = 2.0
+"""A move counts as long as so many of those between customers at most, when the first and the last temperature are told."""
+
 LANDMARKS = 6
 """Sites from which distances tell where the others lie, if nothing else does."""
 
 SPARE = 4
 """Vehicles that a part is given beyond those it uses and those that its sites on no route could need, if there are enough."""
+
+BYTES = 4_000.0
+"""Memory for each site."""
+
+SET_UP = 2e-5
+"""Seconds of setting up for each site."""
+
+WHOLE_BYTES = 50.0
+"""Memory for each two sites of a search that is not in parts."""
 
 DIVISIBLE = frozenset(
     {
@@ -78,8 +94,15 @@ def divides(problem: RoutingProblem, options: Options) -> bool:
     alone = options.threads == 1 or options.iterations is not None or options.no_improvement is not None
     if customers < (WHOLE if alone else FEWEST) or problem.features() - DIVISIBLE:
         return False
-    routes = len(options.start) if options.start is not None else problem.vehicle_limit
+    routes = problem.vehicle_limit
+    if options.start is not None and fits(WHOLE_BYTES * customers**2):
+        routes = len(options.start)
     return routes is None or customers <= min(SIZE, customers / 4) * routes
+
+
+def memory(problem: RoutingProblem) -> float:
+    """Bytes that a search in parts takes."""
+    return BYTES * float(problem.size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,12 +127,13 @@ class Task:
 @dataclass(frozen=True, eq=False)
 class Done:
     """What became of a part: its routes at the end and the best ones, what they cost and what those cost that it began with; ``met`` are the
-    cost of its routes at the end, their number of moves and the rewards on them."""
+    cost of its routes at the end, their number of moves and the rewards on them, their length, and length and number of their moves between
+    customers."""
 
     last: State
     best: State
     values: tuple[int, int, int]
-    met: tuple[int, int, int]
+    met: Integers
     steps: int
     better: int
     seconds: float
@@ -141,7 +165,7 @@ class Search:
         self.state = State([], problem.customers.tolist())
         self.best, self.value, self.best_value = self.state, 0, 0
         self.told: int | None = None
-        self.met: Floats = np.zeros(3)
+        self.met: Floats = np.zeros(6)
         self.worth: float | None = None
         self.steps = self.better = self.rounds = 0
         self.busy = 0.0
@@ -238,8 +262,10 @@ class Search:
         """The first and the last one, told by the routes that the first round ended with; from then on rewards are weighed."""
         from .ruin_recreate import WARMER_WITH_WINDOWS
 
-        cost, moves, collected = self.met
+        cost, moves, collected, length, inner, inner_moves = self.met
         move = cost / max(1, moves)
+        if length and inner:  # what the search does near to each other hangs little on how far away the depot is
+            move *= min(1.0, INNER * inner / inner_moves * moves / length)
         if self.data.prize.any() and self.sloped and self.asked["worth"] and collected and cost:
             self.worth = self.asked["worth"] * cost / collected
         warmer = WARMER_WITH_WINDOWS if self.timed else (1.0, 1.0)
@@ -275,7 +301,10 @@ class Search:
         middles = np.add.reduceat(self.places[flat], np.cumsum(visits) - visits) / visits[:, None] if routes else self.places[:0]
         points = np.concatenate([middles, self.places[absent]])
         weights = np.concatenate([visits, np.ones(len(absent), dtype=np.int64)])
-        parts = divided(points, weights, SIZE, random)
+        many = math.ceil(len(self.problem.customers) / SIZE)
+        if self.by_clock:  # no thread waits for others
+            many = math.ceil(many / self.options.threads) * self.options.threads
+        parts = divided(points, weights, many, random)
         states, centres = [], []
         for part in parts:
             states.append(State([routes[k] for k in part if k < len(routes)], [absent[k - len(routes)] for k in part if k >= len(routes)]))
@@ -323,7 +352,7 @@ class Search:
 
         began = time.perf_counter()
         if self.stop.reached():
-            return Done(task.state, task.state, (0, 0, 0), (0, 0, 0), 0, 0, 0.0, self.timed)
+            return Done(task.state, task.state, (0, 0, 0), np.zeros(6, dtype=np.int64), 0, 0, 0.0, self.timed)
         customers = np.sort(np.array([c for one in task.state.routes for c in one.visits] + task.state.absent, dtype=np.int64))
         part = self.whole.part(customers, task.counts)
         held = arrays(part.problem, part.data, self.neighbours, task.seed)
@@ -347,12 +376,22 @@ class Search:
             ]
             states.append(State(routes, left_out.tolist()))
             values.append(value)
-        moves = int(held.route[:, k.VISITS].sum() + (held.route[:, k.VISITS] > 0).sum())
-        collected = int(held.site[held.customers, k.LOST][(held.node[held.customers, k.ROUTE] >= 0) & (held.site[held.customers, k.REQUIRED] == 0)].sum())
         return Done(
-            states[1], states[0], (values[0], values[1], values[2]), (int(held.route[:, k.COST].sum()), moves, collected), int(sums[k.STEPS]), int(sums[k.BETTER]),
+            states[1], states[0], (values[0], values[1], values[2]), self.met_by(held), int(sums[k.STEPS]), int(sums[k.BETTER]),
             time.perf_counter() - began, bool(held.flags & k.TIMED),
         )  # fmt: skip
+
+    def met_by(self, held: Arrays) -> Integers:
+        """``Done.met`` of the routes of a part."""
+        from .ruin_recreate_steps import search_kernels as k
+
+        used = np.nonzero(held.route[:, k.VISITS])[0]
+        heads = len(held.site) + 2 * used
+        optional = held.customers[(held.node[held.customers, k.ROUTE] >= 0) & (held.site[held.customers, k.REQUIRED] == 0)]
+        visits, length = int(held.route[used, k.VISITS].sum()), int(held.route[used, k.LENGTH].sum())
+        ends = int(held.node[heads, k.AHEAD].sum() + held.node[held.node[heads + 1, k.PREVIOUS], k.AHEAD].sum())
+        cost, collected = int(held.route[used, k.COST].sum()), int(held.site[optional, k.LOST].sum())
+        return np.array([cost, visits + len(used), collected, length, length - ends, visits - len(used)])
 
     def value_of(self, part: Part, held: Arrays, following: Integers) -> tuple[Integers, int]:
         """Customers that are left out, and what the routes cost and what is left out counts, in the integers of the whole problem."""

@@ -18,6 +18,7 @@ from ...backend import BACKENDS, Control, Engine, Needs, Options, RawResult
 from ...children import child
 from .best_routes import BestRoutes, PartControl
 from .ortools import ORTools
+from .parts import ALONE, divides
 from .pyvrp import PyVRP
 from .ruin_recreate import RuinRecreate
 from .vroom import VROOM
@@ -81,12 +82,13 @@ class Portfolio(Engine):
     options = MappingProxyType({})
     order = 5
     honours = frozenset({"iterations", "no_improvement", "gap"})
-    one_thread = True
     features = frozenset[str]().union(*(kind.features for kind in ENGINES))
 
     def turns(self, problem: RoutingProblem) -> list[Turn]:
         """The turns at a problem, first to last; none where no installed engine takes it."""
         able = [kind for kind in ENGINES if kind.installed() and not kind().missing(problem)]
+        if able[:1] == [RuinRecreate] and len(problem.customers) >= ALONE and divides(problem, Options()):
+            able = able[:1]
         if able[:2] == [RuinRecreate, PyVRP]:
             if {term.name for level in problem.objective.levels() for _, term in level.terms} == {"reward"}:
                 rich = Turn(RuinRecreate, 0.5, RUINS, {"worth": 4.0})

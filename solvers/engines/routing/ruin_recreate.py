@@ -16,11 +16,12 @@ from ....instances.errors import UsageError
 from ...backend import BACKENDS, Control, Options, RawResult
 from .bisection import Bisecting
 from .pace import Pace
-from .parts import Search, divides
+from .parts import SET_UP, Search, divides, memory
 from .routing_integers import integer_routing, with_slope
 from .routing_objective import unscalable
 
 if TYPE_CHECKING:
+    from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
 
 LEAST = {"removals": 1.0, "string": 1.0, "neighbours": 1, "hot": 0.0, "cold": 0.0, "worth": 0.0}
@@ -77,6 +78,12 @@ class RuinRecreate(Bisecting):
         charged = (k for k, v in enumerate(problem.fleet) if v.energy is not None and v.energy.charge == "travel")
         apart = any(problem.travel_of(k).own_durations for k in charged)  # time on the move is limited as a distance
         return unscalable(problem) | ({"energy:travel with separate-durations"} if apart else frozenset())
+
+    def memory(self, problem: Problem) -> float:
+        return memory(problem) if divides(problem, Options()) else super().memory(problem)  # type: ignore[arg-type]
+
+    def set_up_seconds(self, problem: Problem) -> float:
+        return SET_UP * problem.size if divides(problem, Options()) else super().set_up_seconds(problem)  # type: ignore[arg-type]
 
     def seconds_at(self, speed: float, customers: int, left: float) -> float:
         """For how many of the seconds that are left it goes on, told its speed in ruins a second: for who has other plans for the rest."""

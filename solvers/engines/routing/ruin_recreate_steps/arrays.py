@@ -21,9 +21,6 @@ MOST = 1 << 50
 WAITING = 0.2
 """Weight of a minute of waiting against a minute of travel, when customers are ranked by how near they are to each other."""
 
-BLOCK = 256
-"""Sites whose neighbours are looked for together."""
-
 
 @dataclass(frozen=True, eq=False)
 class Arrays:
@@ -228,38 +225,16 @@ def _near(
     each site to any other, of moves of shape (1, sites, sites).
 
     Near is who can come right before or right after it, over a short way and without much waiting (the proximity of Vidal, Crainic,
-    Gendreau and Prins 2013, Computers & Operations Research 40(1), with a weight of 0.2 for time that is lost). ``BLOCK`` sites are looked
-    at together, for no further matrix of all of them shall be needed.
+    Gendreau and Prins 2013, Computers & Operations Research 40(1), with a weight of 0.2 for time that is lost).
     """
-    on, goes, sites = on[0], goes[0], on.shape[-1]
-    weight, begins, latest = (
-        WAITING * on.mean() / max(1.0, goes.mean()),
-        data.ready + data.service,
-        np.minimum(data.due, MOST) + data.service,
-    )
-    others = np.ones(sites, dtype=bool)
-    others[customers] = False
+    from .near_kernels import nearest
+
+    on, goes, sites = np.ascontiguousarray(on[0]), np.ascontiguousarray(goes[0]), on.shape[-1]
+    weight, latest = WAITING * on.mean() / max(1.0, goes.mean()), np.minimum(data.due, MOST) + data.service
+    visited = np.zeros(sites, dtype=bool)
+    visited[customers] = True
     many = max(1, min(many, len(customers) - 1))
-    near, first, second, comes, leaves = (np.empty((sites, many), dtype=np.int64) for _ in range(5))
-    able = np.empty((sites, many), dtype=bool)
-    shortest, quickest, shortest_to = np.full(sites, MOST), np.full(sites, MOST), np.full(sites, MOST)
-    for low in range(0, sites, BLOCK):
-        block = np.arange(low, min(sites, low + BLOCK))
-        itself = block[:, None] == np.arange(sites)
-        from_here, to_here, goes_from, goes_to = on[block], on[:, block].T, goes[block], goes[:, block].T
-        after = begins[block][:, None] + goes_from <= data.due
-        before = begins + goes_to <= data.due[block][:, None]
-        waits_after = np.maximum(data.ready - latest[block][:, None] - goes_from, 0)
-        waits_before = np.maximum(data.ready[block][:, None] - latest - goes_to, 0)
-        far = np.minimum(np.where(after, from_here + weight * waits_after, MOST), np.where(before, to_here + weight * waits_before, MOST))
-        far[itself | others] = MOST
-        order = np.argsort(far, axis=1, kind="stable")[:, :many]
-        near[block] = np.where(np.take_along_axis(far, order, axis=1) < MOST, order, -1)
-        able[block] = np.take_along_axis(before, order, axis=1)
-        first[block], second[block] = np.take_along_axis(to_here, order, axis=1), np.take_along_axis(from_here, order, axis=1)
-        comes[block], leaves[block] = np.take_along_axis(goes_to, order, axis=1), np.take_along_axis(goes_from, order, axis=1)
-        shortest[block] = np.where(itself, MOST, from_here).min(axis=1)
-        quickest[block] = np.where(itself, MOST, goes_from).min(axis=1)
-        shortest_to[block] = np.where(itself, MOST, to_here).min(axis=1)
-    reach = np.where(able, first + shortest[:, None], -1 - second - shortest_to[:, None])
-    return near, reach, np.where(able, comes, data.service[:, None] + leaves), quickest
+    near, reach, drive = (np.empty((sites, many), dtype=np.int64) for _ in range(3))
+    quickest = np.empty(sites, dtype=np.int64)
+    nearest(on, goes, data.ready, data.due, data.service, latest, visited, weight, MOST, near, reach, drive, quickest, np.empty(many))
+    return near, reach, drive, quickest

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from ..integer_scales import Floats, Integers
 
 
-def divided(points: Floats, weights: Integers, most: int, random: np.random.Generator) -> list[Integers]:
-    """Numbers of the points of each part, ascending: parts weigh about ``most``, each point being in one of them.
+def divided(points: Floats, weights: Integers, many: int, random: np.random.Generator) -> list[Integers]:
+    """Numbers of the points of each of ``many`` parts of about equal weight, ascending; each point is in one of them.
 
-    A part that is too heavy is cut in two across a direction that is drawn at random, the likelier the farther its points reach in it, and
-    where the weights on the two sides are those of whole parts. An odd number of parts leaves the larger half to either side. Thus no
-    border stays where it is when the points are divided anew.
+    Points are cut in two across a direction that is drawn at random, the likelier the farther they reach in it, where the weights on the two
+    sides are those of whole parts. An odd number of parts leaves the larger half to either side. Thus no border stays where it is when the
+    points are divided anew.
     """
-    parts, todo = [], [np.arange(len(points))]
+    parts: list[Integers] = []
+    todo = [(np.arange(len(points)), many)]
     while todo:
-        held = todo.pop()
-        weight = weights[held]
-        many = min(len(held), math.ceil(int(weight.sum()) / most))
+        held, many = todo.pop()
+        weight, many = weights[held], min(many, len(held))
         if many <= 1:
             parts.append(np.sort(held))
             continue
@@ -28,9 +26,9 @@ def divided(points: Floats, weights: Integers, most: int, random: np.random.Gene
         direction = (place * weight[:, None]).T @ place @ random.standard_normal(points.shape[1])
         held = held[np.argsort(place @ direction, kind="stable")]
         before = np.cumsum(weights[held]) - weights[held] / 2.0
-        share = (many + int(random.integers(2))) // 2 / many
-        cut = int(np.clip(np.searchsorted(before, share * before[-1]), 1, len(held) - 1))
-        todo += [held[cut:], held[:cut]]
+        first = (many + int(random.integers(2))) // 2
+        cut = int(np.clip(np.searchsorted(before, first / many * weight.sum()), 1, len(held) - 1))
+        todo += [(held[cut:], many - first), (held[:cut], first)]
     return parts
 
 

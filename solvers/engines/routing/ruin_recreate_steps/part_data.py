@@ -62,7 +62,8 @@ class Divisible:
         moves = []
         for p in profiles.tolist():
             lengths, times = distances_of(self.travels[p].subset(sites))
-            moves.append(replace(data.moves[p], lengths=lengths, times=times, closing=None, charge=None))
+            longest, slowest = (replace(own, few=(of_all.largest,)) for own, of_all in ((lengths, data.moves[p].lengths), (times, data.moves[p].times)))
+            moves.append(replace(data.moves[p], lengths=longest, times=longest if times is lengths else slowest, closing=None, charge=None))
         own = {name: getattr(data, name)[sites] for name in OF_SITES} | {name: getattr(data, name)[kinds] for name in OF_TYPES}
         windows = tuple(data.windows[k] for k in sites.tolist())
         return Part(
