@@ -61,6 +61,9 @@ LEGS = 4
 INNER = 2.0
 """A move counts as long as so many of those between customers at most, when the first and the last temperature are told."""
 
+RESERVED = 1.5
+"""How many times as long as handing out the first answer takes is kept for the last one."""
+
 LANDMARKS = 6
 """Sites from which distances tell where the others lie, if nothing else does."""
 
@@ -172,7 +175,7 @@ class Search:
         self.timed = False
         self.answer: Routes | None = None
         self.claim: float | None = None
-        self.pace = Pace()
+        self.pace, self.reserved = Pace(), False
 
     def run(self) -> RawResult:
         from .ruin_recreate_steps import search_kernels
@@ -421,11 +424,14 @@ class Search:
             return
         if self.problem.sites.required[self.best.absent].any():
             return
-        self.told = self.best_value
+        self.told, began = self.best_value, now()
         with self.pace.handing_out():
             self.answer = Routes.of(self.best.routes)
             self.claim = self.problem.evaluate(self.answer).values[0] if len(self.problem.senses) == 1 else None
             self.control.publish(self.answer, self.claim)
+        if self.by_clock and not self.reserved:  # the last one shall be out when the time is up
+            self.reserved, left = True, self.stop.seconds_left
+            self.stop = self.stop.within(max(left / 2.0, left - RESERVED * (now() - began)))
 
     def left_out(self) -> str:
         """A sentence that names the required sites on no route of the best answer."""
