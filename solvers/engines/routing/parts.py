@@ -35,10 +35,13 @@ if TYPE_CHECKING:
     from .ruin_recreate_steps.part_data import Part
 
 SIZE = 500
-"""Customers of a part."""
+"""Customers of a part, or more where that makes fewer than ``ROUTES`` routes."""
 
-LONGEST = 3_000
-"""Customers of a route beyond which it is left as it is: a part holds all moves between its sites."""
+ROUTES = 8
+"""Routes of a part at least: what one of them loses must find room on others."""
+
+LARGEST = 3_000
+"""Customers of a part at most, for it holds all moves between its sites; a longer route is left as it is."""
 
 WHOLE = 2_000
 """Customers up to which one thread anneals all routes at once."""
@@ -100,7 +103,7 @@ def divides(problem: RoutingProblem, options: Options) -> bool:
     routes = problem.vehicle_limit
     if options.start is not None and fits(WHOLE_BYTES * customers**2):
         routes = len(options.start)
-    return routes is None or customers <= min(SIZE, customers / 4) * routes
+    return routes is None or routes >= 2 * ROUTES
 
 
 def memory(problem: RoutingProblem) -> float:
@@ -304,17 +307,14 @@ class Search:
         middles = np.add.reduceat(self.places[flat], np.cumsum(visits) - visits) / visits[:, None] if routes else self.places[:0]
         points = np.concatenate([middles, self.places[absent]])
         weights = np.concatenate([visits, np.ones(len(absent), dtype=np.int64)])
-        many = math.ceil(len(self.problem.customers) / SIZE)
-        if self.by_clock:  # no thread waits for others
-            many = math.ceil(many / self.options.threads) * self.options.threads
-        parts = divided(points, weights, many, random)
+        parts = divided(points, weights, self.many(len(routes) or self.problem.vehicle_limit), random)
         states, centres = [], []
         for part in parts:
             states.append(State([routes[k] for k in part if k < len(routes)], [absent[k - len(routes)] for k in part if k >= len(routes)]))
             centres.append(np.average(points[part], axis=0, weights=weights[part]))
         counts = self.shared(states, np.array(centres), random)
         size = np.array([int(weights[part].sum()) for part in parts])
-        able = [k for k in range(len(parts)) if max((len(one.visits) for one in states[k].routes), default=0) <= LONGEST and counts[k].any()]
+        able = [k for k in range(len(parts)) if max((len(one.visits) for one in states[k].routes), default=0) <= LARGEST and counts[k].any()]
         able = [able[k] for k in random.permutation(len(able))[:few]]
         able.sort(key=lambda k: -size[k] if few is None else k)
         share = np.floor(np.cumsum(size[able]) / max(1, size[able].sum()) * steps).astype(np.int64)
@@ -325,6 +325,16 @@ class Search:
         ]
         working = set(able)
         return tasks, [state for k, state in enumerate(states) if k not in working]
+
+    def many(self, routes: int | None) -> int:
+        """How many parts there shall be, of so many routes."""
+        customers, threads = len(self.problem.customers), self.options.threads
+        if not self.rounds and not self.state.routes:
+            return math.ceil(customers / (LARGEST if customers <= 4 * LARGEST else 2 * SIZE))
+        many = math.ceil(customers / SIZE)
+        if self.by_clock:  # no thread waits for others
+            many = math.ceil(many / threads) * threads
+        return max(many if routes is None else min(many, routes // ROUTES), math.ceil(customers / LARGEST))
 
     def shared(self, states: Sequence[State], centres: Floats, random: np.random.Generator) -> Integers:
         """Vehicles of each type for each part: those it uses, and a share of those that nobody does, the larger the more sites wait there and
