@@ -34,6 +34,7 @@ KERNELS = {
     "solvers/bounds/sata/gain_kernels": "solvers/bounds/sata/growing_sets",
     "solvers/engines/auctions/assignment_steps/auction_kernels": "solvers/engines/auctions/assignment_steps/auction",
     "solvers/engines/auctions/assignment_steps/price_kernels": "solvers/engines/auctions/assignment_steps/recovered_prices",
+    "solvers/engines/routing/ruin_recreate_steps/near_kernels": "solvers/engines/routing/ruin_recreate_steps/arrays",
     "solvers/engines/sata/local_max_min/lane_kernels": "solvers/engines/sata/local_max_min/level_kernels",
     "solvers/engines/sata/local_max_min/layer_kernels": "solvers/engines/sata/local_max_min/shares",
     "solvers/engines/sata/local_max_min/level_kernels": "solvers/engines/sata/local_max_min/search",

@@ -52,7 +52,7 @@ FEWEST = 300
 ALONE = 5_000
 """Customers from which no other engine comes to a search of its own within minutes."""
 
-LAP = 40
+LAP = 80
 """Ruins for each customer in a round."""
 
 PROBED = 1_000
@@ -226,7 +226,6 @@ class Search:
             else:
                 self.round(pool, int(min(customers, most)), (0.0,))
             hot, cold = self.temperatures()
-            self.publish()
             first = None
             while not self.stop.reached():
                 if self.steps >= most or self.steps - at >= idle:
@@ -249,7 +248,6 @@ class Search:
                 before = self.best_value
                 self.round(pool, steps, tuple(cold * (hot / cold) ** (1.0 - min(1.0, s)) for s in shares))
                 at = self.steps if self.best_value < before else at
-                self.publish()
         return "time"
 
     @property
@@ -284,7 +282,9 @@ class Search:
         """Anneal all parts, or a few."""
         random = np.random.default_rng([self.options.seed % 2**64, self.rounds])
         tasks, rest = self.tasks(random, steps, warmths, few)
-        done = list(pool.map(self.anneal, tasks))
+        working = [pool.submit(self.anneal, task) for task in tasks]
+        self.publish()
+        done = [one.result() for one in working]
         self.rounds += 1
         best_value = self.value
         for one in done:
@@ -430,7 +430,8 @@ class Search:
 
     def publish(self, last: bool = False) -> None:
         """Hand out the best answer, if it is a new one and leaves no required customer out."""
-        if (self.told is not None and self.best_value >= self.told) or not (last or self.pace.due):
+        new = self.told is None or self.best_value < self.told
+        if not self.rounds or not new or not (last or self.pace.due):
             return
         if self.problem.sites.required[self.best.absent].any():
             return

@@ -13,7 +13,9 @@ import numpy as np
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop, now
 from ....instances.errors import UsageError
+from ....instances.memory import fits
 from ...backend import BACKENDS, Control, Options, RawResult
+from .abreast import abreast
 from .bisection import Bisecting
 from .pace import Pace
 from .parts import SET_UP, Search, divides, memory
@@ -104,6 +106,8 @@ class RuinRecreate(Bisecting):
             parts = Search(problem, options, asked, control, stop)
             control.end_set_up(time.perf_counter() - began)
             return parts.run()
+        if options.threads > 1 and not options.asked().keys() & {"iterations", "no_improvement"} and fits(options.threads * self.memory(problem)):
+            return abreast(self.search, problem, options, control)
         search = _Search(problem, options, asked, control, stop, self.seconds_at)
         control.end_set_up(time.perf_counter() - began)
         return search.run()
