@@ -333,7 +333,7 @@ class RoutingProblem(Problem):
             raise UsageError(
                 f"an answer to a routing problem is Routes, not {type(answer).__name__}: Routes.of([[1, 2], [3]]) makes one", "malformed"
             )
-        known = self.__dict__.get("_judged", ())
+        known: tuple[tuple[Routes, Evaluation], ...] = self.__dict__.get("_judged", ())
         for other, verdict in known:
             if other is answer:
                 return verdict

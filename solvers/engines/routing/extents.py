@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from functools import partial
 
@@ -23,8 +24,8 @@ CORNERS = 2_000
 STEPS = {"file": 1.0, "round": 1.0, "ceil": 1.0, "trunc1": 0.1, "trunc2": 0.01}
 """What the distances of a convention are multiples of."""
 
-NO_STEP = 1.0 / 3.0
-"""Stands for distances that are multiples of nothing, for no power of ten makes it whole."""
+NO_STEP = 1.0 / math.pi
+"""Part of the largest distance that stands for distances that are multiples of nothing: no power of ten makes it whole."""
 
 
 def distances_of(travel: Travel) -> tuple[Strips, Strips]:
@@ -63,7 +64,8 @@ def _standing_for_all(travel: Travel) -> tuple[float, ...]:
     points = travel.coordinates
     assert points is not None
     whole = travel.metric == "manhattan" and bool((points == np.rint(points)).all()) and float(np.abs(points).max()) < 2.0**40
-    return _farthest(travel, points), STEPS.get(travel.convention, 1.0 if whole else NO_STEP)
+    largest = _farthest(travel, points)
+    return largest, min(largest, STEPS.get(travel.convention, 1.0 if whole else NO_STEP * largest))
 
 
 def _farthest(travel: Travel, points: Floats) -> float:

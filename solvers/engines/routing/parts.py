@@ -43,7 +43,7 @@ ROUTES = 8
 LARGEST = 3_000
 """Customers of a part at most, for it holds all moves between its sites; a longer route is left as it is."""
 
-WHOLE = 2_000
+WHOLE = 1_500
 """Customers up to which one thread anneals all routes at once."""
 
 FEWEST = 300
@@ -52,8 +52,11 @@ FEWEST = 300
 ALONE = 5_000
 """Customers from which no other engine comes to a search of its own within minutes."""
 
-LAP = 80
-"""Ruins for each customer in a round."""
+LAPS = 25, 80
+"""Ruins for each customer in a round at least and at most: what is shared out more often mixes better, and takes longer to set up."""
+
+MIXED = 8
+"""Rounds that there shall be, if they are long enough."""
 
 PROBED = 1_000
 """Ruins in a part that tell its speed."""
@@ -132,9 +135,12 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Done:
-    """What became of a part: its routes at the end and the best ones, what they cost and what those cost that it began with; ``met`` are the
-    cost of its routes at the end, their number of moves and the rewards on them, their length, and length and number of their moves between
-    customers."""
+    """What became of a part: its routes at the end and the best ones, what those cost that it began with, these and those; ruins, and how
+    many led to better ones; seconds, and whether anybody can come too late.
+
+    ``met`` are cost and number of moves of the routes at the end, the rewards on them, their length, and length and number of their moves
+    between customers.
+    """
 
     last: State
     best: State
@@ -226,28 +232,30 @@ class Search:
             else:
                 self.round(pool, int(min(customers, most)), (0.0,))
             hot, cold = self.temperatures()
-            first = None
+            lap = math.inf
             while not self.stop.reached():
                 if self.steps >= most or self.steps - at >= idle:
                     return "iterations"
                 left = most - self.steps
                 if math.isinf(most):
                     left = self.steps / max(1e-9, self.busy) * self.stop.seconds_left * threads if self.by_clock else math.inf
-                if first is None:
-                    first = self.steps, left
+                if math.isinf(lap):
+                    lap = customers * min(LAPS[1], max(LAPS[0], left / customers / MIXED))
                     if start and left < self.few * customers:
                         hot = min(hot, 3.0 * cold)
-                rounds = max(1, math.ceil(left / (LAP * customers) - 0.5)) if math.isfinite(left) else 1
-                steps = int(max(1, min(left, idle, left / rounds if math.isfinite(left) else LAP * customers)))
+                rounds = max(1, math.ceil(left / lap - 0.5)) if math.isfinite(left) else 1
+                steps = int(max(1, min(left, idle, left / rounds if math.isfinite(left) else lap)))
                 if self.by_clock:
                     share = (now() - began) / max(1e-9, now() - began + self.stop.seconds_left)
                     ahead = (1.0 - share) / rounds
                 else:
                     share, ahead = (self.steps / most, steps / most) if math.isfinite(most) else (1.0, 0.0)
                 shares = [share + ahead * leg / LEGS for leg in range(LEGS)]
-                before = self.best_value
+                before, done = self.best_value, self.steps
                 self.round(pool, steps, tuple(cold * (hot / cold) ** (1.0 - min(1.0, s)) for s in shares))
                 at = self.steps if self.best_value < before else at
+                if self.steps == done and not self.stop.reached():  # no part can do anything
+                    return "none"
         return "time"
 
     @property
@@ -297,7 +305,7 @@ class Search:
         self.state = _together([one.last for one in done] + rest)
         if best_value < self.best_value or self.rounds == 1:
             self.best_value, self.best = best_value, _together([one.best for one in done] + rest)
-        self.met = np.sum([one.met for one in done], axis=0, dtype=np.float64)
+        self.met = np.sum([np.zeros(6), *(one.met for one in done)], axis=0)
 
     def tasks(self, random: np.random.Generator, steps: int, warmths: tuple[float, ...], few: int | None) -> tuple[list[Task], list[State]]:
         """What each part is to do, and the parts that do nothing."""
@@ -314,7 +322,9 @@ class Search:
             centres.append(np.average(points[part], axis=0, weights=weights[part]))
         counts = self.shared(states, np.array(centres), random)
         size = np.array([int(weights[part].sum()) for part in parts])
-        able = [k for k in range(len(parts)) if max((len(one.visits) for one in states[k].routes), default=0) <= LARGEST and counts[k].any()]
+        able = [
+            k for k in range(len(parts)) if max((len(one.visits) for one in states[k].routes), default=0) <= LARGEST and counts[k].any()
+        ]
         able = [able[k] for k in random.permutation(len(able))[:few]]
         able.sort(key=lambda k: -size[k] if few is None else k)
         share = np.floor(np.cumsum(size[able]) / max(1, size[able].sum()) * steps).astype(np.int64)
@@ -337,8 +347,8 @@ class Search:
         return max(many if routes is None else min(many, routes // ROUTES), math.ceil(customers / LARGEST))
 
     def shared(self, states: Sequence[State], centres: Floats, random: np.random.Generator) -> Integers:
-        """Vehicles of each type for each part: those it uses, and a share of those that nobody does, the larger the more sites wait there and
-        the nearer their depot is."""
+        """Vehicles of each type for each part: those it uses, and a share of those that nobody does, the larger the more sites wait there
+        and the nearer their depot is."""
         used = np.zeros((len(states), len(self.counts)), dtype=np.int64)
         for k, state in enumerate(states):
             for one in state.routes:
@@ -437,9 +447,11 @@ class Search:
             return
         self.told, began = self.best_value, now()
         with self.pace.handing_out():
-            self.answer = Routes.of(self.best.routes)
-            self.claim = self.problem.evaluate(self.answer).values[0] if len(self.problem.senses) == 1 else None
-            self.control.publish(self.answer, self.claim)
+            answer = Routes.of(self.best.routes)
+            verdict = self.problem.evaluate(answer)
+            if verdict.feasible:  # routes of a start that no part has looked at yet may break limits
+                self.answer, self.claim = answer, verdict.values[0] if len(verdict.values) == 1 else None
+                self.control.publish(self.answer, self.claim)
         if self.by_clock and not self.reserved:  # the last one shall be out when the time is up
             self.reserved, left = True, self.stop.seconds_left
             self.stop = self.stop.within(max(left / 2.0, left - RESERVED * (now() - began)))
@@ -465,4 +477,3 @@ class Search:
 
 def _together(states: Sequence[State]) -> State:
     return State([one for state in states for one in state.routes], [c for state in states for c in state.absent])
-

@@ -106,7 +106,8 @@ class RuinRecreate(Bisecting):
             parts = Search(problem, options, asked, control, stop)
             control.end_set_up(time.perf_counter() - began)
             return parts.run()
-        if options.threads > 1 and not options.asked().keys() & {"iterations", "no_improvement"} and fits(options.threads * self.memory(problem)):
+        by_clock = options.iterations is None and options.no_improvement is None
+        if by_clock and options.threads > 1 and fits(options.threads * self.memory(problem)):
             return abreast(self.search, problem, options, control)
         search = _Search(problem, options, asked, control, stop, self.seconds_at)
         control.end_set_up(time.perf_counter() - began)

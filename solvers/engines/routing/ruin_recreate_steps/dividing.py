@@ -10,9 +10,9 @@ from ..integer_scales import Floats, Integers
 def divided(points: Floats, weights: Integers, many: int, random: np.random.Generator) -> list[Integers]:
     """Numbers of the points of each of ``many`` parts of about equal weight, ascending; each point is in one of them.
 
-    Points are cut in two across a direction that is drawn at random, the likelier the farther they reach in it, where the weights on the two
-    sides are those of whole parts. An odd number of parts leaves the larger half to either side. Thus no border stays where it is when the
-    points are divided anew.
+    Points are cut in two across a direction that is drawn at random, the likelier the farther they reach in it, where the weights on the
+    two sides are those of whole parts. An odd number of parts leaves the larger half to either side. Thus no border stays where it is when
+    the points are divided anew.
     """
     parts: list[Integers] = []
     todo = [(np.arange(len(points)), many)]

@@ -61,9 +61,11 @@ class Divisible:
         profiles, profile = np.unique(data.profile[kinds], return_inverse=True)
         moves = []
         for p in profiles.tolist():
-            lengths, times = distances_of(self.travels[p].subset(sites))
-            longest, slowest = (replace(own, few=(of_all.largest,)) for own, of_all in ((lengths, data.moves[p].lengths), (times, data.moves[p].times)))
-            moves.append(replace(data.moves[p], lengths=longest, times=longest if times is lengths else slowest, closing=None, charge=None))
+            every, (lengths, times) = data.moves[p], distances_of(self.travels[p].subset(sites))
+            alike = times is lengths
+            lengths = replace(lengths, few=(every.lengths.largest,))  # the largest of all stands for those of a part, too
+            times = lengths if alike else replace(times, few=(every.times.largest,))
+            moves.append(replace(every, lengths=lengths, times=times, closing=None, charge=None))
         own = {name: getattr(data, name)[sites] for name in OF_SITES} | {name: getattr(data, name)[kinds] for name in OF_TYPES}
         windows = tuple(data.windows[k] for k in sites.tolist())
         return Part(
