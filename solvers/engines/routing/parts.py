@@ -153,17 +153,40 @@ class Done:
 
 
 class Search:
-    """One run: divides, has the parts annealed, and puts them together again."""
+    """One run: divides, has the parts annealed, and puts them together again.
 
-    def __init__(self, problem: RoutingProblem, options: Options, asked: dict[str, Any], control: Control, stop: Stop) -> None:
-        from .ruin_recreate import MOST_PRIZES
+    Parameters
+    ----------
+    problem, options, asked, control, stop
+        What is searched, how, by which options of its own, who hears of it, and when it ends.
+    few : int
+        Ruins for each customer below which there is no time to cool down from far above a start.
+    warmer : (float, float)
+        Factors of the first and of the last temperature where anybody can come too late.
+    most_prizes : int
+        Sum of all prizes up to which they can be added to other costs.
+    """
+
+    def __init__(
+        self,
+        problem: RoutingProblem,
+        options: Options,
+        asked: dict[str, Any],
+        control: Control,
+        stop: Stop,
+        *,
+        few: int,
+        warmer: tuple[float, float],
+        most_prizes: int,
+    ) -> None:
         from .ruin_recreate_steps.arrays import dear
         from .ruin_recreate_steps.part_data import Divisible
 
         self.problem, self.options, self.asked, self.control, self.stop = problem, options, asked, control, stop
+        self.few, self.warmer = few, warmer
         data = integer_routing(problem)
         sloped = with_slope(problem, data)
-        self.data = sloped if int(sloped.prize.sum()) < MOST_PRIZES else data
+        self.data = sloped if int(sloped.prize.sum()) < most_prizes else data
         self.sloped = self.data is not data
         self.whole = Divisible(problem, self.data)
         optional = not problem.sites.required[problem.customers].all()
@@ -259,28 +282,19 @@ class Search:
         return "time"
 
     @property
-    def few(self) -> int:
-        """Ruins for each customer below which there is no time to cool down from far above a start."""
-        from .ruin_recreate import FEW
-
-        return FEW
-
-    @property
     def by_clock(self) -> bool:
         """Whether a clock ends the search, and no work limit."""
         return self.options.iterations is None and self.options.no_improvement is None
 
     def temperatures(self) -> tuple[float, float]:
         """The first and the last one, told by the routes that the first round ended with; from then on rewards are weighed."""
-        from .ruin_recreate import WARMER_WITH_WINDOWS
-
         cost, moves, collected, length, inner, inner_moves = self.met
         move = cost / max(1, moves)
         if length and inner:  # what the search does near to each other hangs little on how far away the depot is
             move *= min(1.0, INNER * inner / inner_moves * moves / length)
         if self.data.prize.any() and self.sloped and self.asked["worth"] and collected and cost:
             self.worth = self.asked["worth"] * cost / collected
-        warmer = WARMER_WITH_WINDOWS if self.timed else (1.0, 1.0)
+        warmer = self.warmer if self.timed else (1.0, 1.0)
         hot, cold = (max(1e-9, self.asked[name] * move * more) for name, more in zip(("hot", "cold"), warmer, strict=True))
         return hot, cold
 

@@ -16,6 +16,7 @@ from ....formulations.stop import now
 from ....instances.errors import UnsupportedError, UsageError, in_words
 from ...backend import BACKENDS, Control, Engine, Needs, Options, RawResult
 from ...children import child
+from .abreast import accompanied
 from .best_routes import BestRoutes, PartControl
 from .ortools import ORTools
 from .parts import ALONE, divides
@@ -194,7 +195,11 @@ class _Search:
         )
         control, before, began = _TurnControl(self, until), self.best.values, now()
         try:
-            result = turn.engine().run(self.problem, own, control)
+            alone = self.repeats or own.threads == 1 or issubclass(turn.engine, RuinRecreate) or RuinRecreate().missing(self.problem)
+            engine = turn.engine()
+            result = engine.run(self.problem, own, control) if alone or until is not None else accompanied(
+                engine, RuinRecreate(), self.problem, own, control
+            )  # fmt: skip
         except Exception as fault:  # the next one goes on, and the message tells it
             result = RawResult("error", message=f"{turn.engine.name} failed: {in_words(fault)}")
         if result.answer is not None:

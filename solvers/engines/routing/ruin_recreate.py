@@ -103,7 +103,8 @@ class RuinRecreate(Bisecting):
         control.begin_set_up()
         began = time.perf_counter()
         if divides(problem, options):
-            parts = Search(problem, options, asked, control, stop)
+            warmer = WARMER_WITH_WINDOWS
+            parts = Search(problem, options, asked, control, stop, few=FEW, warmer=warmer, most_prizes=MOST_PRIZES)
             control.end_set_up(time.perf_counter() - began)
             return parts.run()
         by_clock = options.iterations is None and options.no_improvement is None

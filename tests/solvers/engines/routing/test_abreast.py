@@ -7,7 +7,9 @@ import pytest
 import waybound as wb
 from waybound.formulations.routing.routes import Routes
 from waybound.solvers.backend import Control, Options, RawResult
-from waybound.solvers.engines.routing.abreast import abreast
+from waybound.solvers.engines.routing.abreast import abreast, accompanied
+from waybound.solvers.engines.routing.best_routes import BestRoutes, PartControl
+from waybound.solvers.engines.routing.ruin_recreate import RuinRecreate
 
 
 def line() -> wb.RoutingProblem:
@@ -51,3 +53,38 @@ def test_a_failure_of_one_is_told() -> None:
 
     with pytest.raises(ValueError, match="broken"):
         abreast(search, line(), Options(threads=2), Control())
+
+
+def test_a_companion_searches_on_the_other_threads_and_ends_with_the_engine() -> None:
+    problem, control, began, asked = line(), Control(), threading.Event(), []
+
+    class One(RuinRecreate):
+        def run(self, problem: object, options: Options, control: Control) -> RawResult:
+            assert began.wait(10.0)
+            return RawResult("feasible", "time", Routes.of([[1], [2, 3]]))
+
+    class Other(RuinRecreate):
+        def run(self, problem: object, options: Options, control: Control) -> RawResult:
+            asked.append((options.threads, options.seed))
+            ended = threading.Event()
+            control.on_stop(ended.set)
+            began.set()
+            assert ended.wait(10.0)
+            return RawResult("feasible", "interrupt", Routes.of([[1, 2, 3]]))
+
+    best = BestRoutes(problem, control)
+    found = accompanied(One(), Other(), problem, Options(threads=3, seed=5), PartControl(best, True))
+    assert found.answer == Routes.of([[1], [2, 3]]) and best.answer == Routes.of([[1, 2, 3]]) and control.answer == best.answer
+    assert asked[0][0] == 2 and asked[0][1] != 5
+
+
+def test_a_companion_that_fails_costs_nothing() -> None:
+    class Broken(RuinRecreate):
+        def run(self, problem: object, options: Options, control: Control) -> RawResult:
+            raise ValueError("broken")
+
+    problem = line()
+    found = accompanied(
+        RuinRecreate(), Broken(), problem, Options(threads=2, iterations=100), PartControl(BestRoutes(problem, Control()), True)
+    )
+    assert found.answer is not None and problem.evaluate(found.answer).values == (6.0,)
