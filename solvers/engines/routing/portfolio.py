@@ -172,15 +172,15 @@ class _Search:
         if self.compiled():
             return None
         nice = shutil.which("nice")  # who searches and who bounds come first
-        command = [*([nice, "-n", "19"] if nice else []), sys.executable, "-m", "waybound", "warm", "--quiet", "search_kernels"]
+        command = [*([nice, "-n", "19"] if nice else []), sys.executable, "-m", "waybound", "warm", "--quiet", "ruin_recreate_steps"]
         return stack.enter_context(child(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
 
     @staticmethod
     def compiled() -> bool:
         """Whether ruin and recreate takes no compiler."""
-        from .ruin_recreate_steps import search_kernels
+        from .ruin_recreate_steps import near_kernels, search_kernels
 
-        return search_kernels.anneal.kept()
+        return near_kernels.nearest.kept() and search_kernels.anneal.kept()
 
     def turn(self, turn: Turn, share: float, until: subprocess.Popen[bytes] | None = None) -> RawResult:
         """Run one engine from the best routes so far, for its share of the time that is left or until process ``until`` ends."""

@@ -98,7 +98,7 @@ def test_a_library_searches_while_loops_are_compiled(monkeypatch: pytest.MonkeyP
     problem = wb.generate("random", customers=30, capacity=40)
     with_compiler = run(problem, time_limit=2.0)
     assert engines(with_compiler) == ["pyvrp", "ruin-recreate", "pyvrp"]
-    assert [command[-6:] for command in commands] == [[sys.executable, "-m", "waybound", "warm", "--quiet", "search_kernels"]]
+    assert [command[-6:] for command in commands] == [[sys.executable, "-m", "waybound", "warm", "--quiet", "ruin_recreate_steps"]]
     monkeypatch.setattr(type(search_kernels.anneal), "kept", lambda kernel: False)
     assert engines(run(problem, time_limit=1.0)) == ["pyvrp", "pyvrp"] and commands.pop()  # where nothing that is compiled can be kept
     assert engines(run(problem, iterations=10)) == ["ruin-recreate", "pyvrp"] and len(commands) == 1  # which shall repeat
