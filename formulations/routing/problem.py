@@ -47,6 +47,12 @@ from .vroom_answers import is_vroom_output, routes_from_vroom, vroom_output
 if TYPE_CHECKING:
     import pandas as pd
 
+SLOWLY_JUDGED = 10_000
+"""Sites beyond which judging an answer takes a good part of a second, and the last ``REMEMBERED`` verdicts are kept."""
+
+REMEMBERED = 3
+"""Verdicts: those on a start, on an answer on the way and on the last one."""
+
 
 @dataclass(frozen=True, eq=False, init=False)
 class RoutingProblem(Problem):
@@ -327,7 +333,17 @@ class RoutingProblem(Problem):
             raise UsageError(
                 f"an answer to a routing problem is Routes, not {type(answer).__name__}: Routes.of([[1, 2], [3]]) makes one", "malformed"
             )
-        return evaluate_routes(self, answer)
+        known: tuple[tuple[Routes, Evaluation], ...] = self.__dict__.get("_judged", ())
+        for other, verdict in known:
+            if other is answer:
+                return verdict
+        verdict = evaluate_routes(self, answer)
+        if len(self.sites) > SLOWLY_JUDGED:  # who searches, who concludes and who reports ask about the same answer
+            self.__dict__["_judged"] = (*known[1 - REMEMBERED :], (answer, verdict))
+        return verdict
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_judged"}
 
     def continue_from(self, plan: Any, time: float) -> RoutingProblem:
         """The problem of the next horizon, where ``plan`` has been driven until ``time``.

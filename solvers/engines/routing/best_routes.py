@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from typing import TYPE_CHECKING, Any
 
 from ....formulations.tolerance import same
@@ -15,20 +16,22 @@ if TYPE_CHECKING:
 
 
 class BestRoutes:
-    """Keeps the best feasible answer, by the objective's levels in their order, and hands it out at once."""
+    """Keeps the best feasible answer, by the objective's levels in their order, and hands it out at once. Thread-safe."""
 
     def __init__(self, problem: RoutingProblem, control: Control) -> None:
         self.problem, self.control = problem, control
         self.answer: Routes | None = None
         self.values: tuple[float, ...] | None = None
+        self._lock = threading.Lock()
 
     def take(self, answer: Routes) -> bool:
         """Keep an answer if it is feasible and better than the one that is held."""
         verdict = self.problem.evaluate(answer)
-        if not verdict.feasible or not self._better(verdict):
-            return False
-        self.answer, self.values = answer, tuple(verdict.values)
-        self.control.publish(answer, self.claim)
+        with self._lock:
+            if not verdict.feasible or not self._better(verdict):
+                return False
+            self.answer, self.values = answer, tuple(verdict.values)
+            self.control.publish(answer, self.claim)
         return True
 
     @property
@@ -55,6 +58,11 @@ class PartControl(Control):
         super().__init__()
         self._best, self._first = best, first
         best.control.on_stop(self.stop)
+
+    @property
+    def best(self) -> BestRoutes:
+        """Where its answers go."""
+        return self._best
 
     def begin_set_up(self) -> None:
         if self._first:

@@ -23,6 +23,7 @@ from ....formulations.routing.reachability import unreachable
 from ....instances.errors import UnsupportedError
 from ...backend import Control, Engine, Options, RawResult
 from .best_routes import BestRoutes, PartControl
+from .extents import largest_distance, largest_duration
 from .routing_objective import MAXIMA, longest_stay, stops_between
 
 if TYPE_CHECKING:
@@ -149,8 +150,8 @@ class Bisection:
         travels = [self.problem.travel_of(k) for k in range(len(self.problem.fleet))]
         moves = 4 * len(self.problem.sites) * (1 + stops_between(self.problem))
         if self.term == "longest-route":
-            return 1.0 + moves * float(max(t.distances.max(initial=0.0) for t in travels))
-        return 1.0 + abs(self.least) + longest_stay(self.problem) + moves * float(max(t.durations.max(initial=0.0) for t in travels))
+            return 1.0 + moves * max(largest_distance(t) for t in travels)
+        return 1.0 + abs(self.least) + longest_stay(self.problem) + moves * max(largest_duration(t) for t in travels)
 
     @property
     def least(self) -> float:

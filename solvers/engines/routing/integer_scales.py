@@ -27,13 +27,17 @@ which that makes exact."""
 
 @dataclass(frozen=True, eq=False)
 class Strips:
-    """Numbers too many to be held at once: ``strips`` computes them anew, a strip after the other, as often as they are asked for."""
+    """Numbers too many to be held at once: ``strips`` computes them anew, a strip after the other, as often as they are asked for.
+
+    Where they are too many even for that, ``few`` stand for them: none of all is larger, and the few are whole only where all are.
+    """
 
     strips: Callable[[], Iterable[Floats]]
+    few: tuple[float, ...] | None = None
 
     def finite(self) -> Iterator[Floats]:
         """The numbers that are neither infinite nor NaN, a strip after the other."""
-        for strip in self.strips():
+        for strip in self.strips() if self.few is None else (np.array(self.few),):
             known = np.isfinite(strip)
             yield strip if known.all() else strip[known]
 

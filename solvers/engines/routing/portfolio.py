@@ -16,8 +16,10 @@ from ....formulations.stop import now
 from ....instances.errors import UnsupportedError, UsageError, in_words
 from ...backend import BACKENDS, Control, Engine, Needs, Options, RawResult
 from ...children import child
+from .abreast import accompanied
 from .best_routes import BestRoutes, PartControl
 from .ortools import ORTools
+from .parts import ALONE, divides
 from .pyvrp import PyVRP
 from .ruin_recreate import RuinRecreate
 from .vroom import VROOM
@@ -81,12 +83,13 @@ class Portfolio(Engine):
     options = MappingProxyType({})
     order = 5
     honours = frozenset({"iterations", "no_improvement", "gap"})
-    one_thread = True
     features = frozenset[str]().union(*(kind.features for kind in ENGINES))
 
     def turns(self, problem: RoutingProblem) -> list[Turn]:
         """The turns at a problem, first to last; none where no installed engine takes it."""
         able = [kind for kind in ENGINES if kind.installed() and not kind().missing(problem)]
+        if able[:1] == [RuinRecreate] and len(problem.customers) >= ALONE and divides(problem, Options()):
+            able = able[:1]
         if able[:2] == [RuinRecreate, PyVRP]:
             if {term.name for level in problem.objective.levels() for _, term in level.terms} == {"reward"}:
                 rich = Turn(RuinRecreate, 0.5, RUINS, {"worth": 4.0})
@@ -169,15 +172,15 @@ class _Search:
         if self.compiled():
             return None
         nice = shutil.which("nice")  # who searches and who bounds come first
-        command = [*([nice, "-n", "19"] if nice else []), sys.executable, "-m", "waybound", "warm", "--quiet", "search_kernels"]
+        command = [*([nice, "-n", "19"] if nice else []), sys.executable, "-m", "waybound", "warm", "--quiet", "ruin_recreate_steps"]
         return stack.enter_context(child(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
 
     @staticmethod
     def compiled() -> bool:
         """Whether ruin and recreate takes no compiler."""
-        from .ruin_recreate_steps import search_kernels
+        from .ruin_recreate_steps import near_kernels, search_kernels
 
-        return search_kernels.anneal.kept()
+        return near_kernels.nearest.kept() and search_kernels.anneal.kept()
 
     def turn(self, turn: Turn, share: float, until: subprocess.Popen[bytes] | None = None) -> RawResult:
         """Run one engine from the best routes so far, for its share of the time that is left or until process ``until`` ends."""
@@ -192,7 +195,11 @@ class _Search:
         )
         control, before, began = _TurnControl(self, until), self.best.values, now()
         try:
-            result = turn.engine().run(self.problem, own, control)
+            alone = self.repeats or own.threads == 1 or issubclass(turn.engine, RuinRecreate) or RuinRecreate().missing(self.problem)
+            engine = turn.engine()
+            result = engine.run(self.problem, own, control) if alone or until is not None else accompanied(
+                engine, RuinRecreate(), self.problem, own, control
+            )  # fmt: skip
         except Exception as fault:  # the next one goes on, and the message tells it
             result = RawResult("error", message=f"{turn.engine.name} failed: {in_words(fault)}")
         if result.answer is not None:

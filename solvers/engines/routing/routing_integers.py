@@ -7,25 +7,22 @@ all others by 1e6, consumption up and limits down, so that whatever is feasible 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ....formulations.programs.exactness import Exactness, Link
 from ....instances.errors import InputError
+from .extents import distances_of
 from .integer_scales import FINE, UNLIMITED, Floats, Integers, Scale, Strips, plain, scale_of, whole
 from .routing_objective import Scalar, scalarised, stops_between
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
     from ....instances.routing.travel import Travel
-
-STRIP = 1 << 20
-"""Distances that are looked at together."""
 
 _PRECISE = 10_000
 """Least price of a unit of time that no power of ten makes whole."""
@@ -172,7 +169,7 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     scaled = partial(scale_of, fine=fine, room=_room(largest, total, len(sites)))
     goal = scalarised(problem)
     travels, profile = _profiles(problem)
-    strips = [_strips(travel) for travel, _ in travels]
+    strips = [distances_of(travel) for travel, _ in travels]
     served = sites.service if any(v.reloads or v.stations for v in fleet) else np.where(sites.depot, 0.0, sites.service)
     opening = np.array([max(float(sites.ready[v.start]), v.shift[0]) for v in fleet])
     closing = np.array([min(float(sites.due[v.end]), v.shift[1]) for v in fleet])
@@ -289,9 +286,11 @@ def _prices(goal: Scalar, lengths: list[Strips], clock: Scale, scaled: Callable[
 def _windows(problem: RoutingProblem, served: Floats, clock: Scale, origin: float) -> tuple[Integers, list[list[tuple[int, int]]]]:
     """Service times and windows of all sites, rounded inwards."""
     sites = problem.sites
-    several = [list(w) or [(r, d)] for w, r, d in zip(sites.windows or [()] * len(sites), sites.ready, sites.due, strict=True)]
-    windows = [[(int(clock.up(r - origin)), int(clock.down(d - origin))) for r, d in listed] for listed in several]
-    service = clock.up(served)
+    opens, closes, service = clock.up(sites.ready - origin), clock.down(sites.due - origin), clock.up(served)
+    windows = [[pair] for pair in zip(opens.tolist(), closes.tolist(), strict=True)]
+    for site, listed in enumerate(sites.windows):
+        if listed:
+            windows[site] = [(int(clock.up(r - origin)), int(clock.down(d - origin))) for r, d in listed]
     for site in problem.customers.tolist():
         # A window without an integer in it: begin at the integer below, and count the difference as service.
         service[site] += any(r > d for r, d in windows[site])
@@ -343,19 +342,6 @@ def _moves(
         np.fill_diagonal(charge, 0)
     closing = None if travel.closing is None else clock.down(travel.closing - origin)
     return Moves(*strips, length, clock, charge, closing)
-
-
-def _strips(travel: Travel) -> tuple[Strips, Strips]:
-    """All distances and durations, the same ones where these are equal, computed in strips: no matrix of floats is made of coordinates."""
-    every = np.arange(len(travel))
-    step = max(1, STRIP // max(1, len(every)))
-
-    def rows(between: Callable[[ArrayLike, ArrayLike], Floats]) -> Iterator[Floats]:
-        for first in range(0, len(every), step):
-            yield between(every[first : first + step, None], every[None, :])
-
-    lengths = Strips(partial(rows, travel.distance))
-    return lengths, Strips(partial(rows, travel.duration)) if travel.own_durations else lengths
 
 
 def _matrix(values: Strips, rounded: Callable[[Floats], Integers]) -> Integers:

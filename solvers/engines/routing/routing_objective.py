@@ -10,6 +10,7 @@ import numpy as np
 
 from ....formulations.checking.granularity import grain
 from ....instances.errors import UnsupportedError
+from .extents import largest_distance, largest_duration
 from .integer_scales import Floats
 
 if TYPE_CHECKING:
@@ -119,8 +120,8 @@ def _range(problem: RoutingProblem, goal: Scalar) -> float:
     moves, stay = 2 * n * (1 + stops_between(problem)), longest_stay(problem)
     counts = np.array([n if v.count is None else min(v.count, n) for v in problem.fleet])
     travels = [problem.travel_of(k) for k in range(len(problem.fleet))]
-    farthest = moves * np.array([float(t.distances.max(initial=0.0)) for t in travels])
-    slowest = stay + moves * np.array([float(t.durations.max(initial=0.0)) for t in travels])
+    farthest = moves * np.array([largest_distance(t) for t in travels])
+    slowest = stay + moves * np.array([largest_duration(t) for t in travels])
     opens, closes = problem.sites.ready, problem.sites.due
     hours = [min(v.max_duration, max(0.0, min(v.shift[1], closes[v.end]) - max(v.shift[0], opens[v.start]))) for v in problem.fleet]
     duration = np.minimum(slowest, hours)

@@ -13,13 +13,17 @@ import numpy as np
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop, now
 from ....instances.errors import UsageError
+from ....instances.memory import fits
 from ...backend import BACKENDS, Control, Options, RawResult
+from .abreast import abreast
 from .bisection import Bisecting
 from .pace import Pace
+from .parts import SET_UP, Search, divides, memory
 from .routing_integers import entangled, integer_routing, with_slope
 from .routing_objective import unscalable
 
 if TYPE_CHECKING:
+    from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
 
 LEAST = {"removals": 1.0, "string": 1.0, "neighbours": 1, "hot": 0.0, "cold": 0.0, "worth": 0.0}
@@ -69,7 +73,6 @@ class RuinRecreate(Bisecting):
     options = MappingProxyType({"removals": 10.0, "string": 10.0, "neighbours": 60, "hot": 1.0, "cold": 0.01, "worth": 2.0})
     order = 25
     honours = frozenset({"iterations", "no_improvement", "gap"})
-    one_thread = True
     bytes_a_move, seconds_a_move = 50.0, 4e-7
     features = frozenset(
         {
@@ -94,6 +97,12 @@ class RuinRecreate(Bisecting):
             | ({"energy:travel with separate-durations"} if apart else frozenset())
         )
 
+    def memory(self, problem: Problem) -> float:
+        return memory(problem) if divides(problem, Options()) else super().memory(problem)  # type: ignore[arg-type]
+
+    def set_up_seconds(self, problem: Problem) -> float:
+        return SET_UP * problem.size if divides(problem, Options()) else super().set_up_seconds(problem)  # type: ignore[arg-type]
+
     def seconds_at(self, speed: float, customers: int, left: float) -> float:
         """For how many of the seconds that are left it goes on, told its speed in ruins a second: for who has other plans for the rest."""
         return left
@@ -109,6 +118,14 @@ class RuinRecreate(Bisecting):
             return RawResult("optimal", answer=Routes(()), objective=0.0, bound=0.0, message="there are no customers")
         control.begin_set_up()
         began = time.perf_counter()
+        if divides(problem, options):
+            warmer = WARMER_WITH_WINDOWS
+            parts = Search(problem, options, asked, control, stop, few=FEW, warmer=warmer, most_prizes=MOST_PRIZES)
+            control.end_set_up(time.perf_counter() - began)
+            return parts.run()
+        by_clock = options.iterations is None and options.no_improvement is None
+        if by_clock and options.threads > 1 and fits(options.threads * self.memory(problem)):
+            return abreast(self.search, problem, options, control)
         search = _Search(problem, options, asked, control, stop, self.seconds_at)
         control.end_set_up(time.perf_counter() - began)
         return search.run()
@@ -212,8 +229,8 @@ class _Search:
         outweighed = used.any() and fixed[used].min() >= max(1, running)
         if not len(required) or not (outweighed or self.lacking):
             return
-        ends, steps_end, move = now() + PLACING * self.stop.seconds_left, int(held.sums[k.STEPS]), self.mean_move()
-        steps_end += math.inf if self.by_clock else PLACING * most if math.isfinite(most) else idle
+        ends, move = now() + PLACING * self.stop.seconds_left, self.mean_move()
+        steps_end = held.sums[k.STEPS] + (math.inf if self.by_clock else PLACING * most if math.isfinite(most) else idle)
         fewest, prices, nothing = max(1, self.data.fewest()), held.site[:, k.MISSED].copy(), np.full_like(self.best, -k.NONE)
         types[:, k.FIXED] -= fixed
         held.alone[:] -= np.where(held.alone < k.NONE, fixed[:, None], 0)

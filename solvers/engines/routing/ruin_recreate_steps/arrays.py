@@ -21,9 +21,6 @@ MOST = 1 << 50
 WAITING = 0.2
 """Weight of a minute of waiting against a minute of travel, when customers are ranked by how near they are to each other."""
 
-BLOCK = 256
-"""Sites whose neighbours are looked for together."""
-
 
 @dataclass(frozen=True, eq=False)
 class Arrays:
@@ -167,7 +164,7 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     for one in problem.sites.groups:
         members = np.array(one.sites)
         required[members], group[members], alternative[members] = one.required, members[0], np.roll(members, -1)
-    lost = np.where(required > 0, _dear(problem, data), 0) + np.where(problem.sites.required, 0, data.prize)
+    lost = np.where(required > 0, dear(problem, data), 0) + np.where(problem.sites.required, 0, data.prize)
     away = data.service + least
     loads = [data.demand[:, data.limited]]
     shipments = problem.sites.shipments
@@ -177,10 +174,10 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     if picked:
         loads.append(data.pickup[:, data.limited])
     for shipment, load in zip(shipments, data.shipped[:, data.limited], strict=True):
-        ends = [shipment.pickup, shipment.delivery]
-        partner[ends], second[ends[1]] = ends[::-1], 1
-        loads[1][ends[0]] += load
-        loads[1][ends[1]] -= load
+        first, last = shipment.pickup, shipment.delivery
+        partner[[first, last]], second[last] = (last, first), 1
+        loads[1][first] += load
+        loads[1][last] -= load
     site = np.column_stack(
         [data.service, data.ready, _limited(data.due), required, lost, lost, away, partner, second, group, alternative, *loads]
     )
@@ -211,15 +208,15 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     route[:, k.KIND], route[:, k.STAMP], route[:, [k.SOUND, k.PUNCTUAL]] = kind, -1, 1
     route[:, k.LENGTH], route[:, k.COST] = node[heads, k.AHEAD], home[kind]
     depots = np.array([(site, sites + 2 * len(kind) + at * spare, spare) for at, site in enumerate(reloads)], dtype=np.int64).reshape(-1, 3)
-    for depot, first, many in depots:
-        node[first : first + many, k.SITE] = depot
+    for depot, begin, many in depots.tolist():
+        node[begin : begin + many, k.SITE] = depot
     absent = np.zeros(sites, dtype=np.int64)
     absent[: len(customers)] = customers
     sums = np.array([*[lost[customers].sum() + home[kind].sum()] * 2, len(customers), 0, 0])
     skilled = problem.sites.skills
     allowed = np.array([[not skilled or asked <= v.skills for asked in skilled or [frozenset()] * sites] for v in fleet])
-    for at, vehicle in enumerate(fleet):
-        allowed[at, reloads] = [site in vehicle.reloads for site in reloads]
+    for number, vehicle in enumerate(fleet):
+        allowed[number, reloads] = [site in vehicle.reloads for site in reloads]
     features = {
         k.TIMED: timed, k.SPANNED: spanned, k.PICKED: picked, k.SHIPPED: shipments, k.GROUPED: problem.sites.groups, k.RELOADING: reloads,
     }  # fmt: skip
@@ -274,7 +271,7 @@ def _cost_of(
     return np.where(fits, cost, k.NONE)
 
 
-def _dear(problem: RoutingProblem, data: IntegerRouting) -> int:
+def dear(problem: RoutingProblem, data: IntegerRouting) -> int:
     """Price of leaving a required site out: more than all rewards and all routes can cost, as far as such sums stay within 64 bits."""
     customers, moves = len(problem.customers), 2 * len(problem.customers)
     routes = moves * max(m.longest for m in data.moves) * int(data.unit.max()) + customers * int(data.fixed.max())
@@ -316,38 +313,16 @@ def _near(
     each site to any other, of moves of shape (1, sites, sites).
 
     Near is who can come right before or right after it, over a short way and without much waiting (the proximity of Vidal, Crainic,
-    Gendreau and Prins 2013, Computers & Operations Research 40(1), with a weight of 0.2 for time that is lost). ``BLOCK`` sites are looked
-    at together, for no further matrix of all of them shall be needed.
+    Gendreau and Prins 2013, Computers & Operations Research 40(1), with a weight of 0.2 for time that is lost).
     """
-    on, goes, sites = on[0], goes[0], on.shape[-1]
-    weight, begins, latest = (
-        WAITING * on.mean() / max(1.0, goes.mean()),
-        data.ready + data.service,
-        np.minimum(data.due, MOST) + data.service,
-    )
-    others = np.ones(sites, dtype=bool)
-    others[customers] = False
+    from .near_kernels import nearest
+
+    on, goes, sites = np.ascontiguousarray(on[0]), np.ascontiguousarray(goes[0]), on.shape[-1]
+    weight, latest = WAITING * on.mean() / max(1.0, goes.mean()), np.minimum(data.due, MOST) + data.service
+    visited = np.zeros(sites, dtype=bool)
+    visited[customers] = True
     many = max(1, min(many, len(customers) - 1))
-    near, first, second, comes, leaves = (np.empty((sites, many), dtype=np.int64) for _ in range(5))
-    able = np.empty((sites, many), dtype=bool)
-    shortest, quickest, shortest_to = np.full(sites, MOST), np.full(sites, MOST), np.full(sites, MOST)
-    for low in range(0, sites, BLOCK):
-        block = np.arange(low, min(sites, low + BLOCK))
-        itself = block[:, None] == np.arange(sites)
-        from_here, to_here, goes_from, goes_to = on[block], on[:, block].T, goes[block], goes[:, block].T
-        after = begins[block][:, None] + goes_from <= data.due
-        before = begins + goes_to <= data.due[block][:, None]
-        waits_after = np.maximum(data.ready - latest[block][:, None] - goes_from, 0)
-        waits_before = np.maximum(data.ready[block][:, None] - latest - goes_to, 0)
-        far = np.minimum(np.where(after, from_here + weight * waits_after, MOST), np.where(before, to_here + weight * waits_before, MOST))
-        far[itself | others] = MOST
-        order = np.argsort(far, axis=1, kind="stable")[:, :many]
-        near[block] = np.where(np.take_along_axis(far, order, axis=1) < MOST, order, -1)
-        able[block] = np.take_along_axis(before, order, axis=1)
-        first[block], second[block] = np.take_along_axis(to_here, order, axis=1), np.take_along_axis(from_here, order, axis=1)
-        comes[block], leaves[block] = np.take_along_axis(goes_to, order, axis=1), np.take_along_axis(goes_from, order, axis=1)
-        shortest[block] = np.where(itself, MOST, from_here).min(axis=1)
-        quickest[block] = np.where(itself, MOST, goes_from).min(axis=1)
-        shortest_to[block] = np.where(itself, MOST, to_here).min(axis=1)
-    reach = np.where(able, first + shortest[:, None], -1 - second - shortest_to[:, None])
-    return near, reach, np.where(able, comes, data.service[:, None] + leaves), quickest
+    near, reach, drive = (np.empty((sites, many), dtype=np.int64) for _ in range(3))
+    quickest = np.empty(sites, dtype=np.int64)
+    nearest(on, goes, data.ready, data.due, data.service, latest, visited, weight, MOST, near, reach, drive, quickest, np.empty(many))
+    return near, reach, drive, quickest

@@ -31,8 +31,11 @@ def engines(result: RawResult) -> list[str]:
 
 @pytest.mark.parametrize(
     ("kind", "names"),
-    [("several-depots", ["ruin-recreate", "pyvrp"]), ("overtime", ["pyvrp"]), ("recharging", ["ortools"]), ("route-risk", [])],
-)
+    [
+        ("several-depots", ["ruin-recreate", "pyvrp"]), ("overtime", ["ruin-recreate", "pyvrp"]), ("groups", ["ruin-recreate", "pyvrp"]),
+        ("several-windows", ["pyvrp"]), ("recharging", ["ortools"]), ("route-risk", []),
+    ],
+)  # fmt: skip
 def test_who_has_a_turn_is_told_by_what_the_problem_has(kind: str, names: list[str]) -> None:
     assert [turn.engine.name for turn in Portfolio().turns(varied(kind, 0))] == names
 
@@ -98,7 +101,7 @@ def test_a_library_searches_while_loops_are_compiled(monkeypatch: pytest.MonkeyP
     problem = wb.generate("random", customers=30, capacity=40)
     with_compiler = run(problem, time_limit=2.0)
     assert engines(with_compiler) == ["pyvrp", "ruin-recreate", "pyvrp"]
-    assert [command[-6:] for command in commands] == [[sys.executable, "-m", "waybound", "warm", "--quiet", "search_kernels"]]
+    assert [command[-6:] for command in commands] == [[sys.executable, "-m", "waybound", "warm", "--quiet", "ruin_recreate_steps"]]
     monkeypatch.setattr(type(search_kernels.anneal), "kept", lambda kernel: False)
     assert engines(run(problem, time_limit=1.0)) == ["pyvrp", "pyvrp"] and commands.pop()  # where nothing that is compiled can be kept
     assert engines(run(problem, iterations=10)) == ["ruin-recreate", "pyvrp"] and len(commands) == 1  # which shall repeat

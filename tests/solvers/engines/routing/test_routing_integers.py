@@ -207,7 +207,7 @@ def test_one_decimal_that_an_engine_has_no_room_for_is_rounded() -> None:
 
 
 def test_matrices_made_in_strips_are_those_of_all_distances_and_are_made_anew_once_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("waybound.solvers.engines.routing.routing_integers.STRIP", 10)
+    monkeypatch.setattr("waybound.solvers.engines.routing.extents.STRIP", 10)
     xy = np.random.default_rng(1).uniform(0, 100, (7, 2))
     for convention in ("exact", "round"):
         travel = Travel("euclidean", coordinates=xy, convention=convention)

@@ -1,0 +1,58 @@
+"""Searches of one routing problem side by side, of which the best answer counts: with seeds of their own, or by two engines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from ...backend import Control, Engine, Options, RawResult
+from .best_routes import BestRoutes, PartControl
+
+if TYPE_CHECKING:
+    from ....formulations.routing.problem import RoutingProblem
+
+NEXT_SEED = 0xD1B54A32D192ED03
+"""What the seeds of two searches are apart, no multiple of which is what the random numbers of ``search_kernels`` go on by."""
+
+
+def abreast(
+    search: Callable[[RoutingProblem, Options, Control], RawResult], problem: RoutingProblem, options: Options, control: Control
+) -> RawResult:
+    """Search on all threads of ``options``, until all have ended."""
+    best = BestRoutes(problem, control)
+
+    def one(number: int) -> RawResult:
+        own = replace(options, threads=1, seed=(options.seed + number * NEXT_SEED) % 2**64)
+        found = search(problem, own, PartControl(best, not number))
+        if found.answer is not None:
+            best.take(found.answer)
+        return found
+
+    with ThreadPoolExecutor(options.threads) as pool:
+        results = list(pool.map(one, range(options.threads)))
+    statistics = dict(results[0].statistics)
+    for name in ("iterations", "better"):
+        statistics[name] = sum(int(result.statistics.get(name, 0)) for result in results)
+    first = next((result for result in results if result.answer is not None), results[0])
+    if best.answer is None:
+        return replace(first, statistics=statistics)
+    return replace(first, answer=best.answer, objective=best.claim, statistics=statistics)
+
+
+def accompanied(engine: Engine, companion: Engine, problem: RoutingProblem, options: Options, control: PartControl) -> RawResult:
+    """Search by an engine that uses one thread, and on the other threads of ``options`` by a companion, which ends when the engine does.
+
+    What the companion finds goes where the answers of ``control`` go.
+    """
+    line = PartControl(control.best, False)
+    others = replace(options, threads=options.threads - 1, seed=(options.seed + NEXT_SEED) % 2**64, extra={})
+    with ThreadPoolExecutor(1) as pool:
+        beside = pool.submit(companion.run, problem, others, line)
+        try:
+            return engine.run(problem, options, control)
+        finally:
+            line.stop()
+            if beside.exception() is None and beside.result().answer is not None:
+                control.best.take(beside.result().answer)

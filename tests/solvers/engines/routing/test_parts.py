@@ -1,0 +1,152 @@
+"""Searches in parts: that their answers are feasible and their count is right, whatever the problem restricts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import waybound as wb
+from waybound.formulations.routing.routes import Route, Routes
+from waybound.solvers.backend import Control, Options, RawResult
+from waybound.solvers.engines.routing import parts
+from waybound.solvers.engines.routing.parts import divides
+from waybound.solvers.engines.routing.ruin_recreate import RuinRecreate
+
+CUSTOMERS = 60
+
+
+@pytest.fixture(autouse=True)
+def small_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in {"SIZE": 15, "WHOLE": 40, "FEWEST": 30, "ROUTES": 2, "LAPS": (5, 10)}.items():
+        monkeypatch.setattr(parts, name, value)
+
+
+def run(problem: wb.RoutingProblem, control: Control | None = None, **options: object) -> RawResult:
+    given = Options(**{"time_limit": 60.0, "iterations": 3000, **options})  # type: ignore[arg-type]
+    assert divides(problem, given)
+    return RuinRecreate().run(problem, given, control or Control())
+
+
+def made(feature: str = "capacity") -> wb.RoutingProblem:
+    """A problem of 60 customers with some feature that restricts its routes."""
+    rng = np.random.default_rng(3)
+    n, xy = CUSTOMERS + 2, np.random.default_rng(1).uniform(0, 100, (CUSTOMERS + 2, 2))
+    xy[:2] = [[30, 30], [70, 70]]
+    depot = np.arange(n) < 2
+    demand = np.where(depot, 0.0, rng.integers(1, 9, n))
+    columns: dict[str, object] = {"depot": depot, "demand": demand, "coordinates": xy}
+    fleet = [wb.VehicleType(capacity=40.0)]
+    objective: object = None
+    if feature == "windows":
+        ready = np.where(depot, 0.0, rng.integers(0, 200, n))
+        columns |= {"ready": ready, "due": np.where(depot, 500.0, ready + 150.0), "service": np.where(depot, 0.0, 5.0)}
+    elif feature == "fleet":
+        fleet = [wb.VehicleType(count=6, capacity=30.0, name="van"), wb.VehicleType(count=7, capacity=40.0, fixed_cost=9.0, name="lorry")]
+    elif feature == "depots":
+        fleet = [wb.VehicleType(count=9, capacity=40.0, start=k, end=k, name=f"of {k}") for k in range(2)]
+    elif feature == "open":
+        fleet = [wb.VehicleType(capacity=40.0, start=0, end=1, max_distance=250.0)]
+    elif feature == "skills":
+        columns["skills"] = {k: ["lift"] for k in range(2, n, 3)}
+        fleet = [wb.VehicleType(capacity=40.0, name="plain"), wb.VehicleType(capacity=40.0, skills=frozenset({"lift"}), unit_cost=1.5)]
+    elif feature == "penalties":
+        columns |= {"required": np.zeros(n, dtype=bool), "penalty": np.where(depot, 0.0, rng.integers(1, 60, n))}
+        objective = "total-cost + penalties"
+    elif feature == "reward":
+        columns |= {"required": np.zeros(n, dtype=bool), "reward": np.where(depot, 0.0, rng.integers(1, 9, n))}
+        fleet, objective = [wb.VehicleType(count=4, max_distance=120.0)], wb.Reward()
+    elif feature == "vehicles":
+        objective = "vehicles then total-cost"
+    return wb.RoutingProblem(wb.Sites.of(range(n), **columns), wb.Travel("euclidean", xy), fleet, objective)  # type: ignore[arg-type]
+
+
+FEATURES = ("capacity", "windows", "fleet", "depots", "open", "skills", "penalties", "reward", "vehicles")
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+def test_answers_are_feasible_and_near_to_those_of_the_whole(feature: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = made(feature)
+    found = run(problem)
+    judged = problem.evaluate(found.answer)
+    assert found.status == "feasible" and judged.feasible, judged.violations[:1]
+    assert found.statistics["iterations"] == 3000 and found.statistics["rounds"] > 2
+    assert len(problem.senses) > 1 or found.objective == judged.values[0]
+    monkeypatch.setattr(parts, "WHOLE", 1000)
+    whole = problem.evaluate(RuinRecreate().run(problem, Options(iterations=3000), Control()).answer).values
+    for sense, one, other in zip(problem.senses, judged.values, whole, strict=True):
+        assert (one <= 1.15 * other) if sense == "min" else (one >= 0.85 * other)
+
+
+@pytest.mark.parametrize("feature", ["capacity", "fleet", "reward"])
+def test_a_seed_and_iterations_make_the_same_routes_on_any_number_of_threads(feature: str) -> None:
+    problem = made(feature)
+    answers = [run(problem, seed=seed, threads=threads).answer for seed, threads in ((1, 1), (1, 2), (1, 3), (2, 1))]
+    assert answers[0] == answers[1] == answers[2] != answers[3]
+
+
+def test_a_start_is_bettered() -> None:
+    problem = made()
+    start = Routes.of([[c] for c in problem.customers.tolist()])
+    found = run(problem, start=start)
+    assert found.statistics["start"] == "used"
+    assert problem.evaluate(found.answer).values[0] < problem.evaluate(start).values[0]
+    assert run(problem, start=Routes.of([[2]] * 4)).statistics["start"] == "refused"  # four times at one site
+
+
+def test_of_a_start_with_more_routes_than_vehicles_the_longest_are_taken() -> None:
+    problem = made("fleet")
+    start = Routes.of([Route((c,), 0) for c in problem.customers.tolist()])
+    found = run(problem, start=start)
+    assert problem.evaluate(found.answer).feasible
+
+
+def test_it_ends_without_improvement_and_when_the_time_is_up_and_when_it_is_asked_to() -> None:
+    problem = made()
+    ended = run(problem, iterations=None, no_improvement=2000)
+    assert ended.limit == "iterations" and ended.statistics["iterations"] >= 2000
+    control = Control()
+    control.goal = lambda answer, value: True
+    assert run(problem, control, iterations=None).limit == "interrupt"
+    for threads in (1, 2):
+        late = run(problem, iterations=None, threads=threads, time_limit=0.3)
+        assert late.limit == "time" and problem.evaluate(late.answer).feasible
+
+
+def test_sites_that_no_vehicle_has_room_for_are_named() -> None:
+    problem = made("fleet")
+    small = replace(problem, fleet=tuple(replace(v, capacity=9.0) for v in problem.fleet))
+    found = run(small, iterations=500)
+    assert found.status == "unknown" and "leaves out" in found.message
+
+
+def test_vehicles_that_leave_too_late_to_return_serve_nobody() -> None:
+    problem = made("windows")
+    closed = np.where(problem.sites.depot, 0.0, problem.sites.due)
+    depots = replace(problem.sites, ready=np.where(problem.sites.depot, 0.0, problem.sites.ready), due=closed)
+    assert run(replace(problem, sites=depots)).status in ("infeasible", "unknown")
+
+
+def test_a_matrix_alone_tells_where_sites_lie() -> None:
+    problem = made()
+    travel = wb.Travel("EXPLICIT", matrix=problem.travel.distances)
+    hidden = replace(problem, travel=travel, sites=replace(problem.sites, coordinates=None))
+    assert hidden.evaluate(run(hidden).answer).feasible
+
+
+def test_what_couples_routes_and_what_is_small_is_not_divided() -> None:
+    problem, asked = made(), Options(iterations=1)
+    assert divides(problem, asked)
+    assert not divides(replace(problem, objective=wb.Objective.of(wb.Makespan())), asked)
+    assert not divides(replace(problem, fleet=(wb.VehicleType(count=3),)), asked)
+    assert not divides(problem, replace(asked, start=Routes.of([problem.customers.tolist()])))
+    few = wb.generate("random", customers=35, capacity=40)
+    assert not divides(few, asked) and not divides(few, Options(iterations=1, threads=2))
+    assert divides(few, Options(threads=2)) and not divides(few, Options())
+
+
+def test_parts_take_memory_for_each_site_and_not_for_each_two() -> None:
+    engine, problem = RuinRecreate(), made()
+    assert engine.memory(problem) == parts.BYTES * len(problem.sites) and engine.set_up_seconds(problem) < 0.01
+    assert engine.memory(wb.generate("random", customers=20)) == engine.bytes_a_move * 21**2
