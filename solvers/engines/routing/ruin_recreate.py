@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -41,6 +42,12 @@ FEW = 300
 WARMER_WITH_WINDOWS = (3.0, 2.0)
 """Factors of the first and of the last temperature for problems with time windows: there a search that begins at the usual temperature
 seldom gets rid of a route."""
+
+ANNEALS, AN_ANNEAL, FROM_NOTHING = 4, 2_500, 0.6
+"""Anneals from nothing at most, ruins for each customer that each of them takes at least, and their share of the time."""
+
+RECOMBINED, REWARMED = 200, 0.3
+"""Ruins for each customer of an anneal that begins with an answer made of two, and its first temperature as a share of the usual one."""
 
 PLACING = 0.2
 """Share of the time for places of required sites that are left out, and for fewer vehicles where a vehicle outweighs all else."""
@@ -131,6 +138,40 @@ class RuinRecreate(Bisecting):
         return search.run()
 
 
+@dataclass
+class Course:
+    """Temperatures of a run: one anneal, or several from nothing for a share of the time, and then short ones of answers made of two."""
+
+    hot: float
+    cold: float
+    anneals: int = 1
+    stage: int = 0
+    begun: float = 0.0
+    steps: int = 0
+
+    def over(self, share: float, done: int) -> bool:
+        """Whether an anneal is over, told the share of the run that is."""
+        return self.anneals > 1 and self.done(share, done) >= 1.0
+
+    def done(self, share: float, done: int) -> float:
+        """How much of the anneal at hand is over."""
+        if self.stage >= self.anneals:
+            return (done - self.begun) / self.steps
+        return share if self.anneals == 1 else (share - self.begun) * self.anneals / FROM_NOTHING
+
+    def next(self, share: float, done: int, steps: int) -> bool:
+        """Go on to the next anneal; whether it begins from nothing, or lasts so many steps."""
+        self.stage += 1
+        fresh = self.stage < self.anneals
+        self.begun, self.steps = (share, 0) if fresh else (done, steps)
+        return fresh
+
+    def warmth(self, share: float, done: int) -> float:
+        """The temperature."""
+        hot = self.hot if self.stage < self.anneals else REWARMED * self.hot
+        return self.cold * (max(hot, self.cold) / self.cold) ** (1.0 - min(1.0, self.done(share, done)))
+
+
 class _Search:
     """One run: cools down, publishes its incumbents, and translates its answers."""
 
@@ -145,6 +186,7 @@ class _Search:
     ) -> None:
         from .ruin_recreate_steps import route_kernels, search_kernels
         from .ruin_recreate_steps.arrays import arrays
+        from .ruin_recreate_steps.elites import Elites
 
         self.problem, self.options, self.asked, self.control, self.stop = problem, options, asked, control, stop
         self.seconds_at = seconds_at
@@ -155,7 +197,8 @@ class _Search:
         self.sloped = self.data is not data
         optional = not problem.sites.required[problem.customers].all()
         self.held = arrays(problem, self.data, int(asked["neighbours"]) * (2 if optional else 1), options.seed % 2**64)
-        self.best = np.zeros(1 + len(self.held.node), dtype=np.int64)
+        self.best, self.own = np.zeros((2, 1 + len(self.held.node)), dtype=np.int64)  # of all, and of the anneal at hand
+        self.elites = Elites(self.held, options.seed)
         self.sizes = np.array([asked["string"], asked["removals"], 0.0])
         self.answer: Routes | None = None
         self.value: float | None = None
@@ -171,6 +214,7 @@ class _Search:
         start = self.options.start is not None and self.held.begin(self.options.start)
         self.best[0] = sums[k.OBJECTIVE]
         self.best[1:] = np.where(self.held.node[:, k.ROUTE] >= 0, self.held.node[:, k.FOLLOWING], -1)
+        self.own[:] = self.best
         self.publish()
         began, pieces, whole = now(), 64, max(1e-9, self.options.time_limit)
         self.advance(int(min(len(self.held.customers), most)), 0.0)
@@ -180,26 +224,28 @@ class _Search:
         move = self.mean_move()
         warmer = WARMER_WITH_WINDOWS if self.held.flags & k.TIMED else (1.0, 1.0)
         hot, cold = (self.asked[name] * move * more for name, more in zip(("hot", "cold"), warmer, strict=True))
-        bettered = at = 0
-        limit = "time"
-        measured = not self.by_clock
+        course = Course(max(hot, 1e-9), max(cold, 1e-9))
+        at, limit, measured = 0, "time", not self.by_clock
+        if math.isfinite(most):
+            course.anneals = self.anneals(most)
         while not self.stop.reached() and now() - began < whole:
             done = int(sums[k.STEPS])
             if not measured and now() - began >= MEASURED:
                 measured = True
                 spent = now() - began
                 whole = spent + self.seconds_at(done / spent, len(self.held.customers), self.stop.seconds_left)
+                course.anneals = self.anneals(done / spent * whole)
                 if start and done / spent * whole < FEW * len(self.held.customers):
-                    hot = min(hot, 3.0 * cold)
-            if sums[k.BETTER] > bettered:
-                bettered, at = int(sums[k.BETTER]), done
+                    course.hot = min(course.hot, 3.0 * course.cold)
             if done >= most or done - at >= idle:
                 limit = "iterations"
                 break
             share = done / most if math.isfinite(most) else (now() - began) / whole
-            started = now()
-            steps = int(min(pieces, most - done, idle - (done - at)))
-            self.advance(steps, max(cold, 1e-9) * (max(hot, 1e-9) / max(cold, 1e-9)) ** (1.0 - min(1.0, share)))
+            if course.over(share, done):
+                self.go_on(course, share, done)
+            started, value = now(), self.best[0]
+            self.advance(int(min(pieces, most - done, idle - (done - at))), course.warmth(share, done))
+            at = int(sums[k.STEPS]) if self.best[0] < value else at
             if self.by_clock:
                 pieces = max(16, int(pieces * min(4.0, PIECE / max(1e-6, now() - started))))
             self.publish()
@@ -258,6 +304,7 @@ class _Search:
         held.site[:, k.MISSED], self.sizes[2] = prices, 0.0
         held.put(held.routes(self.best[1:]))
         self.best[0] = held.sums[k.OBJECTIVE]
+        self.own[:] = self.best
 
     @property
     def lacking(self) -> bool:
@@ -270,7 +317,22 @@ class _Search:
         return self.options.iterations is None and self.options.no_improvement is None
 
     def advance(self, steps: int, warmth: float) -> None:
-        self.kernels.anneal(self.stop.flag, *self.held.parts, self.best, self.sizes, steps, warmth, self.held.flags)
+        self.kernels.anneal(self.stop.flag, *self.held.parts, self.own, self.sizes, steps, warmth, self.held.flags)
+        if self.own[0] < self.best[0]:
+            self.best[:] = self.own
+
+    def anneals(self, ruins: float) -> int:
+        """How many anneals there is time for, told how many ruins."""
+        coupled = self.held.flags & (self.columns.GROUPED | self.columns.RELOADING)  # routes of two answers do not go together then
+        return 1 if coupled else max(1, min(ANNEALS, int(ruins / (AN_ANNEAL * len(self.held.customers)))))
+
+    def go_on(self, course: Course, share: float, done: int) -> None:
+        """Keep the answer of an anneal, and begin the next one: from nothing, or from an answer made of two."""
+        self.elites.add(int(self.own[0]), self.held.routes(self.own[1:]))
+        fresh = course.next(share, done, RECOMBINED * len(self.held.customers))
+        if not self.held.put(Routes(()) if fresh else self.elites.make()):
+            self.held.put(self.held.routes(self.best[1:]))
+        self.own[0] = np.iinfo(np.int64).max
 
     def mean_move(self) -> float:
         """Cost of a move on the mean, without that of the vehicles."""

@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from coded import coded
-from small_routing import small
+from small_routing import small, varied
 
 import waybound as wb
 from waybound.instances.errors import UsageError
 from waybound.solvers.backend import Control, Options
+from waybound.solvers.engines.routing import ruin_recreate
 from waybound.solvers.engines.routing.ruin_recreate import RuinRecreate
 
 
@@ -38,6 +39,39 @@ def test_who_is_on_no_route_is_named() -> None:
     found = run(far, iterations=500)
     assert found.status == "unknown" and found.answer is None
     assert found.message.startswith("no answer was found that visits every required site; the best one leaves out ")
+
+
+def test_a_vehicle_takes_no_route_over_that_it_lacks_skills_for() -> None:
+    problem = varied("skills", 27, 5)
+    for seed in range(3):
+        assert problem.evaluate(run(problem, iterations=2000, seed=seed).answer).feasible
+
+
+@pytest.mark.parametrize("iterations", [1641, 2000])
+def test_the_search_for_places_ends_with_its_share_of_iterations(iterations: int) -> None:
+    problem = wb.generate("random", customers=6, capacity=40)
+    tight = replace(problem, fleet=(replace(problem.fleet[0], count=1, capacity=float(problem.sites.demand.max())),))
+    assert run(tight, iterations=iterations).statistics["iterations"] == iterations
+
+
+def test_routes_are_dissolved_where_vehicles_count_first() -> None:
+    """Twelve loads of 5, 5 and 6 go on four vehicles of 16 in one way only."""
+    load = np.array([0, *[5, 5, 6] * 4])
+    turn = np.linspace(0, 2 * np.pi, 13)
+    xy = np.column_stack([np.cos(turn), np.sin(turn)]) * 100 * (load > 0)[:, None]
+    sites = wb.Sites.of(range(13), demand=load, coordinates=xy)
+    goal = wb.Vehicles().then(wb.TotalCost())
+    problem = wb.RoutingProblem(sites, wb.Travel("euclidean", xy), (wb.VehicleType(capacity=16.0),), goal)
+    found = run(problem, iterations=20_000)
+    assert problem.evaluate(found.answer).values[0] == 4
+
+
+def test_several_anneals_and_answers_made_of_two_are_no_worse_and_repeat() -> None:
+    problem = wb.generate("random", customers=30, capacity=40)
+    many = ruin_recreate.AN_ANNEAL * 30 * ruin_recreate.ANNEALS
+    found, again = (run(problem, iterations=many) for _ in range(2))
+    assert found.answer == again.answer and problem.evaluate(found.answer).feasible
+    assert found.statistics["iterations"] == many
 
 
 def test_where_only_rewards_count_the_claim_is_the_judges_and_routes_are_short() -> None:
