@@ -168,6 +168,8 @@ def kernel(*declared: str, **options: Any) -> Callable[[Callable[..., Any]], Ker
         try:
             found = numba.njit(cache=True, **options)(function)
             found._cache.save_overload = _forgiving(found._cache.save_overload)
+            kept = found._cache._cache_file
+            kept._source_stamp = (kept._source_stamp, *_stamps(function))
         except (RuntimeError, OSError):  # RuntimeError is numba's word for "no locator available": nowhere to keep the cache
             found = numba.njit(**options)(function)
         found.__class__ = Kernel
@@ -176,6 +178,13 @@ def kernel(*declared: str, **options: Any) -> Callable[[Callable[..., Any]], Ker
         return found  # type: ignore[no-any-return]
 
     return made
+
+
+def _stamps(function: Callable[..., Any]) -> list[Any]:
+    """When the files were written that hold the kernels which its module imports: what was compiled of their older text is of no use."""
+    imported = {id(one): one for one in function.__globals__.values() if isinstance(one, Kernel)}.values()
+    files = (getattr(one._cache, "_cache_file", None) for one in imported if one.py_func.__module__ != function.__module__)
+    return sorted({file._source_stamp for file in files if file is not None}, key=repr)
 
 
 inner = kernel(no_cpython_wrapper=True)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import operator
+import os
 import pkgutil
+import sys
 from pathlib import Path
 from typing import NamedTuple
 
@@ -171,3 +173,30 @@ def test_kernels_lie_in_modules_of_their_own() -> None:
         assert spec is not None and spec.origin is not None
         if not module.name.endswith(("_kernels", ".kernels")) and "notebooks" not in module.name:
             assert "@kernel(" not in Path(spec.origin).read_text(encoding="utf-8"), module.name
+
+
+def test_what_is_compiled_of_imported_kernels_is_compiled_anew_when_their_file_changes(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Numba itself looks at the file of the outer one alone."""
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.syspath_prepend(str(tmp_path))
+    importing = "from waybound.formulations.kernels import kernel\n"
+    (tmp_path / "outer_part.py").write_text(
+        f"from inner_part import less\n{importing}@kernel('i8(i8)')\ndef lesser(x):\n    return less(x)\n"
+    )
+
+    def answer(text: str, written: int) -> tuple[bool, int]:
+        part = tmp_path / "inner_part.py"
+        part.write_text(f"{importing}@kernel(no_cpython_wrapper=True)\ndef less(x):\n    return {text}\n")
+        os.utime(part, (written, written))
+        importlib.invalidate_caches()
+        for name in ("inner_part", "outer_part"):
+            monkeypatch.delitem(sys.modules, name, raising=False)
+        lesser = importlib.import_module("outer_part").lesser
+        return lesser.kept(), lesser(5)
+
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    assert answer("x - 1", 1) == (False, 4)
+    assert answer("x - 1", 1) == (True, 4)
+    assert answer("x - 2", 2) == (False, 3)

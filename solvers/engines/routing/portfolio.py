@@ -46,6 +46,9 @@ FIRST_SHARE = 0.5
 TOO_LATE = 0.05
 """Seconds of the time limit with which no engine is begun."""
 
+COMPILING = 8.0
+"""Seconds of the time limit below which nothing would be compiled in time."""
+
 LAST_SHARE = 0.1
 """Part of the time below which no other engine is begun."""
 
@@ -137,8 +140,11 @@ class _Search:
         started = self.options.start is not None and self.best.take(self.options.start)
         results = []
         with ExitStack() as stack:
-            compiler = self.compiler(stack, turns)
-            if compiler is not None:
+            waits = self.has_to_compile(turns)
+            if waits and self.ends - now() < COMPILING:
+                turns = turns[-1:]
+            elif waits:
+                compiler = self.compiler(stack)
                 results.append(self.turn(turns[-1], 1.0, compiler))
                 turns = [] if compiler.poll() is None else turns if self.compiled() else turns[-1:]  # no folder may keep what is compiled
             for turn in turns:
@@ -165,14 +171,15 @@ class _Search:
         """Whether the run shall repeat, so that no clock may end a turn."""
         return self.options.iterations is not None or self.options.no_improvement is not None
 
-    def compiler(self, stack: ExitStack, turns: list[Turn]) -> subprocess.Popen[bytes] | None:
-        """A process that compiles the loops of ruin and recreate while a library searches; None where nothing or nobody has to wait."""
-        if not issubclass(turns[0].engine, RuinRecreate) or len(turns) == 1 or self.repeats:
-            return None
-        if self.compiled():
-            return None
+    def has_to_compile(self, turns: list[Turn]) -> bool:
+        """Whether the loops of ruin and recreate have to be compiled, and a library can search meanwhile."""
+        return issubclass(turns[0].engine, RuinRecreate) and len(turns) > 1 and not self.repeats and not self.compiled()
+
+    @staticmethod
+    def compiler(stack: ExitStack) -> subprocess.Popen[bytes]:
+        """A process that compiles the loops of ruin and recreate."""
         nice = shutil.which("nice")  # who searches and who bounds come first
-        command = [*([nice, "-n", "19"] if nice else []), sys.executable, "-m", "waybound", "warm", "--quiet", "ruin_recreate_steps"]
+        command = [*([nice, "-n", "5"] if nice else []), sys.executable, "-m", "waybound", "warm", "--quiet", "ruin_recreate_steps"]
         return stack.enter_context(child(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
 
     @staticmethod

@@ -58,6 +58,9 @@ WARMTH, PRICE, GROWTH = 0.3, 5.0, 0.01
 PATIENCE = 1000
 """Steps of it between two looks at the clock."""
 
+DURATIONS = frozenset({"max-duration", "duration-cost", "overtime", "energy:elapsed", "objective:total-duration", "objective:makespan"})
+"""Features by which the duration of a route counts."""
+
 MOST_PRIZES = 1 << 58
 """Sum of all prizes up to which they can be added to other costs."""
 
@@ -86,8 +89,8 @@ class RuinRecreate(Bisecting):
             "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites", "groups",
             "reloads", "overtime", "committed-vehicles", "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes",
             "fixed-cost", "separate-durations", "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "initial-energy",
-            "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "skills",
-            "forbidden-moves", "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward",
+            "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "several-windows",
+            "skills", "forbidden-moves", "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward",
             "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights",
             "objective:priorities",
         }
@@ -96,10 +99,11 @@ class RuinRecreate(Bisecting):
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
         charged = (k for k, v in enumerate(problem.fleet) if v.energy is not None and v.energy.charge == "travel")
         apart = any(problem.travel_of(k).own_durations for k in charged)  # time on the move is limited as a distance
-        clashing = {"shipments", "reloads"} <= problem.features()
+        features = problem.features()
         return (
             unscalable(problem)
-            | ({"shipments with reloads"} if clashing else frozenset())
+            | ({"shipments with reloads"} if {"shipments", "reloads"} <= features else frozenset())
+            | ({"several-windows with durations"} if "several-windows" in features and features & DURATIONS else frozenset())
             | entangled(problem)
             | ({"energy:travel with separate-durations"} if apart else frozenset())
         )

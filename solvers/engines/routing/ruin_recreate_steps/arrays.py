@@ -178,8 +178,11 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
         partner[[first, last]], second[last] = (last, first), 1
         loads[1][first] += load
         loads[1][last] -= load
+    many = max(map(len, data.windows)) if any(len(listed) > 1 for listed in data.windows) else 0
+    windows = np.array([[*listed, *[listed[-1]] * (many - len(listed))][:many] for listed in data.windows], dtype=np.int64)
+    windows = _limited(windows.reshape(sites, 2 * many))
     site = np.column_stack(
-        [data.service, data.ready, _limited(data.due), required, lost, lost, away, partner, second, group, alternative, *loads]
+        [data.service, data.ready, _limited(data.due), required, lost, lost, away, partner, second, group, alternative, *loads, windows]
     )
     ends = np.array([(v.start, v.end) for v in fleet])
     most_reloads = [len(customers) * bool(v.reloads) if v.max_reloads is None else v.max_reloads for v in fleet]
@@ -208,8 +211,8 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     route[:, k.KIND], route[:, k.STAMP], route[:, [k.SOUND, k.PUNCTUAL]] = kind, -1, 1
     route[:, k.LENGTH], route[:, k.COST] = node[heads, k.AHEAD], home[kind]
     depots = np.array([(site, sites + 2 * len(kind) + at * spare, spare) for at, site in enumerate(reloads)], dtype=np.int64).reshape(-1, 3)
-    for depot, begin, many in depots.tolist():
-        node[begin : begin + many, k.SITE] = depot
+    for depot, begin, nodes in depots.tolist():
+        node[begin : begin + nodes, k.SITE] = depot
     absent = np.zeros(sites, dtype=np.int64)
     absent[: len(customers)] = customers
     sums = np.array([*[lost[customers].sum() + home[kind].sum()] * 2, len(customers), 0, 0])
@@ -219,16 +222,17 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
         allowed[number, reloads] = [site in vehicle.reloads for site in reloads]
     features = {
         k.TIMED: timed, k.SPANNED: spanned, k.PICKED: picked, k.SHIPPED: shipments, k.GROUPED: problem.sites.groups, k.RELOADING: reloads,
+        k.WINDOWED: many,
     }  # fmt: skip
-    flags = sum(flag for flag, there in features.items() if there)
+    flags = sum(flag for flag, there in features.items() if there) + (many << k.MANY)
     return Arrays(
-        ways, at_way, _rows(site), _rows(types), allowed, _alone(site, types, allowed, on, goes, timed),
+        ways, at_way, _rows(site), _rows(types), allowed, _alone(site, types, allowed, on, goes, flags),
         customers.astype(np.int64), near, reach, drive, depots, route, node, absent, sums, np.array([seed], dtype=np.uint64),
         np.zeros(len(node) + 2, dtype=np.int64), np.zeros((3, max(2, sites)), dtype=np.int64), np.zeros(sites), flags,
     )  # fmt: skip
 
 
-def _alone(site: Integers, types: Integers, allowed: NDArray[np.bool_], on: Integers, goes: Integers, timed: bool) -> Integers:
+def _alone(site: Integers, types: Integers, allowed: NDArray[np.bool_], on: Integers, goes: Integers, flags: int) -> Integers:
     """Cost of a route that visits one site alone, or carries one shipment, for each vehicle type; ``NONE`` if it breaks a limit."""
     from . import route_kernels as k
 
@@ -236,12 +240,12 @@ def _alone(site: Integers, types: Integers, allowed: NDArray[np.bool_], on: Inte
     unpaired, pickups = np.nonzero(site[:, k.PARTNER] < 0)[0], np.nonzero((site[:, k.PARTNER] >= 0) & (site[:, k.SECOND] == 0))[0]
     for kind, row in enumerate(types):
         for stops in ([unpaired], [pickups, site[pickups, k.PARTNER]]):
-            costs[kind, stops[0]] = _cost_of(row, stops, site, allowed[kind], on[row[k.PROFILE]], goes[row[k.PROFILE]], timed)
+            costs[kind, stops[0]] = _cost_of(row, stops, site, allowed[kind], on[row[k.PROFILE]], goes[row[k.PROFILE]], flags)
     return costs
 
 
 def _cost_of(
-    row: Integers, stops: list[Integers], site: Integers, allowed: NDArray[np.bool_], on: Integers, goes: Integers, timed: bool
+    row: Integers, stops: list[Integers], site: Integers, allowed: NDArray[np.bool_], on: Integers, goes: Integers, flags: int
 ) -> Integers:
     """Costs of routes of a vehicle type, each with one stop of each array of ``stops``, ``NONE`` for those that break a limit."""
     from . import route_kernels as k
@@ -249,19 +253,20 @@ def _cost_of(
     at: Any = row[k.START]
     length, spent = np.zeros((2, len(stops[0])), dtype=np.int64)
     fits, free, latest = np.ones(len(length), dtype=bool), np.full(len(length), row[k.OPENS]), np.full(len(length), row[k.LEAVES])
-    room = np.resize(row[k.CAPACITY :], site.shape[1] - k.DEMAND)  # for what is delivered, and for what is picked up
+    dims = len(row) - k.CAPACITY
+    room = np.resize(row[k.CAPACITY :], dims * (2 if flags & k.PICKED else 1))
     for stop in stops:
-        fits &= allowed[stop] & (site[stop, k.DEMAND :] <= room).all(axis=1)
+        fits &= allowed[stop] & (site[stop, k.DEMAND : k.DEMAND + len(room)] <= room).all(axis=1)
         length += on[at, stop]
-        if timed:
+        if flags & k.TIMED:
             ready, due, service, comes = *(site[stop, column] for column in (k.READY, k.DUE, k.SERVICE)), goes[at, stop]
-            begins, on_way = np.maximum(free + comes, ready), spent + comes
+            begins, on_way = _openings(site[stop], np.maximum(free + comes, ready), flags), spent + comes
             fits &= begins <= due
             free, spent = begins + service, on_way + np.maximum(ready - on_way - latest, 0) + service
             latest = np.minimum(due - on_way, latest)
         at = stop
     length += on[at, row[k.END]]
-    if timed:
+    if flags & k.TIMED:
         spent += goes[at, row[k.END]]
         fits &= (free + goes[at, row[k.END]] <= row[k.CLOSES]) & (spent <= row[k.MAX_DURATION])
     fits &= length <= row[k.MAX_DISTANCE]
@@ -269,6 +274,19 @@ def _cost_of(
     hours = row[k.TIME] * spent + row[k.OVERTIME] * np.maximum(spent - row[k.REGULAR], 0)
     cost = row[k.UNIT] * np.where(fits, length, 0) + row[k.FIXED] + hours - row[k.HOME]
     return np.where(fits, cost, k.NONE)
+
+
+def _openings(site: Integers, times: Integers, flags: int) -> Integers:
+    """``route_kernels.opening`` at one site of each row."""
+    from . import route_kernels as k
+
+    many = flags >> k.MANY
+    if not many:
+        return times
+    windows = site[:, site.shape[1] - 2 * many :].reshape(len(site), many, 2)
+    usable = times[:, None] <= windows[:, :, 1]
+    first = windows[np.arange(len(site)), usable.argmax(axis=1), 0]
+    return np.where(usable.any(axis=1), np.maximum(times, first), k.NONE)
 
 
 def dear(problem: RoutingProblem, data: IntegerRouting) -> int:

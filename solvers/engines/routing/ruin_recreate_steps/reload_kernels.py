@@ -40,6 +40,7 @@ from .route_kernels import (
     hours,
     inner,
     load,
+    opening,
 )
 
 
@@ -158,8 +159,8 @@ def reload_and_visit(ways, at_way, site, types, allowed, route, node, near, depo
                         continue
                     if flags & TIMED:
                         comes, between, goes = ways[p, x, a, at_way[2]], ways[p, x, y, at_way[3]], ways[p, y, b, at_way[3]]
-                        begins = max(node[i, FREE] + comes, site[x, READY])
-                        begins_then = max(begins + site[x, SERVICE] + between, site[y, READY])
+                        begins = opening(site, x, max(node[i, FREE] + comes, site[x, READY]), flags)
+                        begins_then = opening(site, y, max(begins + site[x, SERVICE] + between, site[y, READY]), flags)
                         if begins > site[x, DUE] or begins_then > site[y, DUE] or begins_then + site[y, SERVICE] + goes > node[j, LATEST]:
                             continue
                         if flags & SPANNED:

@@ -59,9 +59,13 @@ SEARCHED, OBJECTIVE, ABSENT, STEPS, BETTER = range(5)
 """Entries of ``sums``: cost of routes and what the search misses; the same in the objective; how many are left out; steps done; how many of
 them led to a better answer than all before."""
 
-TIMED, SPANNED, PICKED, SHIPPED, GROUPED, RELOADING = 1, 2, 4, 8, 16, 32
+TIMED, SPANNED, PICKED, SHIPPED, GROUPED, RELOADING, WINDOWED = 1, 2, 4, 8, 16, 32, 64
 """Flags: anybody can come too late; the duration of a route is limited or priced; loads are picked up, too, and brought to the end or, of
-a shipment, to another visit; there are groups; vehicles reload."""
+a shipment, to another visit; there are groups; vehicles reload; sites have several windows, as many as
+``flags >> MANY`` at most, which are the last columns of sites."""
+
+MANY = 16
+"""Bits of flags before the number of windows."""
 
 NONE = 1 << 60
 """Cost of what cannot be done."""
@@ -96,6 +100,30 @@ def below(random, n):  # type: ignore[no-untyped-def]
 
 
 @inlined
+def opening(site, c, at, flags):  # type: ignore[no-untyped-def]
+    """When service can begin at ``c`` for who is there at a time not before the first of its windows opens; ``NONE`` after the last."""
+    if flags & WINDOWED:
+        first = site.shape[1] - 2 * (flags >> MANY)
+        for place in range(first, site.shape[1], 2):
+            if at <= site[c, place + 1]:
+                return max(at, site[c, place])
+        return NONE
+    return at
+
+
+@inlined
+def closing(site, c, at, flags):  # type: ignore[no-untyped-def]
+    """When service can begin at ``c`` at the latest, at a time not after the last of its windows closes; ``-NONE`` before the first."""
+    if flags & WINDOWED:
+        first = site.shape[1] - 2 * (flags >> MANY)
+        for place in range(site.shape[1] - 2, first - 2, -2):
+            if at >= site[c, place]:
+                return min(at, site[c, place + 1])
+        return -NONE
+    return at
+
+
+@inlined
 def arrive(ways, at_way, site, types, node, at, ahead, k, p, tail, flags):  # type: ignore[no-untyped-def]
     """The times of node ``ahead`` from those of ``at`` before it: whether it is in time, and whether any is another one than before."""
     b = node[ahead, SITE]
@@ -104,7 +132,10 @@ def arrive(ways, at_way, site, types, node, at, ahead, k, p, tail, flags):  # ty
     opens, closes, service = types[k, OPENS], types[k, CLOSES], 0
     if ahead != tail:
         opens, closes, service = site[b, READY], site[b, DUE], site[b, SERVICE]
-    free = max(reached, opens) + service
+    free = max(reached, opens)
+    if ahead != tail:
+        free = opening(site, b, free, flags)
+    free += service
     other = free != node[ahead, FREE]
     node[ahead, FREE] = free
     if flags & SPANNED:
@@ -123,6 +154,8 @@ def go_on(ways, at_way, site, types, node, behind, at, k, p, head, flags):  # ty
     if behind != head:
         opens, closes, drives = site[a, READY], site[a, DUE], drives + site[a, SERVICE]
     latest = min(closes, node[at, LATEST] - drives)
+    if behind != head:
+        latest = closing(site, a, latest, flags)
     other = latest != node[behind, LATEST]
     node[behind, LATEST] = latest
     if flags & SPANNED:
@@ -315,7 +348,7 @@ def longer(ways, at_way, site, types, allowed, route, node, c, i, r, least, flag
         arrives = node[i, FREE] + comes
         if arrives > site[c, DUE]:
             return NONE
-        if max(arrives, site[c, READY]) + site[c, SERVICE] + goes > node[j, LATEST]:
+        if opening(site, c, max(arrives, site[c, READY]), flags) + site[c, SERVICE] + goes > node[j, LATEST]:
             return NONE
         if flags & SPANNED:
             on_way = node[i, TOOK] + comes

@@ -117,7 +117,7 @@ def hand_over(ways, at_way, types, allowed, customers, route, node, site, sums, 
     return logged
 
 
-@inlined
+@inner
 def ruin(ways, at_way, site, types, customers, near, route, node, absent, sums, random, log, moved, sizes, routes, step, flags):  # type: ignore[no-untyped-def]
     """Leave out strings of visits on routes near to each other; returns how much of the log is used, and how many were left out."""
     sites, n, logged, moves = len(site), len(customers), 0, 0
@@ -184,7 +184,7 @@ def ruin(ways, at_way, site, types, customers, near, route, node, absent, sums, 
     return logged, moves
 
 
-@inlined
+@inner
 def list_alternatives(site, node, moved, moves, step):  # type: ignore[no-untyped-def]
     """Add all of the groups of those left out to what is to be inserted; returns how many there are."""
     for m in range(moves):

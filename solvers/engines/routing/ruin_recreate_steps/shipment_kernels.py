@@ -34,6 +34,7 @@ from .route_kernels import (
     hours,
     inlined,
     inner,
+    opening,
     word,
 )
 
@@ -66,7 +67,7 @@ def ship_on(ways, at_way, site, types, route, node, c, partner, r, least, random
             if free > site[c, DUE]:
                 i = j
                 continue
-            free = max(free, site[c, READY]) + site[c, SERVICE]
+            free = opening(site, c, max(free, site[c, READY]), flags) + site[c, SERVICE]
             if flags & SPANNED:
                 on_way = node[i, TOOK] + drives
                 took = on_way + max(site[c, READY] - on_way - node[i, LATE], 0) + site[c, SERVICE]
@@ -85,7 +86,7 @@ def ship_on(ways, at_way, site, types, route, node, c, partner, r, least, random
                     if flags & TIMED:
                         drives, goes = ways[p, partner, node[at, SITE], at_way[2]], ways[p, partner, on, at_way[3]]
                         reached = free + drives
-                        leaves = max(reached, site[partner, READY]) + site[partner, SERVICE]
+                        leaves = opening(site, partner, max(reached, site[partner, READY]), flags) + site[partner, SERVICE]
                         able = reached <= site[partner, DUE] and leaves + goes <= node[onward, LATEST]
                         if flags & SPANNED:
                             on_way = took + drives
@@ -104,7 +105,7 @@ def ship_on(ways, at_way, site, types, route, node, c, partner, r, least, random
                     reached = free + drives
                     if reached > node[onward, LATEST] or reached > site[partner, DUE]:
                         break
-                    free = max(reached, site[on, READY]) + site[on, SERVICE]
+                    free = opening(site, on, max(reached, site[on, READY]), flags) + site[on, SERVICE]
                     if flags & SPANNED:
                         on_way = took + drives
                         took = on_way + max(site[on, READY] - on_way - late, 0) + site[on, SERVICE]

@@ -95,6 +95,7 @@ def test_a_library_searches_while_loops_are_compiled(monkeypatch: pytest.MonkeyP
             yield process
 
     monkeypatch.setattr(portfolio, "child", short)
+    monkeypatch.setattr(portfolio, "COMPILING", 0.0)
     monkeypatch.setattr(portfolio, "ENOUGH", 0)  # however slow this machine is, the second one has a turn
     looks: list[bool] = []
     monkeypatch.setattr(type(search_kernels.anneal), "kept", lambda kernel: looks.append(True) or len(looks) > 1)
@@ -105,6 +106,8 @@ def test_a_library_searches_while_loops_are_compiled(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(type(search_kernels.anneal), "kept", lambda kernel: False)
     assert engines(run(problem, time_limit=1.0)) == ["pyvrp", "pyvrp"] and commands.pop()  # where nothing that is compiled can be kept
     assert engines(run(problem, iterations=10)) == ["ruin-recreate", "pyvrp"] and len(commands) == 1  # which shall repeat
+    monkeypatch.setattr(portfolio, "COMPILING", 10.0)
+    assert engines(run(problem, time_limit=1.0)) == ["pyvrp"] and len(commands) == 1  # too short to compile anything
 
 
 def test_what_the_only_engine_that_takes_a_problem_does_not_keep_to_is_refused() -> None:
