@@ -173,7 +173,7 @@ class Course:
     def warmth(self, share: float, done: int) -> float:
         """The temperature."""
         hot = self.hot if self.stage < self.anneals else REWARMED * self.hot
-        return self.cold * (max(hot, self.cold) / self.cold) ** (1.0 - min(1.0, self.done(share, done)))
+        return float(self.cold * (max(hot, self.cold) / self.cold) ** (1.0 - min(1.0, self.done(share, done))))
 
 
 class _Search:
