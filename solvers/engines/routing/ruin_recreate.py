@@ -43,11 +43,19 @@ WARMER_WITH_WINDOWS = (3.0, 2.0)
 """Factors of the first and of the last temperature for problems with time windows: there a search that begins at the usual temperature
 seldom gets rid of a route."""
 
-ANNEALS, AN_ANNEAL, FROM_NOTHING = 4, 2_500, 0.6
-"""Anneals from nothing at most, ruins for each customer that each of them takes at least, and their share of the time."""
+WARMER = 2.0, 2.0
+"""The same for others in which all sites are required."""
 
-RECOMBINED, REWARMED = 200, 0.3
-"""Ruins for each customer of an anneal that begins with an answer made of two, and its first temperature as a share of the usual one."""
+ANNEALS, AMPLE, FROM_NOTHING = 4, 12_000, 0.6
+"""How many anneals there are from nothing where there is time for so many ruins for each customer, and their share of the time; with less,
+one long anneal is better."""
+
+RECOMBINED = 200
+"""Ruins for each customer of an anneal that begins with an answer made of two."""
+
+COOLER, REWARMED = 0.2, 0.2
+"""First temperatures of all anneals but the first, and of those that begin with an answer made of two, as shares of the first one's: short
+ones end better when they begin cool, while only a warm one gets rid of a route too many."""
 
 PLACING = 0.2
 """Share of the time for places of required sites that are left out, and for fewer vehicles where a vehicle outweighs all else."""
@@ -172,7 +180,7 @@ class Course:
 
     def warmth(self, share: float, done: int) -> float:
         """The temperature."""
-        hot = self.hot if self.stage < self.anneals else REWARMED * self.hot
+        hot = self.hot * (1.0 if self.stage == 0 else COOLER if self.stage < self.anneals else REWARMED)
         return float(self.cold * (max(hot, self.cold) / self.cold) ** (1.0 - min(1.0, self.done(share, done))))
 
 
@@ -226,7 +234,8 @@ class _Search:
         if self.data.prize.any() and self.sloped and self.asked["worth"]:
             self.held.reward(self.asked["worth"])
         move = self.mean_move()
-        warmer = WARMER_WITH_WINDOWS if self.held.flags & k.TIMED else (1.0, 1.0)
+        optional = (self.held.site[self.held.customers, k.REQUIRED] == 0).any()
+        warmer = WARMER_WITH_WINDOWS if self.held.flags & k.TIMED else (1.0, 1.0) if optional else WARMER
         hot, cold = (self.asked[name] * move * more for name, more in zip(("hot", "cold"), warmer, strict=True))
         course = Course(max(hot, 1e-9), max(cold, 1e-9))
         at, limit, measured = 0, "time", not self.by_clock
@@ -328,7 +337,7 @@ class _Search:
     def anneals(self, ruins: float) -> int:
         """How many anneals there is time for, told how many ruins."""
         coupled = self.held.flags & (self.columns.GROUPED | self.columns.RELOADING)  # routes of two answers do not go together then
-        return 1 if coupled else max(1, min(ANNEALS, int(ruins / (AN_ANNEAL * len(self.held.customers)))))
+        return 1 if coupled or ruins < AMPLE * len(self.held.customers) else ANNEALS
 
     def go_on(self, course: Course, share: float, done: int) -> None:
         """Keep the answer of an anneal, and begin the next one: from nothing, or from an answer made of two."""

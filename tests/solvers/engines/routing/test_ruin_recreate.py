@@ -68,7 +68,7 @@ def test_routes_are_dissolved_where_vehicles_count_first() -> None:
 
 def test_several_anneals_and_answers_made_of_two_are_no_worse_and_repeat() -> None:
     problem = wb.generate("random", customers=30, capacity=40)
-    many = ruin_recreate.AN_ANNEAL * 30 * ruin_recreate.ANNEALS
+    many = ruin_recreate.AMPLE * 30
     found, again = (run(problem, iterations=many) for _ in range(2))
     assert found.answer == again.answer and problem.evaluate(found.answer).feasible
     assert found.statistics["iterations"] == many
