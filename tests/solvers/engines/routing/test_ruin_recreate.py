@@ -122,3 +122,16 @@ def test_a_limit_of_time_is_kept_and_the_best_answer_handed_out() -> None:
     found = RuinRecreate().run(problem, Options(time_limit=0.3), control)
     assert found.limit == "time" and problem.evaluate(found.answer).feasible
     assert np.all(np.diff(heard) <= 0) and found.objective == min(heard)
+
+
+def test_a_course_cools_down_once_or_begins_again() -> None:
+    once = ruin_recreate.Course(100.0, 1.0)
+    assert [once.warmth(share, 0) for share in (0.0, 0.5, 1.0)] == pytest.approx([100.0, 10.0, 1.0]) and not once.over(1.0, 0)
+    course = ruin_recreate.Course(100.0, 1.0, anneals=2)
+    each = ruin_recreate.FROM_NOTHING / 2
+    assert course.warmth(each / 2, 0) == pytest.approx(10.0) and not course.over(each / 2, 0) and course.over(each, 0)
+    assert course.next(each, 500, 40)
+    assert course.warmth(each, 500) == pytest.approx(100.0 * ruin_recreate.COOLER) and course.warmth(2 * each, 900) == pytest.approx(1.0)
+    assert not course.next(2 * each, 1000, 40)
+    assert course.warmth(0.7, 1000) == pytest.approx(100.0 * ruin_recreate.REWARMED)
+    assert not course.over(0.7, 1039) and course.over(0.7, 1040)
