@@ -148,7 +148,7 @@ def test_the_nearest_solver_is_of_the_family_and_lacks_fewest() -> None:
     assert missing_features("pyvrp", asking(LongestRoute(), **charged))[0] == {"energy:windows", "committed-vehicles"}
     assert missing_features("saddle", asking(LongestRoute()))[0] == {"routing problems"}
     with pytest.raises(
-        UnsupportedError, match=r"^no installed solver can take this problem: the nearest, portfolio, does not handle objective:1"
+        UnsupportedError, match=r"^no installed solver can take this problem: the nearest, portfolio, does not handle energy:windows"
     ):
         wb.solve(asking(Reward() + LongestRoute(), **charged))
 
