@@ -181,7 +181,7 @@ def kernel(*declared: str, **options: Any) -> Callable[[Callable[..., Any]], Ker
 
 
 def _stamps(function: Callable[..., Any]) -> list[Any]:
-    """When the files were written that hold the kernels which its module imports: what was compiled of their older text is of no use."""
+    """Stamps of the files from which its module imports kernels: where one of them changes, what was compiled is of no use."""
     imported = {id(one): one for one in function.__globals__.values() if isinstance(one, Kernel)}.values()
     files = (getattr(one._cache, "_cache_file", None) for one in imported if one.py_func.__module__ != function.__module__)
     return sorted({file._source_stamp for file in files if file is not None}, key=repr)

@@ -61,7 +61,7 @@ class PartControl(Control):
 
     @property
     def best(self) -> BestRoutes:
-        """Where its answers go."""
+        """The keeper of the best answer of all searches."""
         return self._best
 
     def begin_set_up(self) -> None:

@@ -22,7 +22,7 @@ CORNERS = 2_000
 """Corners of a convex hull up to which all pairs of them are looked at."""
 
 STEPS = {"file": 1.0, "round": 1.0, "ceil": 1.0, "trunc1": 0.1, "trunc2": 0.01}
-"""What the distances of a convention are multiples of."""
+"""Step of each rounding convention: every distance is a multiple of it."""
 
 NO_STEP = 1.0 / math.pi
 """Part of the largest distance that stands for distances that are multiples of nothing: no power of ten makes it whole."""
@@ -60,7 +60,7 @@ def largest_duration(travel: Travel) -> float:
 
 
 def _standing_for_all(travel: Travel) -> tuple[float, ...]:
-    """The largest distance, and what all are multiples of."""
+    """The largest distance, and a number of which every distance is a multiple, or one that no power of ten makes whole."""
     points = travel.coordinates
     assert points is not None
     whole = travel.metric == "manhattan" and bool((points == np.rint(points)).all()) and float(np.abs(points).max()) < 2.0**40

@@ -26,7 +26,7 @@ from ....instances.memory import fits
 from ...backend import Control, Options, RawResult
 from .integer_scales import Floats, Integers
 from .pace import Pace
-from .routing_integers import integer_routing, with_slope
+from .routing_integers import IntegerRouting, searched_integers
 from .ruin_recreate_steps.dividing import divided, positions
 
 if TYPE_CHECKING:
@@ -124,7 +124,8 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """What a part is to do: its routes, its customers on none, its vehicles of each type, ruins and the temperatures for them, a seed."""
+    """The work on a part in one round: its routes and unvisited customers, its vehicles of each type, how many ruins, their temperatures,
+    and the seed."""
 
     state: State
     counts: Integers
@@ -135,8 +136,8 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Done:
-    """What became of a part: its routes at the end and the best ones, what those cost that it began with, these and those; ruins, and how
-    many led to better ones; seconds, and whether anybody can come too late.
+    """The result of a task: the routes at its end, the best ones on the way, and the values of start, best and end, in this order; ruins,
+    and how many found a new best answer; seconds, and whether windows or hours limit the part.
 
     ``met`` are cost, without that of vehicles, and number of moves of the routes at the end, the rewards on them, their length, and length
     and number of their moves between customers.
@@ -163,8 +164,6 @@ class Search:
         Ruins for each customer below which there is no time to cool down from far above a start.
     warmer : (float, float)
         Factors of the first and of the last temperature where anybody can come too late.
-    most_prizes : int
-        Sum of all prizes up to which they can be added to other costs.
     """
 
     def __init__(
@@ -177,17 +176,13 @@ class Search:
         *,
         few: int,
         warmer: tuple[float, float],
-        most_prizes: int,
     ) -> None:
         from .ruin_recreate_steps.arrays import dear
         from .ruin_recreate_steps.part_data import Divisible
 
         self.problem, self.options, self.asked, self.control, self.stop = problem, options, asked, control, stop
         self.few, self.warmer = few, warmer
-        data = integer_routing(problem)
-        sloped = with_slope(problem, data)
-        self.data = sloped if int(sloped.prize.sum()) < most_prizes else data
-        self.sloped = self.data is not data
+        self.data, self.sloped = searched_integers(problem)
         self.whole = Divisible(problem, self.data)
         optional = not problem.sites.required[problem.customers].all()
         self.neighbours = int(asked["neighbours"]) * (2 if optional else 1)
@@ -220,15 +215,10 @@ class Search:
         start = self.options.start is not None and self.begin(self.options.start)
         limit = self.cool(start)
         self.publish(last=True)
-        if self.control.stopped:
-            limit = "interrupt"
-        statistics = {"iterations": self.steps, "better": self.better, "rounds": self.rounds, "scale": self.data.scales}
-        if self.options.start is not None:
-            statistics["start"] = "used" if start else "refused"
-        links = (self.data.link,)
-        if self.answer is None:
-            return RawResult("unknown", limit, statistics=statistics, message=self.left_out(), links=links)
-        return RawResult("feasible", limit, self.answer, self.claim, statistics=statistics, holds=self.data.holds, links=links)
+        missing = [c for c in self.best.absent if self.problem.sites.required[c]]
+        statistics = {"iterations": self.steps, "better": self.better, "rounds": self.rounds}
+        limit = "interrupt" if self.control.stopped else limit
+        return result_of(self.problem, self.data, self.options, self.answer, self.claim, limit, statistics, start, missing)
 
     def begin(self, answer: Routes) -> bool:
         """Take the routes of an answer, the longest ones where there are more than vehicles; whether it is one of these customers."""
@@ -322,7 +312,7 @@ class Search:
         self.met = np.sum([np.zeros(6), *(one.met for one in done)], axis=0)
 
     def tasks(self, random: np.random.Generator, steps: int, warmths: tuple[float, ...], few: int | None) -> tuple[list[Task], list[State]]:
-        """What each part is to do, and the parts that do nothing."""
+        """The tasks of this round, and the states of the parts that have none."""
         routes, absent = self.state.routes, self.state.absent
         visits = np.array([len(one.visits) for one in routes], dtype=np.int64)
         flat = np.array([c for one in routes for c in one.visits], dtype=np.int64)
@@ -397,7 +387,8 @@ class Search:
         place = dict(zip(part.sites.tolist(), range(len(part.sites)), strict=True))
         kinds = {kind: k for k, kind in enumerate(part.kinds.tolist())}
         held.begin(Routes(tuple(Route(tuple(place[c] for c in one.visits), kinds[one.vehicle]) for one in task.state.routes)))
-        self.weigh(held)
+        if self.worth is not None:
+            held.weigh(self.worth)
         sums, best = held.sums, np.empty(1 + len(held.node), dtype=np.int64)
         best[0] = sums[k.OBJECTIVE]
         best[1:] = np.where(held.node[:, k.ROUTE] >= 0, held.node[:, k.FOLLOWING], -1)
@@ -442,18 +433,6 @@ class Search:
         left_out = part.sites[absent]
         return left_out, int(following[0] - held.site[absent, LOST].sum() + self.lost[left_out].sum())
 
-    def weigh(self, held: Arrays) -> None:
-        """Have the search take rewards for what they count beside the cost of the routes (``Arrays.reward``, for all parts alike)."""
-        from .ruin_recreate_steps import route_kernels as k
-
-        if self.worth is None:
-            return
-        optional = held.customers[held.site[held.customers, k.REQUIRED] == 0]
-        lost = held.site[optional, k.LOST]
-        held.site[optional, k.MISSED] = np.maximum(lost > 0, np.rint(lost * self.worth)).astype(np.int64)
-        left_out = held.absent[: int(held.sums[k.ABSENT])]
-        held.sums[k.SEARCHED] = int(held.route[:, k.COST].sum() + held.site[left_out, k.MISSED].sum())
-
     # -- answers ---------------------------------------------------------------------------------------------------------
 
     def publish(self, last: bool = False) -> None:
@@ -474,12 +453,6 @@ class Search:
             self.reserved, left = True, self.stop.seconds_left
             self.stop = self.stop.within(max(left / 2.0, left - RESERVED * (now() - began)))
 
-    def left_out(self) -> str:
-        """A sentence that names the required sites on no route of the best answer."""
-        missing = [c for c in self.best.absent if self.problem.sites.required[c]]
-        names = ", ".join(self.problem.sites.ids[c] for c in missing[:5])
-        return f"no answer was found that visits every required site; the best one leaves out {len(missing)}: {names}"
-
     def _places(self) -> Floats:
         """A point for each site."""
         problem = self.problem
@@ -491,6 +464,28 @@ class Search:
         for _ in range(LANDMARKS):
             far.append(problem.travel.distance(every, int(np.argmax(np.min(far, axis=0)))))
         return positions(np.column_stack(far[1:]), None, False)
+
+
+def result_of(
+    problem: RoutingProblem,
+    data: IntegerRouting,
+    options: Options,
+    answer: Routes | None,
+    claim: float | None,
+    limit: str,
+    statistics: dict[str, Any],
+    started: bool,
+    missing: Sequence[int],
+) -> RawResult:
+    """The result of a search: its answer, or a sentence that names the required sites on no route of the best one."""
+    statistics = {**statistics, "scale": data.scales}
+    if options.start is not None:
+        statistics["start"] = "used" if started else "refused"
+    if answer is not None:
+        return RawResult("feasible", limit, answer, claim, statistics=statistics, holds=data.holds, links=(data.link,))
+    names = ", ".join(problem.sites.ids[c] for c in missing[:5])
+    message = f"no answer was found that visits every required site; the best one leaves out {len(missing)}: {names}"
+    return RawResult("unknown", limit, statistics=statistics, message=message, links=(data.link,))
 
 
 def _together(states: Sequence[State]) -> State:

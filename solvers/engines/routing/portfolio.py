@@ -171,6 +171,11 @@ class _Search:
         """Whether the run shall repeat, so that no clock may end a turn."""
         return self.options.iterations is not None or self.options.no_improvement is not None
 
+    def has_company(self, turn: Turn) -> bool:
+        """Whether ruin and recreate searches on further threads while a library has its turn."""
+        further = self.options.threads > 1 and not self.repeats
+        return further and not issubclass(turn.engine, RuinRecreate) and not RuinRecreate().missing(self.problem)
+
     def has_to_compile(self, turns: list[Turn]) -> bool:
         """Whether the loops of ruin and recreate have to be compiled, and a library can search meanwhile."""
         return issubclass(turns[0].engine, RuinRecreate) and len(turns) > 1 and not self.repeats and not self.compiled()
@@ -202,11 +207,10 @@ class _Search:
         )
         control, before, began = _TurnControl(self, until), self.best.values, now()
         try:
-            alone = self.repeats or own.threads == 1 or issubclass(turn.engine, RuinRecreate) or RuinRecreate().missing(self.problem)
-            engine = turn.engine()
-            result = engine.run(self.problem, own, control) if alone or until is not None else accompanied(
-                engine, RuinRecreate(), self.problem, own, control
-            )  # fmt: skip
+            if until is None and self.has_company(turn):
+                result = accompanied(turn.engine(), RuinRecreate(), self.problem, own, control)
+            else:
+                result = turn.engine().run(self.problem, own, control)
         except Exception as fault:  # the next one goes on, and the message tells it
             result = RawResult("error", message=f"{turn.engine.name} failed: {in_words(fault)}")
         if result.answer is not None:

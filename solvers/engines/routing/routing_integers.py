@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 _PRECISE = 10_000
 """Least price of a unit of time that no power of ten makes whole."""
 
+MOST_PRIZES = 1 << 58
+"""Sum of all prizes up to which they can be added to other costs."""
+
 SLOPE = 1 << 20
 """Length of the longest move, where lengths only tell which of two equal answers is shorter."""
 
@@ -245,6 +248,14 @@ def with_slope(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:
         return data
     dearer = {name: v // step * outweighed for name, v in costs.items()}
     return replace(data, **dearer, unit=np.ones_like(data.unit), cost_factor=data.cost_factor * outweighed / step)
+
+
+def searched_integers(problem: RoutingProblem) -> tuple[IntegerRouting, bool]:
+    """The integers of a problem for searches that add prizes to other costs, and whether a slope was added (``with_slope``)."""
+    data = integer_routing(problem)
+    sloped = with_slope(problem, data)
+    sloped = sloped if int(sloped.prize.sum()) < MOST_PRIZES else data
+    return sloped, sloped is not data
 
 
 def _coarse(data: IntegerRouting) -> IntegerRouting:

@@ -19,8 +19,8 @@ from ...backend import BACKENDS, Control, Options, RawResult
 from .abreast import abreast
 from .bisection import Bisecting
 from .pace import Pace
-from .parts import SET_UP, Search, divides, memory
-from .routing_integers import entangled, integer_routing, with_slope
+from .parts import SET_UP, Search, divides, memory, result_of
+from .routing_integers import entangled, searched_integers
 from .routing_objective import unscalable
 
 if TYPE_CHECKING:
@@ -68,9 +68,6 @@ PATIENCE = 1000
 
 DURATIONS = frozenset({"max-duration", "duration-cost", "overtime", "energy:elapsed", "objective:total-duration", "objective:makespan"})
 """Features by which the duration of a route counts."""
-
-MOST_PRIZES = 1 << 58
-"""Sum of all prizes up to which they can be added to other costs."""
 
 
 @BACKENDS.register("ruin-recreate")
@@ -139,7 +136,7 @@ class RuinRecreate(Bisecting):
         began = time.perf_counter()
         if divides(problem, options):
             warmer = WARMER_WITH_WINDOWS
-            parts = Search(problem, options, asked, control, stop, few=FEW, warmer=warmer, most_prizes=MOST_PRIZES)
+            parts = Search(problem, options, asked, control, stop, few=FEW, warmer=warmer)
             control.end_set_up(time.perf_counter() - began)
             return parts.run()
         by_clock = options.iterations is None and options.no_improvement is None
@@ -203,10 +200,7 @@ class _Search:
         self.problem, self.options, self.asked, self.control, self.stop = problem, options, asked, control, stop
         self.seconds_at = seconds_at
         self.kernels, self.columns = search_kernels, route_kernels
-        data = integer_routing(problem)
-        sloped = with_slope(problem, data)
-        self.data = sloped if int(sloped.prize.sum()) < MOST_PRIZES else data
-        self.sloped = self.data is not data
+        self.data, self.sloped = searched_integers(problem)
         optional = not problem.sites.required[problem.customers].all()
         self.held = arrays(problem, self.data, int(asked["neighbours"]) * (2 if optional else 1), options.seed % 2**64)
         self.best, self.own = np.zeros((2, 1 + len(self.held.node)), dtype=np.int64)  # of all, and of the anneal at hand
@@ -238,7 +232,7 @@ class _Search:
         warmer = WARMER_WITH_WINDOWS if self.held.flags & k.TIMED else (1.0, 1.0) if optional else WARMER
         hot, cold = (self.asked[name] * move * more for name, more in zip(("hot", "cold"), warmer, strict=True))
         course = Course(max(hot, 1e-9), max(cold, 1e-9))
-        at, limit, measured = 0, "time", not self.by_clock
+        at, share, limit, measured = 0, 0.0, "time", not self.by_clock
         if math.isfinite(most):
             course.anneals = self.anneals(most)
         while not self.stop.reached() and now() - began < whole:
@@ -253,7 +247,10 @@ class _Search:
             if done >= most or done - at >= idle:
                 limit = "iterations"
                 break
-            share = done / most if math.isfinite(most) else (now() - began) / whole
+            if math.isfinite(most):
+                share = done / most
+            else:  # a run that no clock may steer cools down by how long nothing was gained
+                share = (now() - began) / whole if self.by_clock else max(share, (done - at) / idle)
             if course.over(share, done):
                 self.go_on(course, share, done)
             started, value = now(), self.best[0]
@@ -263,22 +260,17 @@ class _Search:
                 pieces = max(16, int(pieces * min(4.0, PIECE / max(1e-6, now() - started))))
             self.publish()
         self.publish(last=True)
-        if self.control.stopped:
-            limit = "interrupt"
-        statistics = {"iterations": int(sums[k.STEPS]), "better": int(sums[k.BETTER]), "scale": self.data.scales}
-        if self.options.start is not None:
-            statistics["start"] = "used" if start else "refused"
-        links = (self.data.link,)
-        if self.answer is None:
-            return RawResult("unknown", limit, statistics=statistics, message=self.left_out(), links=links)
-        return RawResult("feasible", limit, self.answer, self.value, statistics=statistics, holds=self.data.holds, links=links)
+        missing = self.held.unserved(self.best[1 : 1 + len(self.problem.sites)] >= 0).tolist()
+        statistics = {"iterations": int(sums[k.STEPS]), "better": int(sums[k.BETTER])}
+        limit = "interrupt" if self.control.stopped else limit
+        return result_of(self.problem, self.data, self.options, self.answer, self.value, limit, statistics, start, missing)
 
     def find_places(self, most: float, idle: float) -> None:
         """Find places for required sites that are left out, and, where a vehicle outweighs all else that routes cost, dissolve one route
         after the other as long as its sites find places on the others.
 
         Meanwhile a site left out counts for more with each step that leaves it out, until others make room for it: the sums of absences of
-        Christiaens and Vanden Berghe (2020), section 4.3, as prices.
+        Christiaens and Vanden Berghe (2020), as prices.
         """
         k, held = self.columns, self.held
         types, slots, used = held.types, held.types[:, k.SLOTS].copy(), held.types[:, k.USED] > 0
@@ -365,9 +357,3 @@ class _Search:
             self.answer = self.held.routes(following)
             self.value = self.problem.evaluate(self.answer).values[0] if len(self.problem.senses) == 1 else None
             self.control.publish(self.answer, self.value)
-
-    def left_out(self) -> str:
-        """A sentence that names the required sites on no route of the best answer."""
-        missing = self.held.unserved(self.best[1 : 1 + len(self.problem.sites)] >= 0)
-        names = ", ".join(self.problem.sites.ids[c] for c in missing[:5])
-        return f"no answer was found that visits every required site; the best one leaves out {len(missing)}: {names}"

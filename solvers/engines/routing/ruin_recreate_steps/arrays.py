@@ -116,12 +116,19 @@ class Arrays:
         from . import route_kernels as k
 
         optional = self.customers[self.site[self.customers, k.REQUIRED] == 0]
-        lost = self.site[optional, k.LOST]
-        collected, cost = int(lost[self.node[optional, k.ROUTE] >= 0].sum()), int(self.route[:, k.COST].sum())
+        collected, cost = self.site[optional[self.node[optional, k.ROUTE] >= 0], k.LOST].sum(), self.route[:, k.COST].sum()
         if collected and cost:
-            self.site[optional, k.MISSED] = np.maximum(lost > 0, np.rint(lost * (share * cost / collected))).astype(np.int64)
-            left_out = self.absent[: int(self.sums[k.ABSENT])]
-            self.sums[k.SEARCHED] = cost + int(self.site[left_out, k.MISSED].sum())
+            self.weigh(share * cost / collected)
+
+    def weigh(self, worth: float) -> None:
+        """Have the search take rewards for ``worth`` times what they count in the objective."""
+        from . import route_kernels as k
+
+        optional = self.customers[self.site[self.customers, k.REQUIRED] == 0]
+        lost = self.site[optional, k.LOST]
+        self.site[optional, k.MISSED] = np.maximum(lost > 0, np.rint(lost * worth)).astype(np.int64)
+        left_out = self.absent[: int(self.sums[k.ABSENT])]
+        self.sums[k.SEARCHED] = self.route[:, k.COST].sum() + self.site[left_out, k.MISSED].sum()
 
     def routes(self, following: Integers) -> Routes:
         """The routes that ``following``, the successor of each node, makes up."""

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 class Elites:
     """The best answers of several anneals.
 
-    Source: the exchange of routes of Nagata, Bräysy and Dullaert (2010), A penalty-based edge assembly memetic algorithm for the vehicle
-    routing problem with time windows, Computers & Operations Research 37(4), here between routes that are near to each other.
+    Source: after the selective route exchange of Nagata and Kobayashi (2010), A memetic algorithm for the pickup and delivery problem with
+    time windows using selective route exchange crossover, PPSN XI; here the routes are those near to a customer drawn at random.
     """
 
     def __init__(self, held: Arrays, seed: int) -> None:

@@ -101,7 +101,7 @@ def below(random, n):  # type: ignore[no-untyped-def]
 
 @inlined
 def opening(site, c, at, flags):  # type: ignore[no-untyped-def]
-    """When service can begin at ``c`` for who is there at a time not before the first of its windows opens; ``NONE`` after the last."""
+    """The earliest begin of service at ``c`` from time ``at`` on, which is not before its first window; ``NONE`` after its last one."""
     if flags & WINDOWED:
         first = site.shape[1] - 2 * (flags >> MANY)
         for place in range(first, site.shape[1], 2):
@@ -113,7 +113,7 @@ def opening(site, c, at, flags):  # type: ignore[no-untyped-def]
 
 @inlined
 def closing(site, c, at, flags):  # type: ignore[no-untyped-def]
-    """When service can begin at ``c`` at the latest, at a time not after the last of its windows closes; ``-NONE`` before the first."""
+    """The latest begin of service at ``c`` up to time ``at``, which is not after its last window; ``-NONE`` before its first one."""
     if flags & WINDOWED:
         first = site.shape[1] - 2 * (flags >> MANY)
         for place in range(site.shape[1] - 2, first - 2, -2):

@@ -121,8 +121,8 @@ def ship_on(ways, at_way, site, types, route, node, c, partner, r, least, random
 def ship(ways, at_way, site, types, allowed, route, node, near, c, partner, least, token, random, places, flags):  # type: ignore[no-untyped-def]
     """Least cost, below ``least``, of visits of ``c`` and later ``partner`` on one route that a customer near to either is on.
 
-    ``places`` receives the nodes after which they come; the second one is ``c`` where they follow on each other. ``token`` has not been
-    handed over before. All routes are looked at where no near one takes them, unless ``near`` of them is bettered already.
+    ``places`` receives the nodes after which they come; the second one is ``c`` where they follow on each other. ``token`` marks the routes
+    that were looked at, and has not been handed over before.
     """
     for end in (c, partner):
         for q in range(near.shape[1]):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -122,6 +123,21 @@ def test_a_limit_of_time_is_kept_and_the_best_answer_handed_out() -> None:
     found = RuinRecreate().run(problem, Options(time_limit=0.3), control)
     assert found.limit == "time" and problem.evaluate(found.answer).feasible
     assert np.all(np.diff(heard) <= 0) and found.objective == min(heard)
+
+
+def test_a_window_that_opens_after_the_depot_closes_is_of_no_use() -> None:
+    """Both sites are open up to 4 and from 50 on, and one vehicle reaches only one of them before 4."""
+    xy = np.array([[0, 0], [3, 0], [-3, 0]], dtype=float)
+    sites = wb.Sites.of(range(3), coordinates=xy, windows={k: [(0, 4), (50, math.inf)] for k in (1, 2)}, due=[40, math.inf, math.inf])
+    problem = wb.RoutingProblem(sites, wb.Travel("euclidean", xy), (wb.VehicleType(count=2, fixed_cost=100.0),))
+    found = run(problem, iterations=500)
+    assert problem.evaluate(found.answer).feasible and len(found.answer) == 2
+
+
+def test_a_run_that_ends_without_improvement_repeats() -> None:
+    problem = wb.generate("random", customers=30, capacity=40)
+    one, again = (run(problem, no_improvement=2000) for _ in range(2))
+    assert one.answer == again.answer and one.statistics["iterations"] == again.statistics["iterations"]
 
 
 def test_a_course_cools_down_once_or_begins_again() -> None:
