@@ -374,7 +374,7 @@ class Search:
 
     def anneal(self, task: Task) -> Done:
         """Anneal one part."""
-        from .ruin_recreate_steps import route_kernels as k
+        from .ruin_recreate_steps import columns as k
         from .ruin_recreate_steps.arrays import arrays
         from .ruin_recreate_steps.search_kernels import anneal
 
@@ -412,7 +412,7 @@ class Search:
 
     def met_by(self, held: Arrays) -> Integers:
         """``Done.met`` of the routes of a part."""
-        from .ruin_recreate_steps import route_kernels as k
+        from .ruin_recreate_steps import columns as k
 
         used = np.nonzero(held.route[:, k.VISITS])[0]
         heads = len(held.site) + 2 * used
@@ -427,7 +427,7 @@ class Search:
 
     def value_of(self, part: Part, held: Arrays, following: Integers) -> tuple[Integers, int]:
         """Customers that are left out, and what the routes cost and what is left out counts, in the integers of the whole problem."""
-        from .ruin_recreate_steps.route_kernels import LOST
+        from .ruin_recreate_steps.columns import LOST
 
         absent = held.customers[following[1:][held.customers] < 0]
         left_out = part.sites[absent]
@@ -477,7 +477,7 @@ def result_of(
     started: bool,
     missing: Sequence[int],
 ) -> RawResult:
-    """The result of a search: its answer, or a sentence that names the required sites on no route of the best one."""
+    """The result of a search: its answer, or a sentence that says what the best one lacks: required sites, or routes."""
     statistics = {**statistics, "scale": data.scales}
     if options.start is not None:
         statistics["start"] = "used" if started else "refused"
@@ -485,6 +485,8 @@ def result_of(
         return RawResult("feasible", limit, answer, claim, statistics=statistics, holds=data.holds, links=(data.link,))
     names = ", ".join(problem.sites.ids[c] for c in missing[:5])
     message = f"no answer was found that visits every required site; the best one leaves out {len(missing)}: {names}"
+    if not missing and problem.min_vehicles:
+        message = f"no answer was found that has {problem.min_vehicles} routes"
     return RawResult("unknown", limit, statistics=statistics, message=message, links=(data.link,))
 
 

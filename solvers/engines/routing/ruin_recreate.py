@@ -92,12 +92,12 @@ class RuinRecreate(Bisecting):
     features = frozenset(
         {
             "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "optional-sites", "groups",
-            "reloads", "overtime", "committed-vehicles", "limited-fleet", "heterogeneous-fleet", "multiple-depots", "open-routes",
-            "fixed-cost", "separate-durations", "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start", "initial-energy",
-            "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments", "several-windows",
-            "skills", "forbidden-moves", "objective:total-cost", "objective:total-duration", "objective:vehicles", "objective:reward",
-            "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return", "objective:weights",
-            "objective:priorities",
+            "reloads", "overtime", "committed-vehicles", "min-vehicles", "limited-fleet", "heterogeneous-fleet", "multiple-depots",
+            "open-routes", "fixed-cost", "separate-durations", "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start",
+            "initial-energy", "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments",
+            "several-windows", "skills", "forbidden-moves", "objective:total-cost", "objective:total-duration", "objective:vehicles",
+            "objective:reward", "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return",
+            "objective:weights", "objective:priorities",
         }
     )  # fmt: skip
 
@@ -193,13 +193,13 @@ class _Search:
         stop: Stop,
         seconds_at: Callable[[float, int, float], float],
     ) -> None:
-        from .ruin_recreate_steps import route_kernels, search_kernels
+        from .ruin_recreate_steps import columns, search_kernels
         from .ruin_recreate_steps.arrays import arrays
         from .ruin_recreate_steps.elites import Elites
 
         self.problem, self.options, self.asked, self.control, self.stop = problem, options, asked, control, stop
         self.seconds_at = seconds_at
-        self.kernels, self.columns = search_kernels, route_kernels
+        self.kernels, self.columns = search_kernels, columns
         self.data, self.sloped = searched_integers(problem)
         optional = not problem.sites.required[problem.customers].all()
         self.held = arrays(problem, self.data, int(asked["neighbours"]) * (2 if optional else 1), options.seed % 2**64)
@@ -282,7 +282,8 @@ class _Search:
             return
         ends, move = now() + PLACING * self.stop.seconds_left, self.mean_move()
         steps_end = held.sums[k.STEPS] + (math.inf if self.by_clock else PLACING * most if math.isfinite(most) else idle)
-        fewest, prices, nothing = max(1, self.data.fewest()), held.site[:, k.MISSED].copy(), np.full_like(self.best, -k.NONE)
+        fewest = max(1, self.data.fewest(), self.problem.min_vehicles)
+        prices, nothing = held.site[:, k.MISSED].copy(), np.full_like(self.best, -k.NONE)
         types[:, k.FIXED] -= fixed
         held.alone[:] -= np.where(held.alone < k.NONE, fixed[:, None], 0)
         held.site[required, k.MISSED], self.sizes[2] = max(1, round(PRICE * move)), max(1.0, GROWTH * move)
@@ -352,8 +353,11 @@ class _Search:
         following = self.best[1:]
         if len(self.held.unserved(following[: len(self.problem.sites)] >= 0)):
             return
+        answer = self.held.routes(following)
+        if len(answer) < self.problem.min_vehicles:
+            return
         self.told = int(self.best[0])
         with self.pace.handing_out():
-            self.answer = self.held.routes(following)
+            self.answer = answer
             self.value = self.problem.evaluate(self.answer).values[0] if len(self.problem.senses) == 1 else None
             self.control.publish(self.answer, self.value)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from .....formulations.routing.routes import Route, Routes
 from ..integer_scales import Integers
 from ..routing_integers import IntegerRouting
+from . import columns as k
 
 if TYPE_CHECKING:
     from .....formulations.routing.problem import RoutingProblem
@@ -54,7 +55,6 @@ class Arrays:
 
     def begin(self, answer: Routes) -> bool:
         """Put the visits of an answer in, but for routes that break a limit; whether it is one of these customers and vehicles."""
-        from . import route_kernels as k
         from .search_kernels import settle
 
         sites, places = len(self.site), []
@@ -80,8 +80,6 @@ class Arrays:
 
     def put(self, answer: Routes) -> bool:
         """Begin anew with an answer, whatever was there."""
-        from . import route_kernels as k
-
         sites, slots = len(self.site), 2 * np.arange(len(self.route))
         self.node[sites + slots, k.FOLLOWING], self.node[sites + slots + 1, k.PREVIOUS] = sites + slots + 1, sites + slots
         self.node[:sites, k.ROUTE], self.node[self.customers, k.PLACE] = -1, np.arange(len(self.customers))
@@ -89,14 +87,13 @@ class Arrays:
         self.absent[: len(self.customers)] = self.customers
         home = self.types[self.route[:, k.KIND], k.HOME]
         self.types[:, k.USED], self.route[:, k.IN_USE], self.route[:, k.COST] = 0, 0, home
-        left_out = (self.site[self.customers, column].sum() + home.sum() for column in (k.MISSED, k.LOST))
-        self.sums[: k.STEPS] = *left_out, len(self.customers)
+        running = home.sum() + self.sums[k.SHORT] * self.sums[k.FEWEST]
+        left_out = (self.site[self.customers, column].sum() + running for column in (k.MISSED, k.LOST))
+        self.sums[: k.STEPS] = *left_out, len(self.customers), 0
         return self.begin(answer)
 
     def unserved(self, visited: NDArray[np.bool_]) -> Integers:
         """The required sites that are not visited, and of each required group that is not the first one."""
-        from . import route_kernels as k
-
         group, wanted = self.site[:, k.GROUP], self.site[:, k.REQUIRED] > 0
         served = np.zeros(len(self.site), dtype=bool)
         served[group[visited & (group >= 0)]] = True
@@ -104,8 +101,6 @@ class Arrays:
 
     def keeps_order(self, visits: tuple[int, ...]) -> bool:
         """Whether one route picks up all that it delivers, and before that."""
-        from . import route_kernels as k
-
         place = {c: at for at, c in enumerate(visits)}
         partners = ((c, int(self.site[c, k.PARTNER])) for c in visits if self.site[c, k.PARTNER] >= 0)
         return all(p in place and (place[c] < place[p]) == (self.site[c, k.SECOND] == 0) for c, p in partners)
@@ -113,8 +108,6 @@ class Arrays:
     def reward(self, share: float) -> None:
         """Have the search take all rewards on the routes together for ``share`` times the cost of the routes, no longer for what they count
         in the objective: beside rewards that outweigh all distance no detour is too long, and no room is made for others."""
-        from . import route_kernels as k
-
         optional = self.customers[self.site[self.customers, k.REQUIRED] == 0]
         collected, cost = self.site[optional[self.node[optional, k.ROUTE] >= 0], k.LOST].sum(), self.route[:, k.COST].sum()
         if collected and cost:
@@ -122,33 +115,28 @@ class Arrays:
 
     def weigh(self, worth: float) -> None:
         """Have the search take rewards for ``worth`` times what they count in the objective."""
-        from . import route_kernels as k
-
         optional = self.customers[self.site[self.customers, k.REQUIRED] == 0]
         lost = self.site[optional, k.LOST]
         self.site[optional, k.MISSED] = np.maximum(lost > 0, np.rint(lost * worth)).astype(np.int64)
         left_out = self.absent[: int(self.sums[k.ABSENT])]
-        self.sums[k.SEARCHED] = self.route[:, k.COST].sum() + self.site[left_out, k.MISSED].sum()
+        short = self.sums[k.SHORT] * max(0, self.sums[k.FEWEST] - self.sums[k.DRIVEN])
+        self.sums[k.SEARCHED] = self.route[:, k.COST].sum() + self.site[left_out, k.MISSED].sum() + short
 
     def routes(self, following: Integers) -> Routes:
         """The routes that ``following``, the successor of each node, makes up."""
-        from .route_kernels import KIND, SITE
-
         sites, routes = len(self.site), []
         for r, row in enumerate(self.route):
             visits, at = [], int(following[sites + 2 * r])
             while at != sites + 2 * r + 1:
-                visits.append(int(self.node[at, SITE]))
+                visits.append(int(self.node[at, k.SITE]))
                 at = int(following[at])
             if visits:
-                routes.append(Route(tuple(visits), int(row[KIND])))
+                routes.append(Route(tuple(visits), int(row[k.KIND])))
         return Routes.of(routes)
 
 
 def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed: int) -> Arrays:
     """The arrays of a problem, nobody being visited."""
-    from . import route_kernels as k
-
     sites, customers, fleet = len(problem.sites), problem.customers, problem.fleet
     counts = np.array([len(customers) if v.count is None else min(v.count, len(customers)) for v in fleet])
     counts[data.closes < data.opens] = 0
@@ -222,14 +210,15 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
         node[begin : begin + nodes, k.SITE] = depot
     absent = np.zeros(sites, dtype=np.int64)
     absent[: len(customers)] = customers
-    sums = np.array([*[lost[customers].sum() + home[kind].sum()] * 2, len(customers), 0, 0])
+    fewest, price = min(problem.min_vehicles, len(customers)), dear(problem, data) if problem.min_vehicles else 0
+    sums = np.array([*[lost[customers].sum() + home[kind].sum() + fewest * price] * 2, len(customers), 0, 0, 0, fewest, price])
     skilled = problem.sites.skills
     allowed = np.array([[not skilled or asked <= v.skills for asked in skilled or [frozenset()] * sites] for v in fleet])
     for number, vehicle in enumerate(fleet):
         allowed[number, reloads] = [site in vehicle.reloads for site in reloads]
     features = {
         k.TIMED: timed, k.SPANNED: spanned, k.PICKED: picked, k.SHIPPED: shipments, k.GROUPED: problem.sites.groups, k.RELOADING: reloads,
-        k.WINDOWED: many,
+        k.WINDOWED: many, k.COUNTED: fewest,
     }  # fmt: skip
     flags = sum(flag for flag, there in features.items() if there) + (many << k.MANY)
     return Arrays(
@@ -241,8 +230,6 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
 
 def _alone(site: Integers, types: Integers, allowed: NDArray[np.bool_], on: Integers, goes: Integers, flags: int) -> Integers:
     """Cost of a route that visits one site alone, or carries one shipment, for each vehicle type; ``NONE`` if it breaks a limit."""
-    from . import route_kernels as k
-
     costs = np.full(allowed.shape, k.NONE)
     unpaired, pickups = np.nonzero(site[:, k.PARTNER] < 0)[0], np.nonzero((site[:, k.PARTNER] >= 0) & (site[:, k.SECOND] == 0))[0]
     for kind, row in enumerate(types):
@@ -255,8 +242,6 @@ def _cost_of(
     row: Integers, stops: list[Integers], site: Integers, allowed: NDArray[np.bool_], on: Integers, goes: Integers, flags: int
 ) -> Integers:
     """Costs of routes of a vehicle type, each with one stop of each array of ``stops``, ``NONE`` for those that break a limit."""
-    from . import route_kernels as k
-
     at: Any = row[k.START]
     length, spent = np.zeros((2, len(stops[0])), dtype=np.int64)
     fits, free, latest = np.ones(len(length), dtype=bool), np.full(len(length), row[k.OPENS]), np.full(len(length), row[k.LEAVES])
@@ -285,8 +270,6 @@ def _cost_of(
 
 def _openings(site: Integers, times: Integers, flags: int) -> Integers:
     """``route_kernels.opening`` at one site of each row."""
-    from . import route_kernels as k
-
     many = flags >> k.MANY
     if not many:
         return times

@@ -6,7 +6,7 @@ depot's site, its first node and how many there are.
 
 from __future__ import annotations
 
-from .route_kernels import (
+from .columns import (
     AHEAD,
     CAPACITY,
     DEMAND,
@@ -36,12 +36,8 @@ from .route_kernels import (
     TIMED,
     TOOK,
     UNIT,
-    cut_out,
-    hours,
-    inner,
-    load,
-    opening,
 )
+from .route_kernels import cut_out, hours, inner, load, opening
 
 
 @inner

@@ -10,65 +10,69 @@ from __future__ import annotations
 import numpy as np
 
 from .....formulations.kernels import kernel
-
-SERVICE, READY, DUE, REQUIRED, LOST, MISSED, AWAY, PARTNER, SECOND, GROUP, ALTERNATIVE, DEMAND = range(12)
-"""Columns of sites. ``LOST`` is what leaving a site out costs in the objective, ``MISSED`` what it counts in the search;
-``AWAY`` is the service and the least time of any move that follows. ``PARTNER`` is the other end of a shipment, -1 for sites of none, and
-``SECOND`` tells its delivery. ``GROUP`` is the first of those of which one is visited, -1 for others, and ``ALTERNATIVE`` the next of them,
-in a ring. Then come what is delivered of each load and, with ``PICKED``, what is picked up: of a shipment the load, and
-the load taken away where it is delivered."""
-
-(
-    PROFILE,
-    START,
-    END,
-    MAX_DURATION,
-    MAX_DISTANCE,
-    UNIT,
-    FIXED,
-    TIME,
-    REGULAR,
-    OVERTIME,
-    OPENS,
-    LEAVES,
-    CLOSES,
-    FIRST,
-    SLOTS,
-    USED,
-    MOST_RELOADS,
-    HOME,
+from .columns import (
+    ABSENT,
+    AHEAD,
     CAPACITY,
-) = range(19)
-"""Columns of vehicle types: profile of travel, limits and costs, the first slot, how many there are and are used, how often they reload,
-what it costs to drive from the start to the end alone, for vehicles that must; capacities follow."""
-
-KIND, VISITS, LENGTH, SPENT, COST, SOUND, PUNCTUAL, IN_USE, STAMP, TRIED, RELOADS, ROOM = range(12)
-"""Columns of routes: vehicle type, visits, length, least duration, cost; whether all limits are kept, nobody comes too late, its vehicle is
-counted as used; the last step that changed it; the last visit that was tried on it; how often its vehicle reloads. What it has room for of
-each load follows."""
-
-FOLLOWING, PREVIOUS, ROUTE, SITE, AHEAD, FREE, LATEST, PLACE, TOOK, LATE, REST, EARLY, LISTED, CHOSEN, NODE_COLUMNS = *range(14), 16
-"""Columns of nodes: neighbours on the route; the route, -1 if left out; the site; the length of the move that follows; when a vehicle can
-leave at the earliest, and service must begin at the latest; the place among those left out; least duration up to here and the latest
-departure for it; least duration from here on and the earliest arrival for it; the last step that listed it; of the first of a group, how
-many of it are on routes. Rows have a width that keeps
-what is read most in as few lines of the processor's cache as can be. With ``PICKED`` three more columns follow for each load: what the
-vehicle has room for all the way up to the next node, all the way from here on, and on the move that follows."""
-
-SEARCHED, OBJECTIVE, ABSENT, STEPS, BETTER = range(5)
-"""Entries of ``sums``: cost of routes and what the search misses; the same in the objective; how many are left out; steps done; how many of
-them led to a better answer than all before."""
-
-TIMED, SPANNED, PICKED, SHIPPED, GROUPED, RELOADING, WINDOWED = 1, 2, 4, 8, 16, 32, 64
-"""Flags: anybody can come too late; the duration of a route is limited or priced; loads are picked up, too, and brought to the end or, of
-a shipment, to another visit; there are groups; vehicles reload; sites have several windows, as many as
-``flags >> MANY`` at most, which are the last columns of sites."""
-
-MANY = 16
-"""Bits of flags before the number of windows."""
-
-NONE = 1 << 60
-"""Cost of what cannot be done."""
+    CHOSEN,
+    CLOSES,
+    COST,
+    COUNTED,
+    DEMAND,
+    DRIVEN,
+    DUE,
+    EARLY,
+    FEWEST,
+    FIXED,
+    FOLLOWING,
+    FREE,
+    GROUP,
+    HOME,
+    IN_USE,
+    KIND,
+    LATE,
+    LATEST,
+    LEAVES,
+    LENGTH,
+    LOST,
+    MANY,
+    MAX_DISTANCE,
+    MAX_DURATION,
+    MISSED,
+    MOST_RELOADS,
+    NODE_COLUMNS,
+    NONE,
+    OBJECTIVE,
+    OPENS,
+    OVERTIME,
+    PICKED,
+    PLACE,
+    PREVIOUS,
+    PROFILE,
+    PUNCTUAL,
+    READY,
+    REGULAR,
+    RELOADING,
+    RELOADS,
+    REST,
+    ROOM,
+    ROUTE,
+    SEARCHED,
+    SERVICE,
+    SHORT,
+    SITE,
+    SOUND,
+    SPANNED,
+    SPENT,
+    STAMP,
+    TIME,
+    TIMED,
+    TOOK,
+    UNIT,
+    USED,
+    VISITS,
+    WINDOWED,
+)
 
 _GOLDEN, _FIRST, _SECOND = np.uint64(0x9E3779B97F4A7C15), np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 _30, _27, _31, _11 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
@@ -204,6 +208,16 @@ def hours(types, k, spent):  # type: ignore[no-untyped-def]
 
 
 @inner
+def count(sums, more):  # type: ignore[no-untyped-def]
+    """So many routes more visit somebody: what those cost that are missing yet."""
+    missing = max(0, sums[FEWEST] - sums[DRIVEN])
+    sums[DRIVEN] += more
+    change = sums[SHORT] * (max(0, sums[FEWEST] - sums[DRIVEN]) - missing)
+    sums[SEARCHED] += change
+    sums[OBJECTIVE] += change
+
+
+@inner
 def refresh(ways, at_way, site, types, route, node, sums, r, first, last, flags):  # type: ignore[no-untyped-def]
     """Bring times, limits and cost of route ``r`` up to date after a change between its nodes ``first`` and ``last``.
 
@@ -243,6 +257,8 @@ def refresh(ways, at_way, site, types, route, node, sums, r, first, last, flags)
         sound = sound and room >= 0
     cost = types[k, HOME] if visits == 0 else types[k, UNIT] * length + types[k, FIXED] + hours(types, k, spent)
     types[k, USED] += (visits > 0) - route[r, IN_USE]
+    if flags & COUNTED:
+        count(sums, (visits > 0) - route[r, IN_USE])
     sums[SEARCHED] += cost - route[r, COST]
     sums[OBJECTIVE] += cost - route[r, COST]
     route[r, IN_USE], route[r, SPENT], route[r, COST], route[r, SOUND] = visits > 0, spent, cost, sound or visits == 0

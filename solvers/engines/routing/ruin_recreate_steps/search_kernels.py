@@ -9,15 +9,17 @@ import numpy as np
 
 from .....formulations.kernels import kernel
 from .....formulations.stop_kernel import asked
-from .reload_kernels import free_node, join, reload_and_visit, tidy
-from .route_kernels import (
+from .columns import (
     ABSENT,
     AHEAD,
     ALTERNATIVE,
     AWAY,
     BETTER,
+    COUNTED,
     DEMAND,
+    DRIVEN,
     DUE,
+    FEWEST,
     FIRST,
     FOLLOWING,
     FREE,
@@ -38,6 +40,7 @@ from .route_kernels import (
     SEARCHED,
     SECOND,
     SHIPPED,
+    SHORT,
     SITE,
     SLOTS,
     SOUND,
@@ -50,6 +53,9 @@ from .route_kernels import (
     UNIT,
     USED,
     VISITS,
+)
+from .reload_kernels import free_node, join, reload_and_visit, tidy
+from .route_kernels import (
     below,
     cut_out,
     dissolve,
@@ -263,9 +269,10 @@ def insert(  # type: ignore[no-untyped-def]
         if chance == 2:
             return logged
         least -= np.int64(warmth * np.log(share(random) + 1e-300))
+    gain = sums[SHORT] if flags & COUNTED and sums[DRIVEN] < sums[FEWEST] else 0
     for k in range(kinds):
-        if types[k, USED] < types[k, SLOTS] and (not apart or k == lone) and alone[k, c] < least:
-            least, opened = alone[k, c], k
+        if types[k, USED] < types[k, SLOTS] and (not apart or k == lone) and alone[k, c] < NONE and alone[k, c] - gain < least:
+            least, opened = alone[k, c] - gain, k
     if partner >= 0:
         if not apart or opened < 0:
             places[0] = -1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .route_kernels import (
+from .columns import (
     AHEAD,
     DEMAND,
     DUE,
@@ -31,12 +31,8 @@ from .route_kernels import (
     TOOK,
     TRIED,
     UNIT,
-    hours,
-    inlined,
-    inner,
-    opening,
-    word,
 )
+from .route_kernels import hours, inlined, inner, opening, word
 
 
 @inlined

@@ -94,6 +94,19 @@ def test_no_reward_is_worth_a_required_site(scale: float) -> None:
         assert found.answer is not None and problem.evaluate(found.answer).feasible
 
 
+@pytest.mark.parametrize("optional", [False, True])
+def test_no_answer_has_fewer_routes_than_are_asked_for(optional: bool) -> None:
+    problem = wb.generate("random", customers=6, capacity=0)
+    if optional:
+        problem = replace(problem, sites=replace(problem.sites, required=np.zeros(7, dtype=bool)))
+    for fewest in (2, 6):
+        found = run(replace(problem, min_vehicles=fewest), iterations=300)
+        assert len(found.answer) == fewest
+    alone = replace(problem, fleet=(replace(problem.fleet[0], count=7),), min_vehicles=7)
+    found = run(alone, iterations=300)
+    assert found.answer is None and found.message == "no answer was found that has 7 routes"
+
+
 def test_the_longest_route_is_taken_by_bisection() -> None:
     problem = replace(small("capacity", 0, "exact"), objective=wb.Objective.of(wb.LongestRoute()))
     found = run(problem, iterations=4000)

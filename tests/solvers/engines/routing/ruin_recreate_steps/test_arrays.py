@@ -13,7 +13,7 @@ from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.solvers.engines.routing.routing_integers import integer_routing, with_slope
-from waybound.solvers.engines.routing.ruin_recreate_steps import route_kernels as k
+from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k
 from waybound.solvers.engines.routing.ruin_recreate_steps.arrays import MOST, Arrays, arrays
 
 

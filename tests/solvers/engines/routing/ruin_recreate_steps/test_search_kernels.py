@@ -12,7 +12,7 @@ from small_routing import WHOLE_FAMILY, small, varied
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.solvers.engines.routing.routing_integers import integer_routing, with_slope
 from waybound.solvers.engines.routing.ruin_recreate import RuinRecreate
-from waybound.solvers.engines.routing.ruin_recreate_steps import route_kernels as k
+from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k
 from waybound.solvers.engines.routing.ruin_recreate_steps.arrays import Arrays, arrays
 from waybound.solvers.engines.routing.ruin_recreate_steps.search_kernels import anneal
 
