@@ -103,6 +103,9 @@ def divides(problem: RoutingProblem, options: Options) -> bool:
     alone = options.threads == 1 or options.iterations is not None or options.no_improvement is not None
     if customers < (WHOLE if alone else FEWEST) or problem.features() - DIVISIBLE:
         return False
+    charged = (k for k, v in enumerate(problem.fleet) if v.energy is not None and v.energy.charge == "travel")
+    if any(problem.travel_of(k).own_durations for k in charged):  # no limit on distance stands for that on time on the move
+        return False
     routes = problem.vehicle_limit
     if options.start is not None and fits(WHOLE_BYTES * customers**2):
         routes = len(options.start)

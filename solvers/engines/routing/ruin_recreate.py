@@ -66,9 +66,6 @@ WARMTH, PRICE, GROWTH = 0.3, 5.0, 0.01
 PATIENCE = 1000
 """Steps of it between two looks at the clock."""
 
-DURATIONS = frozenset({"max-duration", "duration-cost", "overtime", "energy:elapsed", "objective:total-duration", "objective:makespan"})
-"""Features by which the duration of a route counts."""
-
 
 @BACKENDS.register("ruin-recreate")
 class RuinRecreate(Bisecting):
@@ -95,23 +92,17 @@ class RuinRecreate(Bisecting):
             "reloads", "overtime", "committed-vehicles", "min-vehicles", "limited-fleet", "heterogeneous-fleet", "multiple-depots",
             "open-routes", "fixed-cost", "separate-durations", "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start",
             "initial-energy", "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments",
-            "several-windows", "skills", "forbidden-moves", "objective:total-cost", "objective:total-duration", "objective:vehicles",
-            "objective:reward", "objective:penalties", "objective:makespan", "objective:longest-route", "objective:latest-return",
-            "objective:weights", "objective:priorities",
+            "several-windows", "skills", "forbidden-moves", "closing-moves", "energy:windows", "objective:total-cost",
+            "objective:total-duration", "objective:vehicles", "objective:reward", "objective:penalties", "objective:makespan",
+            "objective:longest-route", "objective:latest-return", "objective:weights", "objective:priorities",
         }
     )  # fmt: skip
 
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
-        charged = (k for k, v in enumerate(problem.fleet) if v.energy is not None and v.energy.charge == "travel")
-        apart = any(problem.travel_of(k).own_durations for k in charged)  # time on the move is limited as a distance
         features = problem.features()
-        return (
-            unscalable(problem)
-            | ({"shipments with reloads"} if {"shipments", "reloads"} <= features else frozenset())
-            | ({"several-windows with durations"} if "several-windows" in features and features & DURATIONS else frozenset())
-            | entangled(problem)
-            | ({"energy:travel with separate-durations"} if apart else frozenset())
-        )
+        # What a move is charged by windows depends on the moment when a depot opens, which is another one on the way.
+        paused = {"energy:windows with reloads"} if features >= {"energy:windows", "reloads"} else frozenset()
+        return unscalable(problem) | paused | entangled(problem)
 
     def memory(self, problem: Problem) -> float:
         return memory(problem) if divides(problem, Options()) else super().memory(problem)  # type: ignore[arg-type]
@@ -341,8 +332,12 @@ class _Search:
         self.own[0] = np.iinfo(np.int64).max
 
     def mean_move(self) -> float:
-        """Cost of a move on the mean, without that of the vehicles."""
+        """Cost of a move on the mean, without that of the vehicles; where nobody is visited, of those to one site and back."""
         k, route, types = self.columns, self.held.route, self.held.types
+        if not route[:, k.VISITS].any():
+            costs = (self.held.alone - np.where(types[:, k.HOME] > 0, 0, types[:, k.FIXED])[:, None])[:, self.held.customers]
+            known = costs[self.held.alone[:, self.held.customers] < k.NONE]
+            return float(np.abs(known).mean()) / 2.0 if len(known) else 0.0
         moves = int(route[:, k.VISITS].sum() + (route[:, k.VISITS] > 0).sum())
         return float(route[:, k.COST].sum() - (types[:, k.FIXED] * types[:, k.USED]).sum()) / max(1, moves)
 

@@ -140,18 +140,27 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     sites, customers, fleet = len(problem.sites), problem.customers, problem.fleet
     counts = np.array([len(customers) if v.count is None else min(v.count, len(customers)) for v in fleet])
     counts[data.closes < data.opens] = 0
-    longest = np.minimum(np.minimum(data.max_distance, data.travel_reach), MOST - 1)
+    charged = [v.energy is not None and v.energy.charge == "travel" and not v.stations for v in fleet]
+    apart = np.array([there and problem.travel_of(kind).own_durations for kind, there in enumerate(charged)])
+    longest = np.minimum(np.minimum(data.max_distance, np.where(apart, MOST, data.travel_reach)), MOST - 1)
+    travel, charge = _limited(np.where(apart, data.travel_limit, MOST)), _limited(data.charge_limit)
     on = _stacked([_limited(m.distance_up if (longest < MOST - 1).any() else m.distance) for m in data.moves])
     if problem.forbidden is not None:
         on = np.where(problem.forbidden, MOST, on)
     hours = _limited(data.max_duration)
     spanned = bool((hours < MOST).any() or data.time.any() or data.overtime.any())
     late = (data.due[customers] < MOST).any() or (data.closes < MOST).any()
-    timed = bool(spanned or late or data.ready.any())
+    many = max(map(len, data.windows)) if any(len(listed) > 1 for listed in data.windows) else 0
+    closes = any(moves.closing is not None for moves in data.moves)
+    shipments = problem.sites.shipments
+    reloads = sorted({site for v in fleet for site in v.reloads})
+    walked = bool(closes or apart.any() or (charge < MOST).any() or (many and spanned) or (shipments and reloads))
+    timed = bool(spanned or late or data.ready.any() or walked)
     goes = _stacked([_limited(m.duration) for m in data.moves]) if timed else on
     for moves in data.moves:
         moves.forget()  # they are held here
-    ways, at_way = _ways(on, goes)
+    further = _further(data, goes) if walked else ()
+    ways, at_way = _ways(on, goes, *further)
     near, reach, drive, least = _near(
         data, customers, on if len(on) == 1 else on.min(axis=0)[None], goes if len(goes) == 1 else goes.min(axis=0)[None], neighbours
     )
@@ -162,8 +171,6 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     lost = np.where(required > 0, dear(problem, data), 0) + np.where(problem.sites.required, 0, data.prize)
     away = data.service + least
     loads = [data.demand[:, data.limited]]
-    shipments = problem.sites.shipments
-    reloads = sorted({site for v in fleet for site in v.reloads})
     picked = bool(shipments) or bool(reloads) or bool(data.pickup[:, data.limited].any())
     partner, second = np.full(sites, -1), np.zeros(sites, dtype=np.int64)
     if picked:
@@ -173,7 +180,6 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
         partner[[first, last]], second[last] = (last, first), 1
         loads[1][first] += load
         loads[1][last] -= load
-    many = max(map(len, data.windows)) if any(len(listed) > 1 for listed in data.windows) else 0
     windows = np.array([[*listed, *[listed[-1]] * (many - len(listed))][:many] for listed in data.windows], dtype=np.int64)
     windows = _limited(windows.reshape(sites, 2 * many))
     site = np.column_stack(
@@ -188,7 +194,8 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     types = np.column_stack([
         data.profile, ends, hours, longest, data.unit, data.fixed, data.time, _limited(data.regular_duration), data.overtime,
         data.opens, _limited(data.leaves), _limited(data.closes),
-        np.cumsum(counts) - counts, counts, np.zeros_like(counts), most_reloads, home, _limited(data.capacity[:, data.limited]),
+        np.cumsum(counts) - counts, counts, np.zeros_like(counts), most_reloads, home, travel, charge,
+        _limited(data.capacity[:, data.limited]),
     ])  # fmt: skip
     kind = np.repeat(np.arange(len(fleet)), counts)
     heads = sites + 2 * np.arange(len(kind))
@@ -218,11 +225,16 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
         allowed[number, reloads] = [site in vehicle.reloads for site in reloads]
     features = {
         k.TIMED: timed, k.SPANNED: spanned, k.PICKED: picked, k.SHIPPED: shipments, k.GROUPED: problem.sites.groups, k.RELOADING: reloads,
-        k.WINDOWED: many, k.COUNTED: fewest,
+        k.WINDOWED: many, k.COUNTED: fewest, k.WALKED: walked, k.CLOSING: closes,
     }  # fmt: skip
     flags = sum(flag for flag, there in features.items() if there) + (many << k.MANY)
+    site, types, alone = _rows(site), _rows(types), _alone(site, types, allowed, on, goes, flags)
+    if walked:
+        from .walk_kernels import walk_alone
+
+        walk_alone(ways, at_way, site, types, route, node, alone, flags)
     return Arrays(
-        ways, at_way, _rows(site), _rows(types), allowed, _alone(site, types, allowed, on, goes, flags),
+        ways, at_way, site, types, allowed, alone,
         customers.astype(np.int64), near, reach, drive, depots, route, node, absent, sums, np.array([seed], dtype=np.uint64),
         np.zeros(len(node) + 2, dtype=np.int64), np.zeros((3, max(2, sites)), dtype=np.int64), np.zeros(sites), flags,
     )  # fmt: skip
@@ -301,17 +313,29 @@ def _stacked(matrices: list[Integers]) -> Integers:
     return np.ascontiguousarray(matrices[0])[None] if len(matrices) == 1 else np.stack(matrices)
 
 
-def _ways(on: Integers, goes: Integers) -> tuple[Integers, Integers]:
-    """Moves between two sites side by side, each kind once: to the second one's row from the first, and back, lengths and times."""
+def _further(data: IntegerRouting, goes: Integers) -> tuple[Integers, Integers]:
+    """What moves are charged, and when they close."""
+    charges, closings = goes.copy(), np.full_like(goes, MOST)
+    for p, moves in enumerate(data.moves):
+        if moves.charge is not None:
+            charges[p] = _limited(moves.charge)
+        if moves.closing is not None:
+            closings[p] = _limited(moves.closing)
+    return charges, closings
+
+
+def _ways(on: Integers, goes: Integers, *further: Integers) -> tuple[Integers, Integers]:
+    """Moves between two sites side by side, each kind once: to the second one's row from the first, and back, lengths and times, and what
+    there is of ``_further``."""
     held: list[Integers] = []
     places = []
-    for matrix in (on, on.transpose(0, 2, 1), goes, goes.transpose(0, 2, 1)):
+    for matrix in (on, on.transpose(0, 2, 1), goes, goes.transpose(0, 2, 1), *(further or (goes, goes))):
         place = next((k for k, known in enumerate(held) if np.array_equal(known, matrix)), len(held))
         if place == len(held):
             held.append(matrix)
         places.append(place)
     ways = held[0][..., None] if len(held) == 1 else np.stack(held, axis=-1)
-    return np.ascontiguousarray(ways), np.array(places)[[1, 0, 3, 2]]
+    return np.ascontiguousarray(ways), np.array(places)[[1, 0, 3, 2, 4, 5]]
 
 
 def _near(

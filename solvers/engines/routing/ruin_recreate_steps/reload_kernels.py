@@ -36,8 +36,9 @@ from .columns import (
     TIMED,
     TOOK,
     UNIT,
+    WALKED,
 )
-from .route_kernels import cut_out, hours, inner, load, opening
+from .route_kernels import cut_out, hours, inner, load, opening, walked
 
 
 @inner
@@ -169,6 +170,13 @@ def reload_and_visit(ways, at_way, site, types, allowed, route, node, near, depo
                             if spent > types[k, MAX_DURATION]:
                                 continue
                             cost += hours(types, k, spent) - hours(types, k, route[r, SPENT])
-                    if cost < least and _has_room(site, types, route, node, c, i, reload_first) and free_node(depots, node, depot) >= 0:
-                        least, places[0], places[1], places[2] = cost, i, depot, reload_first
+                    if cost < least and _has_room(site, types, route, node, c, i, reload_first):
+                        stop = free_node(depots, node, depot)
+                        if stop < 0:
+                            continue
+                        if flags & WALKED:
+                            one, other = (stop, c) if reload_first else (c, stop)
+                            cost = walked(ways, at_way, site, types, route, node, r, i, one, one, other, detour, flags)
+                        if cost < least:
+                            least, places[0], places[1], places[2] = cost, i, depot, reload_first
     return least

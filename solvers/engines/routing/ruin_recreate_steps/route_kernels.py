@@ -71,8 +71,10 @@ from .columns import (
     UNIT,
     USED,
     VISITS,
+    WALKED,
     WINDOWED,
 )
+from .walk_kernels import walk
 
 _GOLDEN, _FIRST, _SECOND = np.uint64(0x9E3779B97F4A7C15), np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 _30, _27, _31, _11 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
@@ -255,6 +257,10 @@ def refresh(ways, at_way, site, types, route, node, sums, r, first, last, flags)
     for d in range(route.shape[1] - ROOM):
         room = load(site, types, route, node, r, k, d) if flags & PICKED else route[r, ROOM + d]
         sound = sound and room >= 0
+    if flags & WALKED and sound and visits > 0:
+        walked = walk(ways, at_way, site, types, route, node, r, -1, -1, -1, -1, flags)
+        sound = walked <= types[k, MAX_DURATION]
+        spent = walked if sound and flags & SPANNED else spent
     cost = types[k, HOME] if visits == 0 else types[k, UNIT] * length + types[k, FIXED] + hours(types, k, spent)
     types[k, USED] += (visits > 0) - route[r, IN_USE]
     if flags & COUNTED:
@@ -343,6 +349,17 @@ def fits(site, route, c, r, flags):  # type: ignore[no-untyped-def]
     return fits
 
 
+@inner
+def walked(ways, at_way, site, types, route, node, r, i, c, at, d, detour, flags):  # type: ignore[no-untyped-def]
+    """Cost of a ``walk``, which makes route ``r`` so much longer; ``NONE`` if it breaks a limit."""
+    k = route[r, KIND]
+    spent = walk(ways, at_way, site, types, route, node, r, i, c, at, d, flags)
+    if spent > types[k, MAX_DURATION]:
+        return NONE
+    more = hours(types, k, spent) - hours(types, k, route[r, SPENT]) if flags & SPANNED else 0
+    return types[k, UNIT] * detour + more
+
+
 @inlined
 def longer(ways, at_way, site, types, allowed, route, node, c, i, r, least, flags):  # type: ignore[no-untyped-def]
     """Cost of visiting ``c`` after node ``i`` of route ``r``, which has room for it; ``NONE`` if that breaks a limit or costs ``least``."""
@@ -374,6 +391,8 @@ def longer(ways, at_way, site, types, allowed, route, node, c, i, r, least, flag
             if spent > types[k, MAX_DURATION]:
                 return NONE
             cost += hours(types, k, spent) - hours(types, k, route[r, SPENT])
+        if flags & WALKED and cost < least:
+            return walked(ways, at_way, site, types, route, node, r, i, c, -1, -1, detour, flags)
     return cost
 
 

@@ -172,6 +172,8 @@ def ruin(ways, at_way, site, types, customers, near, route, node, absent, sums, 
                 moved[moves] = at
                 moves += 1
             at = after
+        if flags & RELOADING and at >= sites and at != sites + 2 * r + 1 and below(random, 4) == 0:
+            moves = join(ways, at_way, site, types, route, node, absent, sums, moved, moves, step, at)
         if flags & SHIPPED:
             for m in range(begun, moves):
                 partner = site[moved[m], PARTNER]
@@ -181,8 +183,6 @@ def ruin(ways, at_way, site, types, customers, near, route, node, absent, sums, 
                     moved[moves] = partner
                     moves += 1
         if flags & RELOADING:
-            if at >= sites and at != sites + 2 * r + 1 and below(random, 4) == 0:
-                moves = join(ways, at_way, site, types, route, node, absent, sums, moved, moves, step, at)
             tidy(ways, at_way, site, types, route, node, absent, sums, r)
         if flags & (SHIPPED | RELOADING):
             first, at = sites + 2 * r, sites + 2 * r + 1
@@ -305,7 +305,7 @@ def insert(  # type: ignore[no-untyped-def]
                     least, after = cost, i
                 i, behind = behind, -1
     reload = -1
-    if flags & RELOADING and not apart and (after < 0 or below(random, 4) == 0):
+    if flags & RELOADING and not apart and partner < 0 and (after < 0 or below(random, 4) == 0):
         cost = reload_and_visit(ways, at_way, site, types, allowed, route, node, near, depots, c, least, places, flags)
         if cost < least:
             least, after, reload = cost, places[0], free_node(depots, node, places[1])
@@ -409,7 +409,8 @@ def anneal(  # type: ignore[no-untyped-def]
 ):
     """Some steps of ruin and recreate, accepted by annealing at temperature ``warmth``.
 
-    ``ways[p, c, a]`` has the length of the move from a to c and back, and the time that these take, in the entries ``way_columns``.
+    ``ways[p, c, a]`` has the length of the move from a to c and back, and the time that these take, in the entries ``way_columns``; with
+    ``WALKED`` what the move back is charged, and when it closes.
     ``alone[k, c]`` is the cost of a route of a vehicle of type k that visits c alone. ``near`` has for each site the customers next to it,
     nearest first; -1 ends a row. ``reach`` has what the two moves of a visit right after each of them are long at least, and ``drive`` what
     the first of them takes; who can only follow has -1 less the length of those before it, and service and the time of the second.
@@ -420,7 +421,7 @@ def anneal(  # type: ignore[no-untyped-def]
     """
     kinds, dims = len(types), route.shape[1] - ROOM
     moved, todo, places = lists[0], lists[1], lists[2]
-    at_way = (way_columns[0], way_columns[1], way_columns[2], way_columns[3])
+    at_way = (way_columns[0], way_columns[1], way_columns[2], way_columns[3], way_columns[4], way_columns[5])
     growth, least_unit = np.int64(sizes[2]), types[0, UNIT]
     for k in range(kinds):
         least_unit = min(least_unit, types[k, UNIT]) if types[k, TIME] == 0 else 0

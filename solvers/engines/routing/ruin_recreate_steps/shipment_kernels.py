@@ -31,8 +31,9 @@ from .columns import (
     TOOK,
     TRIED,
     UNIT,
+    WALKED,
 )
-from .route_kernels import hours, inlined, inner, opening, word
+from .route_kernels import hours, inlined, inner, opening, walked, word
 
 
 @inlined
@@ -92,7 +93,10 @@ def ship_on(ways, at_way, site, types, route, node, c, partner, r, least, random
                             able = able and spent <= types[k, MAX_DURATION]
                             cost += hours(types, k, spent) - hours(types, k, route[r, SPENT])
                     if able and cost < least and word(random) & np.uint64(127):
-                        least, places[0], places[1] = cost, i, at
+                        if flags & WALKED:
+                            cost = walked(ways, at_way, site, types, route, node, r, i, c, at, partner, whole, flags)
+                        if cost < least:
+                            least, places[0], places[1] = cost, i, at
                 # Or one visit later.
                 if onward == tail or (at == c and unit * (detour + ways[p, c, b, at_way[1]]) >= least and not flags & SPANNED):
                     break

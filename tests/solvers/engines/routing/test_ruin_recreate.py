@@ -122,11 +122,25 @@ def test_options_out_of_range_are_refused(option: str, value: float) -> None:
         run(small("capacity", 0, "round"), extra={option: value})
 
 
-def test_time_on_the_move_is_limited_only_where_moves_take_as_long_as_they_are() -> None:
+def test_time_on_the_move_is_limited_by_itself_where_moves_take_other_than_they_are_long() -> None:
     problem = small("travel", 0, "exact")
-    assert not RuinRecreate().missing(problem)
-    slow = replace(problem, fleet=(replace(problem.fleet[0], speed=2.0),))
-    assert "energy:travel with separate-durations" in RuinRecreate().missing(slow)
+    slow = replace(problem, fleet=(replace(problem.fleet[0], speed=0.8),))
+    for one in (problem, slow):
+        assert not RuinRecreate().missing(one) and problem.evaluate(run(one, iterations=500).answer).feasible
+    assert max(map(len, run(slow, iterations=500).answer)) <= max(map(len, run(problem, iterations=500).answer))
+
+
+def test_charges_by_windows_are_refused_where_vehicles_reload() -> None:
+    problem = varied("reloads", 0, 3)
+    charged = replace(problem, fleet=tuple(replace(v, energy=wb.Energy(99.0, 1.0, "windows")) for v in problem.fleet))
+    assert "energy:windows with reloads" in RuinRecreate().missing(charged)
+
+
+def test_an_empty_answer_is_left_for_visits_that_pay_only_together() -> None:
+    xy = np.array([[0, 0], [30, 0], [31, 0], [30, 1]], dtype=float)
+    sites = wb.Sites.of(range(4), required=[False] * 4, penalty=[0, 40, 40, 40], coordinates=xy)
+    problem = wb.RoutingProblem(sites, wb.Travel("euclidean", xy), (wb.VehicleType(),), wb.TotalCost() + wb.Penalties())
+    assert len(run(problem, iterations=2000).answer) == 1
 
 
 def test_a_limit_of_time_is_kept_and_the_best_answer_handed_out() -> None:

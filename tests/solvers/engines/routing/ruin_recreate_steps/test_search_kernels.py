@@ -19,7 +19,7 @@ from waybound.solvers.engines.routing.ruin_recreate_steps.search_kernels import 
 KINDS = (
     "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "limited-fleet", "heterogeneous-fleet",
     "multiple-depots", "open-routes", "separate-durations", "vehicles", "prizes", "reward", "reward-then-cost", "pickups", "overtime",
-    "shipments", "groups", "reloads", "committed-vehicles",
+    "shipments", "groups", "reloads", "committed-vehicles", "several-windows", "closing-moves", "windows",
 )  # fmt: skip
 
 
