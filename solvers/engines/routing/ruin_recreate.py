@@ -92,7 +92,7 @@ class RuinRecreate(Bisecting):
             "reloads", "overtime", "committed-vehicles", "min-vehicles", "limited-fleet", "heterogeneous-fleet", "multiple-depots",
             "open-routes", "fixed-cost", "separate-durations", "energy:travel", "energy:elapsed", "energy:elapsed-fixed-start",
             "initial-energy", "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments",
-            "several-windows", "skills", "forbidden-moves", "closing-moves", "energy:windows", "objective:total-cost",
+            "several-windows", "skills", "forbidden-moves", "closing-moves", "energy:windows", "recharging", "objective:total-cost",
             "objective:total-duration", "objective:vehicles", "objective:reward", "objective:penalties", "objective:makespan",
             "objective:longest-route", "objective:latest-return", "objective:weights", "objective:priorities",
         }
@@ -101,8 +101,9 @@ class RuinRecreate(Bisecting):
     def beyond(self, problem: RoutingProblem) -> frozenset[str]:
         features = problem.features()
         # What a move is charged by windows depends on the moment when a depot opens, which is another one on the way.
-        paused = {"energy:windows with reloads"} if features >= {"energy:windows", "reloads"} else frozenset()
-        return unscalable(problem) | paused | entangled(problem)
+        paused = {f"energy:windows with {name}" for name in ("reloads", "recharging") if features >= {"energy:windows", name}}
+        recharged = {f"recharging with {name}" for name in ("reloads", "shipments") if features >= {"recharging", name}}
+        return unscalable(problem) | paused | recharged | entangled(problem)
 
     def memory(self, problem: Problem) -> float:
         return memory(problem) if divides(problem, Options()) else super().memory(problem)  # type: ignore[arg-type]
@@ -320,7 +321,8 @@ class _Search:
 
     def anneals(self, ruins: float) -> int:
         """How many anneals there is time for, told how many ruins."""
-        coupled = self.held.flags & (self.columns.GROUPED | self.columns.RELOADING)  # routes of two answers do not go together then
+        k = self.columns
+        coupled = self.held.flags & (k.GROUPED | k.RELOADING | k.RECHARGING)  # routes of two answers do not go together then
         return 1 if coupled or ruins < AMPLE * len(self.held.customers) else ANNEALS
 
     def go_on(self, course: Course, share: float, done: int) -> None:

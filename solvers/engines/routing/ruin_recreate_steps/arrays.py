@@ -67,6 +67,9 @@ class Arrays:
             if not free.get(one.vehicle):
                 return False
             places.append(free[one.vehicle].pop(0))
+        stops = [c for one in answer for c in one.visits if c in reloads]
+        if any(stops.count(depot) > many for depot, _, many in self.depots.tolist()):
+            return False
         if self.flags & k.SHIPPED and not all(self.keeps_order(one.visits) for one in answer):
             return False
         free_nodes = {site: list(range(first, first + many)) for site, first, many in self.depots.tolist()}
@@ -143,6 +146,8 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     charged = [v.energy is not None and v.energy.charge == "travel" and not v.stations for v in fleet]
     apart = np.array([there and problem.travel_of(kind).own_durations for kind, there in enumerate(charged)])
     longest = np.minimum(np.minimum(data.max_distance, np.where(apart, MOST, data.travel_reach)), MOST - 1)
+    store = _limited(data.store)
+    filled = np.where(data.store > MOST, MOST, data.store - data.store_lacking)
     travel, charge = _limited(np.where(apart, data.travel_limit, MOST)), _limited(data.charge_limit)
     on = _stacked([_limited(m.distance_up if (longest < MOST - 1).any() else m.distance) for m in data.moves])
     if problem.forbidden is not None:
@@ -153,8 +158,9 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     many = max(map(len, data.windows)) if any(len(listed) > 1 for listed in data.windows) else 0
     closes = any(moves.closing is not None for moves in data.moves)
     shipments = problem.sites.shipments
-    reloads = sorted({site for v in fleet for site in v.reloads})
-    walked = bool(closes or apart.any() or (charge < MOST).any() or (many and spanned) or (shipments and reloads))
+    stations = sorted({site for v in fleet for site in v.stations})
+    reloads = stations or sorted({site for v in fleet for site in v.reloads})
+    walked = bool(stations or closes or apart.any() or (charge < MOST).any() or (many and spanned) or (shipments and reloads))
     timed = bool(spanned or late or data.ready.any() or walked)
     goes = _stacked([_limited(m.duration) for m in data.moves]) if timed else on
     for moves in data.moves:
@@ -171,7 +177,7 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     lost = np.where(required > 0, dear(problem, data), 0) + np.where(problem.sites.required, 0, data.prize)
     away = data.service + least
     loads = [data.demand[:, data.limited]]
-    picked = bool(shipments) or bool(reloads) or bool(data.pickup[:, data.limited].any())
+    picked = bool(shipments) or bool(reloads and not stations) or bool(data.pickup[:, data.limited].any())
     partner, second = np.full(sites, -1), np.zeros(sites, dtype=np.int64)
     if picked:
         loads.append(data.pickup[:, data.limited])
@@ -188,18 +194,22 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     ends = np.array([(v.start, v.end) for v in fleet])
     most_reloads = [len(customers) * bool(v.reloads) if v.max_reloads is None else v.max_reloads for v in fleet]
     spare = int(min(len(customers), (counts * most_reloads).sum()))
+    if stations:
+        most_reloads, spare = [MOST] * len(fleet), 2 * len(customers) + 2
     direct, lasts = (moves[data.profile, ends[:, 0], ends[:, 1]] for moves in (on, goes))
     home = data.unit * direct + data.fixed + data.time * lasts + data.overtime * np.maximum(lasts - data.regular_duration, 0)
     home = np.where([v.committed for v in fleet], home, 0)
     types = np.column_stack([
         data.profile, ends, hours, longest, data.unit, data.fixed, data.time, _limited(data.regular_duration), data.overtime,
         data.opens, _limited(data.leaves), _limited(data.closes),
-        np.cumsum(counts) - counts, counts, np.zeros_like(counts), most_reloads, home, travel, charge,
+        np.cumsum(counts) - counts, counts, np.zeros_like(counts), most_reloads, home, travel, charge, store, filled,
         _limited(data.capacity[:, data.limited]),
     ])  # fmt: skip
     kind = np.repeat(np.arange(len(fleet)), counts)
     heads = sites + 2 * np.arange(len(kind))
-    node = np.zeros((sites + 2 * len(kind) + len(reloads) * spare, k.NODE_COLUMNS + 3 * picked * len(data.limited)), dtype=np.int64)
+    node = np.zeros(
+        (sites + 2 * len(kind) + len(reloads) * spare + 4 * bool(stations), k.NODE_COLUMNS + 3 * picked * len(data.limited)), dtype=np.int64
+    )
     node[:, [k.ROUTE, k.PLACE, k.LISTED]] = -1
     node[:sites, k.SITE] = np.arange(sites)
     node[heads, k.FOLLOWING], node[heads + 1, k.PREVIOUS] = heads + 1, heads
@@ -222,9 +232,10 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     skilled = problem.sites.skills
     allowed = np.array([[not skilled or asked <= v.skills for asked in skilled or [frozenset()] * sites] for v in fleet])
     for number, vehicle in enumerate(fleet):
-        allowed[number, reloads] = [site in vehicle.reloads for site in reloads]
+        allowed[number, reloads] = [site in (vehicle.stations if stations else vehicle.reloads) for site in reloads]
     features = {
-        k.TIMED: timed, k.SPANNED: spanned, k.PICKED: picked, k.SHIPPED: shipments, k.GROUPED: problem.sites.groups, k.RELOADING: reloads,
+        k.TIMED: timed, k.SPANNED: spanned, k.PICKED: picked, k.SHIPPED: shipments, k.GROUPED: problem.sites.groups,
+        k.RELOADING: reloads and not stations, k.RECHARGING: stations,
         k.WINDOWED: many, k.COUNTED: fewest, k.WALKED: walked, k.CLOSING: closes,
     }  # fmt: skip
     flags = sum(flag for flag, there in features.items() if there) + (many << k.MANY)
@@ -236,7 +247,7 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     return Arrays(
         ways, at_way, site, types, allowed, alone,
         customers.astype(np.int64), near, reach, drive, depots, route, node, absent, sums, np.array([seed], dtype=np.uint64),
-        np.zeros(len(node) + 2, dtype=np.int64), np.zeros((3, max(2, sites)), dtype=np.int64), np.zeros(sites), flags,
+        np.zeros(len(node) + 2, dtype=np.int64), np.zeros((3, max(16, sites)), dtype=np.int64), np.zeros(sites), flags,
     )  # fmt: skip
 
 
@@ -293,7 +304,7 @@ def _openings(site: Integers, times: Integers, flags: int) -> Integers:
 
 def dear(problem: RoutingProblem, data: IntegerRouting) -> int:
     """Price of leaving a required site out: more than all rewards and all routes can cost, as far as such sums stay within 64 bits."""
-    customers, moves = len(problem.customers), 2 * len(problem.customers)
+    customers, moves = len(problem.customers), 2 * len(problem.customers) * (1 + 4 * any(v.stations for v in problem.fleet))
     routes = moves * max(m.longest for m in data.moves) * int(data.unit.max()) + customers * int(data.fixed.max())
     times = moves * max(m.slowest for m in data.moves) + int(data.service.sum()) + int(data.ready.max())
     worth = 1 + int(data.prize.sum()) + routes + customers * times * int(data.time.max())

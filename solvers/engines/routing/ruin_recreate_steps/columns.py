@@ -30,11 +30,14 @@ the load taken away where it is delivered."""
     HOME,
     TRAVEL,
     CHARGE,
+    STORE,
+    FILLED,
     CAPACITY,
-) = range(21)
+) = range(23)
 """Columns of vehicle types: profile of travel, limits and costs, the first slot, how many there are and are used, how often they reload,
 what it costs to drive from the start to the end alone, for vehicles that must; with ``WALKED`` limits on the time on the move, where no
-limit on distance stands for it, and on what moves are charged; capacities follow."""
+limit on distance stands for it, and on what moves are charged, the time on the move that a full store lasts, and that it lasts at
+departure; capacities follow."""
 
 KIND, VISITS, LENGTH, SPENT, COST, SOUND, PUNCTUAL, IN_USE, STAMP, TRIED, RELOADS, ROOM = range(12)
 """Columns of routes: vehicle type, visits, length, least duration, cost; whether all limits are kept, nobody comes too late, its vehicle is
@@ -54,11 +57,12 @@ SEARCHED, OBJECTIVE, ABSENT, DRIVEN, STEPS, BETTER, FEWEST, SHORT = range(8)
 many routes visit somebody; steps done; how many of them led to a better answer than all before; how many routes there must be, and the
 price of each that is missing."""
 
-TIMED, SPANNED, PICKED, SHIPPED, GROUPED, RELOADING, WINDOWED, COUNTED, WALKED, CLOSING = (1 << bit for bit in range(10))
+TIMED, SPANNED, PICKED, SHIPPED, GROUPED, RELOADING, WINDOWED, COUNTED, WALKED, CLOSING, RECHARGING = (1 << bit for bit in range(11))
 """Flags: anybody can come too late; the duration of a route is limited or priced; loads are picked up, too, and brought to the end or, of
 a shipment, to another visit; there are groups; vehicles reload; sites have several windows, as many as
 ``flags >> MANY`` at most, which are the last columns of sites; there must be some number of routes;
-some limits take a walk of the whole route (``walk_kernels``); moves close."""
+some limits take a walk of the whole route (``walk_kernels``); moves close; stores are filled up on the way,
+where nobody reloads."""
 
 MANY = 16
 """Bits of flags before the number of windows."""

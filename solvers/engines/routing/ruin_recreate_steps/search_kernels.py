@@ -33,6 +33,7 @@ from .columns import (
     PARTNER,
     PREVIOUS,
     READY,
+    RECHARGING,
     RELOADING,
     REQUIRED,
     ROOM,
@@ -54,6 +55,7 @@ from .columns import (
     USED,
     VISITS,
 )
+from .recharge_kernels import recharge_and_visit, unplug
 from .reload_kernels import free_node, join, reload_and_visit, tidy
 from .route_kernels import (
     below,
@@ -184,7 +186,9 @@ def ruin(ways, at_way, site, types, customers, near, route, node, absent, sums, 
                     moves += 1
         if flags & RELOADING:
             tidy(ways, at_way, site, types, route, node, absent, sums, r)
-        if flags & (SHIPPED | RELOADING):
+        if flags & RECHARGING:
+            unplug(ways, at_way, site, types, route, node, absent, sums, r, flags)
+        if flags & (SHIPPED | RELOADING | RECHARGING):
             first, at = sites + 2 * r, sites + 2 * r + 1
         refresh(ways, at_way, site, types, route, node, sums, r, first, at, flags)
     return logged, moves
@@ -304,7 +308,11 @@ def insert(  # type: ignore[no-untyped-def]
                 if cost < least and word(random) & np.uint64(127):
                     least, after = cost, i
                 i, behind = behind, -1
-    reload = -1
+    reload, stops = -1, 0
+    if flags & RECHARGING and not apart and (after < 0 or below(random, 4) == 0):
+        cost = recharge_and_visit(ways, at_way, site, types, allowed, route, node, near, depots, sums, random, c, least, places, flags)
+        if cost < least:
+            least, after, stops = cost, places[0], places[1]
     if flags & RELOADING and not apart and partner < 0 and (after < 0 or below(random, 4) == 0):
         cost = reload_and_visit(ways, at_way, site, types, allowed, route, node, near, depots, c, least, places, flags)
         if cost < least:
@@ -334,7 +342,14 @@ def insert(  # type: ignore[no-untyped-def]
         places[1] = c
     r, onward = node[after, ROUTE], node[after, FOLLOWING]
     logged = save(route, node, sites, r, step, log, logged)
-    put(ways, at_way, site, types, route, node, absent, sums, c, after, r)
+    last, begin = after, 2
+    if stops == 0:
+        begin, stops, places[7] = 7, 1, c
+    for place in range(begin, begin + stops):
+        stop = places[place] if places[place] >= 0 else free_node(depots, node, -1 - places[place])
+        if stop >= 0:
+            put(ways, at_way, site, types, route, node, absent, sums, stop, last, r)
+            last = stop
     if reload >= 0:
         put(ways, at_way, site, types, route, node, absent, sums, reload, after if places[2] else c, r)
     if partner >= 0:
@@ -352,7 +367,7 @@ def put_back(ways, at_way, site, types, route, node, absent, sums, log, logged, 
         if node[moved[m], ROUTE] >= 0:
             leave_out(site, node, absent, sums, moved[m])
     at = 0
-    while at < logged and flags & RELOADING:
+    while at < logged and flags & (RELOADING | RECHARGING):
         i = node[sites + 2 * log[at], FOLLOWING]
         while i != sites + 2 * log[at] + 1:
             if i >= sites:

@@ -1,7 +1,8 @@
 """Walks of whole routes, for limits of which no sums of parts are kept. Imports numba: import it inside functions only.
 
-Moves that close, charges of moves, time on the move beside other lengths, the least duration where sites have several windows, and what is
-on board where shipments stay there while a vehicle reloads. A walk comes last, for what all other tests let pass.
+Moves that close, charges of moves, stores that are filled up on the way, time on the move beside other lengths, the least duration where
+sites have several windows, and what is on board where shipments stay there while a vehicle reloads. A walk comes last, for what all other
+tests let pass.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from .columns import (
     DEMAND,
     DUE,
     END,
+    FILLED,
     FIRST,
     FIXED,
     FOLLOWING,
@@ -27,8 +29,10 @@ from .columns import (
     OPENS,
     OVERTIME,
     PARTNER,
+    PICKED,
     PROFILE,
     READY,
+    RECHARGING,
     REGULAR,
     RELOADING,
     ROOM,
@@ -38,11 +42,15 @@ from .columns import (
     SLOTS,
     SPANNED,
     START,
+    STORE,
     TIME,
     TRAVEL,
     UNIT,
     WINDOWED,
 )
+
+CHAIN = -2
+"""In place of a node: what follows on the first stop that is put in is linked to it already, up to the last one."""
 
 inner = kernel(no_cpython_wrapper=True, _nrt=False)
 
@@ -50,6 +58,8 @@ inner = kernel(no_cpython_wrapper=True, _nrt=False)
 @inner
 def _onward(node, stop, i, c, at, d):  # type: ignore[no-untyped-def]
     """The node after ``stop``, were ``c`` put after node ``i`` and ``d`` after node ``at``."""
+    if at == CHAIN:
+        return c if stop == i else node[i if stop == d else stop, FOLLOWING]
     if stop == c:
         return d if at == c else node[i, FOLLOWING]
     if stop == d:
@@ -60,7 +70,7 @@ def _onward(node, stop, i, c, at, d):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _carries(site, types, route, node, r, i, c, at, d):  # type: ignore[no-untyped-def]
+def _carries(site, types, route, node, r, i, c, at, d, flags):  # type: ignore[no-untyped-def]
     """Whether all that is on board has room, shipments while the vehicle reloads, too."""
     sites, k, dims = len(site), route[r, KIND], route.shape[1] - ROOM
     head, tail = sites + 2 * r, sites + 2 * r + 1
@@ -74,7 +84,7 @@ def _carries(site, types, route, node, r, i, c, at, d):  # type: ignore[no-untyp
                 level += taken - site[stop, DEMAND + load]
                 shipped += taken if site[stop, PARTNER] >= 0 else 0
                 most = max(most, level)
-            else:  # what is brought until here was on board all the way
+            elif flags & RELOADING or stop == tail:  # what is brought until here was on board all the way
                 if most + brought > types[k, CAPACITY + load]:
                     return False
                 brought, level, most = 0, shipped, shipped
@@ -90,12 +100,13 @@ def walk(ways, at_way, site, types, route, node, r, i, c, at, d, flags):  # type
     """
     k, head, tail = route[r, KIND], len(site) + 2 * r, len(site) + 2 * r + 1
     p, first = types[k, PROFILE], site.shape[1] - 2 * (flags >> MANY)
-    if flags & SHIPPED and flags & RELOADING and not _carries(site, types, route, node, r, i, c, at, d):
+    paused = (flags & SHIPPED and flags & RELOADING) or (flags & PICKED and flags & RECHARGING)
+    if paused and not _carries(site, types, route, node, r, i, c, at, d, flags):
         return NONE
     departs, least = types[k, OPENS], NONE
     while departs <= types[k, LEAVES]:
         until, left, waits, lasts, moving, charged = types[k, LEAVES], departs, -NONE, 0, 0, 0
-        a, stop, service = node[head, SITE], head, 0
+        a, stop, service, lacking = node[head, SITE], head, 0, types[k, STORE] - types[k, FILLED]
         while stop != tail:
             stop = _onward(node, stop, i, c, at, d)
             b = node[stop, SITE]
@@ -107,6 +118,11 @@ def walk(ways, at_way, site, types, route, node, r, i, c, at, d, flags):  # type
                 until = min(until, shut - lasts)
             charged += ways[p, a, b, at_way[4]] if stop != tail else service + drives
             moving += drives
+            if flags & RECHARGING:
+                lacking += drives
+                if lacking > types[k, STORE]:
+                    return NONE
+                lacking = 0 if stop >= len(site) and stop != tail else lacking
             left, waits, lasts = left + drives, waits + drives, lasts + drives
             opens, ends, service = types[k, OPENS], types[k, CLOSES], 0
             if stop != tail:

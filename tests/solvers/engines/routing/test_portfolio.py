@@ -6,6 +6,7 @@ import contextlib
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -25,6 +26,12 @@ def run(problem: wb.RoutingProblem, **options: object) -> RawResult:
     return Portfolio().run(problem, Options(**{"time_limit": 60.0, **options}), Control())  # type: ignore[arg-type]
 
 
+def paused() -> wb.RoutingProblem:
+    """Vehicles reload and recharge, which OR-Tools alone takes."""
+    problem = varied("recharging", 0)
+    return replace(problem, fleet=tuple(replace(v, reloads=(0,)) for v in problem.fleet))
+
+
 def engines(result: RawResult) -> list[str]:
     return [turn["engine"] for turn in result.statistics["turns"]]
 
@@ -33,7 +40,7 @@ def engines(result: RawResult) -> list[str]:
     ("kind", "names"),
     [
         ("several-depots", ["ruin-recreate", "pyvrp"]), ("overtime", ["ruin-recreate", "pyvrp"]), ("groups", ["ruin-recreate", "pyvrp"]),
-        ("several-windows", ["pyvrp"]), ("recharging", ["ortools"]), ("route-risk", []),
+        ("several-windows", ["ruin-recreate", "pyvrp"]), ("recharging", ["ruin-recreate"]), ("route-risk", []),
     ],
 )  # fmt: skip
 def test_who_has_a_turn_is_told_by_what_the_problem_has(kind: str, names: list[str]) -> None:
@@ -41,7 +48,7 @@ def test_who_has_a_turn_is_told_by_what_the_problem_has(kind: str, names: list[s
 
 
 def test_what_no_engine_takes_is_refused_by_what_the_nearest_one_lacks() -> None:
-    problem = varied("recharging", 0)
+    problem = paused()
     with pytest.MonkeyPatch.context() as patch:
         for kind in (portfolio.ORTools, portfolio.VROOM):
             patch.setattr(kind, "installed", classmethod(lambda cls: False))
@@ -114,7 +121,7 @@ def test_what_the_only_engine_that_takes_a_problem_does_not_keep_to_is_refused()
     with pytest.raises(
         UsageError, match="ortools, which alone takes this problem, does not keep to no_improvement", check=coded("unsupported")
     ):
-        run(varied("recharging", 0), no_improvement=5)
+        run(paused(), no_improvement=5)
 
 
 def test_it_has_no_options_of_its_own() -> None:

@@ -6,7 +6,7 @@ from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k
 
 
 def test_flags_are_bits_of_their_own_below_the_number_of_windows() -> None:
-    flags = (k.TIMED, k.SPANNED, k.PICKED, k.SHIPPED, k.GROUPED, k.RELOADING, k.WINDOWED, k.COUNTED, k.WALKED, k.CLOSING)
+    flags = (k.TIMED, k.SPANNED, k.PICKED, k.SHIPPED, k.GROUPED, k.RELOADING, k.WINDOWED, k.COUNTED, k.WALKED, k.CLOSING, k.RECHARGING)
     assert sum(flags) == (1 << len(flags)) - 1 < 1 << k.MANY
 
 

@@ -19,7 +19,7 @@ from waybound.solvers.engines.routing.ruin_recreate_steps.search_kernels import 
 KINDS = (
     "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "limited-fleet", "heterogeneous-fleet",
     "multiple-depots", "open-routes", "separate-durations", "vehicles", "prizes", "reward", "reward-then-cost", "pickups", "overtime",
-    "shipments", "groups", "reloads", "committed-vehicles", "several-windows", "closing-moves", "windows",
+    "shipments", "groups", "reloads", "committed-vehicles", "several-windows", "closing-moves", "windows", "recharging",
 )  # fmt: skip
 
 
@@ -58,7 +58,7 @@ def test_what_is_kept_of_routes_is_what_they_are(kind: str, convention: str) -> 
         routes = held.routes(following)
         again = arrays(problem, with_slope(problem, integer_routing(problem)), 60, seed)
         assert again.begin(routes)
-        visited = sorted(site for route in routes for site in route.visits)
+        visited = sorted(site for route in routes for site in route.visits if not problem.sites.depot[site])
         left_out = sorted(held.absent[: held.sums[k.ABSENT]].tolist())
         assert sorted([*visited, *left_out]) == problem.customers.tolist()
         for c in problem.customers.tolist():
