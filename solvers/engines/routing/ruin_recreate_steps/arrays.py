@@ -307,7 +307,7 @@ def dear(problem: RoutingProblem, data: IntegerRouting) -> int:
     customers, moves = len(problem.customers), 2 * len(problem.customers) * (1 + 4 * any(v.stations for v in problem.fleet))
     routes = moves * max(m.longest for m in data.moves) * int(data.unit.max()) + customers * int(data.fixed.max())
     times = moves * max(m.slowest for m in data.moves) + int(data.service.sum()) + int(data.ready.max())
-    worth = 1 + int(data.prize.sum()) + routes + customers * times * int(data.time.max())
+    worth = 1 + int(data.prize.sum()) + routes + customers * times * int((data.time + data.overtime).max())
     return min(worth, (1 << 59) // (customers + 1))
 
 

@@ -107,6 +107,14 @@ def test_no_answer_has_fewer_routes_than_are_asked_for(optional: bool) -> None:
     assert found.answer is None and found.message == "no answer was found that has 7 routes"
 
 
+def test_overtime_is_no_reason_to_leave_a_required_site_out() -> None:
+    xy = np.array([[0, 0], [3, 0], [-3, 0], [0, 4]], dtype=float)
+    vehicle = wb.VehicleType(count=1, unit_cost=0.0, regular_duration=1.0, unit_overtime_cost=5.0)
+    problem = wb.RoutingProblem(wb.Sites.of(range(4), coordinates=xy), wb.Travel("euclidean", xy), (vehicle,))
+    found = run(problem, iterations=200)
+    assert problem.evaluate(found.answer).feasible and len(found.answer) == 1
+
+
 def test_the_longest_route_is_taken_by_bisection() -> None:
     problem = replace(small("capacity", 0, "exact"), objective=wb.Objective.of(wb.LongestRoute()))
     found = run(problem, iterations=4000)
