@@ -134,8 +134,8 @@ def test_time_on_the_move_is_limited_by_itself_where_moves_take_other_than_they_
     problem = small("travel", 0, "exact")
     slow = replace(problem, fleet=(replace(problem.fleet[0], speed=0.8),))
     for one in (problem, slow):
-        assert not RuinRecreate().missing(one) and problem.evaluate(run(one, iterations=500).answer).feasible
-    assert max(map(len, run(slow, iterations=500).answer)) <= max(map(len, run(problem, iterations=500).answer))
+        assert not RuinRecreate().missing(one) and one.evaluate(run(one, iterations=500).answer).feasible
+    assert not slow.evaluate(run(problem, iterations=500).answer).feasible
 
 
 def test_charges_by_windows_are_refused_where_vehicles_reload() -> None:
