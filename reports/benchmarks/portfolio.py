@@ -1,8 +1,8 @@
 """How near to the best values known the portfolio comes, beside each of its engines and bare PyVRP, within the same time.
 
 Each run is a process of its own with one thread, no bounds and compiled kernels, on files of the benchmark folder; ``bare-pyvrp`` is the
-library alone, given the same whole numbers (``_bare_pyvrp``; not where the longest route counts, which it cannot be asked for). Gaps are
-per cent of the best value known, those below it count as 0. A row is a file, with the mean over seeds; the last ones of a set are the mean
+library alone, given the same whole numbers (``_bare_pyvrp``; not for reloads, groups and the longest route, which ``pyvrp`` hands it or
+asks for). Gaps are per cent of the best value known, those below it count as 0. A row is a file, with the mean over seeds; the last ones of a set are the mean
 over files with half the width of its 95 % interval over seeds, and the mean difference to the first solver, paired by file and seed, with
 its own. Runs side by side (``--jobs``) share the machine's memory, and none is timed against another one of other jobs. The column of CPU
 is what a run took on the mean, reading left out.
@@ -17,15 +17,17 @@ import statistics
 import sys
 import tempfile
 import time
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
 
 from waybound import read, solve
+from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
+from waybound.instances.routing.sites import Group
 
 from ._harness import Folder, Option, command, in_a_fresh_process, markdown
 from .overhead import integers
@@ -36,12 +38,35 @@ BARE = "bare-pyvrp"
 
 @dataclass(frozen=True)
 class Kept:
-    """Files of one kind, in one or more folders, and how they are read; ``row`` says which line of ``bks.csv`` is meant."""
+    """Files of one kind, in one or more folders, and how they are read; ``row`` says which line of ``bks.csv`` is meant, and ``made`` what
+    problem comes of each, told its name."""
 
     folders: Sequence[str]
     files: Sequence[str]
     settings: Mapping[str, Any] = field(default_factory=dict)
     row: Mapping[str, str] = field(default_factory=dict)
+    made: Callable[[RoutingProblem, str], RoutingProblem] | None = None
+
+
+def reloading(problem: RoutingProblem, name: str) -> RoutingProblem:
+    """Two vehicles that come back for more, neither of which may drive more than 1.1 times half the length of the best routes without:
+    after Taillard, Laporte and Gendreau (1996), Vehicle routeing with multiple use of vehicles, J. Operational Research Society 47(8)."""
+    vehicle, length = problem.fleet[0], {"E-n51-k5": 521, "E-n76-k10": 830, "E-n101-k8": 815}[name]
+    two = replace(vehicle, count=2, reloads=(vehicle.start,), max_distance=float(1.1 * length // 2))
+    return replace(problem, fleet=(two,))
+
+
+def grouped(problem: RoutingProblem, name: str) -> RoutingProblem:
+    """One customer in three is visited: each with those nearest to a centre, centres being as far from each other as can be, after the
+    clusters of Fischetti, Salazar and Toth (1997), Operations Research 45(3)."""
+    distances, customers = problem.travel.distances, problem.customers
+    centres = [int(customers[distances[problem.fleet[0].start, customers].argmax()])]
+    while 3 * len(centres) < len(customers):
+        centres.append(int(customers[distances[np.ix_(centres, customers)].min(axis=0).argmax()]))
+    nearest = distances[np.ix_(centres, customers)].argmin(axis=0)
+    groups = tuple(Group(tuple(customers[nearest == k].tolist()), True) for k in range(len(centres)))
+    required = np.zeros(len(problem.sites), dtype=bool)
+    return replace(problem, sites=replace(problem.sites, groups=groups, required=required))
 
 
 SETS = {
@@ -70,22 +95,24 @@ SETS = {
     ),
     "simultaneous-pickup": Kept(("vrpspd-salhi",), ("CMT1X", "CMT2X", "CMT4X", "CMT12Y"), {"vehicles": "unlimited"}),
     "several-depots": Kept(("mdvrp-cordeau",), ("p01", "p04", "p10", "p15")),
+    "reloads": Kept(("cvrp/E",), ("E-n51-k5", "E-n76-k10", "E-n101-k8"), made=reloading),
+    "groups": Kept(("cvrp/X",), ("X-n101-k25", "X-n200-k36", "X-n327-k20"), made=grouped),
 }  # fmt: skip
 
 
 FOUND = {
     "tsiligirides_problem_2_budget_30": 265.0, "set_66_1_060": 915.0, "mtsp100_3": 8509.16, "kroa200_10": 6223.22, "lin318_5": 11660.1,
 }  # fmt: skip
-"""The best values that were found in long runs, of files that ``bks.csv`` has no row for."""
+"""The best values that were found in long runs, of files that ``bks.csv`` has no row for and of problems made of files."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """One run: which file, by whom, with which seed, for how long."""
+    """One run: which set's file, by whom, with which seed, for how long."""
 
+    kind: str
     folder: Path
     path: Path
-    settings: Mapping[str, Any]
     solver: str
     seed: int
     seconds: float
@@ -93,7 +120,10 @@ class Task:
 
 def run(task: Task) -> tuple[tuple[float, ...], bool, float]:
     """The judged values of the answer, empty where there is none, whether the first is maximised, and CPU seconds."""
-    problem: Any = read(task.folder / task.path, **task.settings)
+    kept = SETS[task.kind]
+    problem: Any = read(task.folder / task.path, **kept.settings)
+    if kept.made is not None:
+        problem = kept.made(problem, task.path.stem)
     most = problem.senses[0] == "max"
     began = time.process_time()
     if task.solver == BARE:
@@ -118,14 +148,16 @@ def tasks(folder: Path, names: Iterable[str], solvers: Sequence[str], seeds: Ite
             path = next((p for place in kept.folders for p in sorted((folder / place).glob(f"{file}.*")) if p.suffix != ".sol"), None)
             if path is None:
                 raise SystemExit(f"error: no file {file} in {', '.join(kept.folders)}")
-            many = [Task(folder, path.relative_to(folder), kept.settings, s, seed, seconds) for s in solvers for seed in seeds]
+            many = [Task(name, folder, path.relative_to(folder), s, seed, seconds) for s in solvers for seed in seeds]
             found.setdefault(name, []).extend(many)
     return found
 
 
-def known_of(task: Task, row: Mapping[str, str]) -> Known:
-    """The best values known of its file."""
-    return best_known(task.folder, Sample(str(task.path), row)) or Known((FOUND[task.path.stem],), "")
+def known_of(task: Task) -> Known:
+    """The best values known of its file, or of the problem made of it."""
+    if SETS[task.kind].made is not None:
+        return Known((FOUND[f"{task.kind} {task.path.stem}"],), "")
+    return best_known(task.folder, Sample(str(task.path), SETS[task.kind].row)) or Known((FOUND[task.path.stem],), "")
 
 
 def gap(values: Sequence[float], most: bool, known: Known) -> float:
@@ -175,7 +207,7 @@ def main(
             gaps: dict[tuple[str, str, int], float] = {}
             cpu: dict[str, list[float]] = {}
             for task, (values, most, spent) in zip(many, pool.imap(run, many, chunksize=1), strict=True):
-                away = gap(values, most, known_of(task, SETS[name].row))
+                away = gap(values, most, known_of(task))
                 gaps[task.path.stem, task.solver, task.seed] = away
                 cpu.setdefault(task.solver, []).append(spent)
                 good = good and not math.isnan(away)

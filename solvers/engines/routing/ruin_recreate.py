@@ -57,6 +57,12 @@ COOLER, REWARMED = 0.2, 0.2
 """First temperatures of all anneals but the first, and of those that begin with an answer made of two, as shares of the first one's: short
 ones end better when they begin cool, while only a warm one gets rid of a route too many."""
 
+COMBINED, COMBINING = 0.9, 0.07
+"""Share of the time after which the best answer that routes of all answers make up is looked for, and share of the time for that."""
+
+COMBINED_AGAIN = 100
+"""Ruins for each customer for which one part of the best answer may be looked at then, if no clock ends it."""
+
 PLACING = 0.2
 """Share of the time for places of required sites that are left out, and for fewer vehicles where a vehicle outweighs all else."""
 
@@ -188,6 +194,7 @@ class _Search:
         from .ruin_recreate_steps import columns, search_kernels
         from .ruin_recreate_steps.arrays import arrays
         from .ruin_recreate_steps.elites import Elites
+        from .ruin_recreate_steps.partition import Pool
 
         self.problem, self.options, self.asked, self.control, self.stop = problem, options, asked, control, stop
         self.seconds_at = seconds_at
@@ -197,6 +204,8 @@ class _Search:
         self.held = arrays(problem, self.data, int(asked["neighbours"]) * (2 if optional else 1), options.seed % 2**64)
         self.best, self.own = np.zeros((2, 1 + len(self.held.node)), dtype=np.int64)  # of all, and of the anneal at hand
         self.elites = Elites(self.held, options.seed)
+        apart = not self.held.flags & (columns.GROUPED | columns.RELOADING) and not self.held.types[:, columns.HOME].any()
+        self.pool = Pool(self.held, options.seed) if apart else None
         self.sizes = np.array([asked["string"], asked["removals"], 0.0])
         self.answer: Routes | None = None
         self.value: float | None = None
@@ -224,7 +233,7 @@ class _Search:
         warmer = WARMER_WITH_WINDOWS if self.held.flags & k.TIMED else (1.0, 1.0) if optional else WARMER
         hot, cold = (self.asked[name] * move * more for name, more in zip(("hot", "cold"), warmer, strict=True))
         course = Course(max(hot, 1e-9), max(cold, 1e-9))
-        at, share, limit, measured = 0, 0.0, "time", not self.by_clock
+        at, share, limit, measured, combined = 0, 0.0, "time", not self.by_clock, 0
         if math.isfinite(most):
             course.anneals = self.anneals(most)
         while not self.stop.reached() and now() - began < whole:
@@ -245,6 +254,9 @@ class _Search:
                 share = (now() - began) / whole if self.by_clock else max(share, (done - at) / idle)
             if course.over(share, done):
                 self.go_on(course, share, done)
+            if share >= (COMBINED if combined or course.anneals == 1 else FROM_NOTHING) and combined < min(2, course.anneals):
+                combined += 1
+                self.combine(COMBINING * whole)
             started, value = now(), self.best[0]
             self.advance(int(min(pieces, most - done, idle - (done - at))), course.warmth(share, done))
             at = int(sums[k.STEPS]) if self.best[0] < value else at
@@ -318,6 +330,26 @@ class _Search:
         self.kernels.anneal(self.stop.flag, *self.held.parts, self.own, self.sizes, steps, warmth, self.held.flags)
         if self.own[0] < self.best[0]:
             self.best[:] = self.own
+        if self.pool and self.held.sums[self.columns.STEPS] - self.pool.looked >= 2 * len(self.held.customers):
+            self.pool.collect()
+
+    def combine(self, seconds: float) -> None:
+        """Go on from the best answer that routes of all answers make up, where it is better than any of them."""
+        if self.pool is None:
+            return
+        k, held, ends, control = self.columns, self.held, now() + seconds, Control()
+        self.control.on_stop(control.stop)
+        held.put(held.routes(self.best[1:]))
+        parts = held.sums[k.STEPS] // (COMBINED_AGAIN * len(held.customers))
+        while not self.stop.reached() and (now() < ends if self.by_clock else parts > 0):
+            parts -= 1
+            better = self.pool.better(ends - now() if self.by_clock else self.stop.seconds_left, control)
+            if better is not None and held.put(better) and held.sums[k.OBJECTIVE] < self.best[0]:
+                self.best[0] = held.sums[k.OBJECTIVE]
+                self.best[1:] = np.where(held.node[:, k.ROUTE] >= 0, held.node[:, k.FOLLOWING], -1)
+                self.publish()
+        held.put(held.routes(self.best[1:]))
+        self.own[:] = self.best
 
     def anneals(self, ruins: float) -> int:
         """How many anneals there is time for, told how many ruins."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .....formulations.routing.routes import Route, Routes
-from ..integer_scales import Integers
+from ..integer_scales import Floats, Integers
 from ..routing_integers import IntegerRouting
 from . import columns as k
 
@@ -127,15 +127,18 @@ class Arrays:
 
     def routes(self, following: Integers) -> Routes:
         """The routes that ``following``, the successor of each node, makes up."""
-        sites, routes = len(self.site), []
-        for r, row in enumerate(self.route):
-            visits, at = [], int(following[sites + 2 * r])
-            while at != sites + 2 * r + 1:
-                visits.append(int(self.node[at, k.SITE]))
-                at = int(following[at])
-            if visits:
-                routes.append(Route(tuple(visits), int(row[k.KIND])))
-        return Routes.of(routes)
+        kept = ((self.visits(r, following), int(row[k.KIND])) for r, row in enumerate(self.route))
+        return Routes.of(Route(visits, kind) for visits, kind in kept if visits)
+
+    def visits(self, route: int, following: Integers | None = None) -> tuple[int, ...]:
+        """The stops of a route, by ``following`` or as it is at hand."""
+        after = self.node[:, k.FOLLOWING] if following is None else following
+        end = len(self.site) + 2 * route + 1
+        stops, at = [], int(after[end - 1])
+        while at != end:
+            stops.append(int(self.node[at, k.SITE]))
+            at = int(after[at])
+        return tuple(stops)
 
 
 def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed: int) -> Arrays:

@@ -252,6 +252,31 @@ def sort(ways, site, types, random, moved, todo, keys, moves, dims, flags):  # t
     return many
 
 
+@inner
+def cheapest(ways, at_way, site, types, allowed, alone, near, route, node, c, random, flags):  # type: ignore[no-untyped-def]
+    """Of ``c`` and the alternatives to it the one whose visit costs least against what leaving it out does; some are overlooked."""
+    chosen, least, one = c, NONE, c
+    while True:
+        cost = NONE
+        for k in range(len(types)):
+            if types[k, USED] < types[k, SLOTS]:
+                cost = min(cost, alone[k, one])
+        for q in range(near.shape[1]):
+            i = near[one, q]
+            if i < 0:
+                break
+            r = node[i, ROUTE]
+            if r < 0 or not fits(site, route, one, r, flags):
+                continue
+            for place in (node[i, PREVIOUS], i):
+                cost = min(cost, longer(ways, at_way, site, types, allowed, route, node, one, place, r, cost, flags))
+        if cost < NONE and cost - site[one, MISSED] < least and below(random, 2):
+            chosen, least = one, cost - site[one, MISSED]
+        one = site[one, ALTERNATIVE]
+        if one == c:
+            return chosen
+
+
 @inlined
 def insert(  # type: ignore[no-untyped-def]
     ways, at_way, site, types, allowed, alone, near, reach, drive, depots, route, node, absent, sums, random, log, logged, places,
@@ -458,9 +483,12 @@ def anneal(  # type: ignore[no-untyped-def]
             moves = list_alternatives(site, node, moved, moves, step)
         moves = list_others(site, node, absent, sums, random, moved, moves, step)
         for m in range(sort(ways, site, types, random, moved, todo, keys, moves, dims, flags)):
+            c = todo[m]
+            if flags & GROUPED and site[c, ALTERNATIVE] >= 0 and not settled(site, node, c):
+                c = cheapest(ways, at_way, site, types, allowed, alone, near, route, node, c, random, flags)
             logged = insert(
                 ways, at_way, site, types, allowed, alone, near, reach, drive, depots, route, node, absent, sums, random, log, logged,
-                places, todo[m], (step << 20) + m, step, least_unit, warmth, flags,
+                places, c, (step << 20) + m, step, least_unit, warmth, flags,
             )  # fmt: skip
         sound, at = True, 0
         while at < logged:
