@@ -1,11 +1,11 @@
 """How near to the best values known the portfolio comes, beside each of its engines and bare PyVRP, within the same time.
 
 Each run is a process of its own with one thread, no bounds and compiled kernels, on files of the benchmark folder; ``bare-pyvrp`` is the
-library alone, given the same whole numbers (``_bare_pyvrp``; not for reloads, groups and the longest route, which ``pyvrp`` hands it or
-asks for). Gaps are per cent of the best value known, those below it count as 0. A row is a file, with the mean over seeds; the last ones of a set are the mean
-over files with half the width of its 95 % interval over seeds, and the mean difference to the first solver, paired by file and seed, with
-its own. Runs side by side (``--jobs``) share the machine's memory, and none is timed against another one of other jobs. The column of CPU
-is what a run took on the mean, reading left out.
+library alone, given the same whole numbers (``_bare_pyvrp``; not for reloads, groups and the longest route, which it models not). Gaps are
+per cent of the best value known, those below it count as 0. A row is a file, with the mean over seeds; the last ones of a set are the
+mean over files with half the width of its 95 % interval over seeds, and the mean difference to the first solver, paired by file and seed,
+with its own. Runs side by side (``--jobs``) share the machine's memory, and none is timed against another one of other jobs. The column of
+CPU is what a run took on the mean, reading left out.
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ def grouped(problem: RoutingProblem, name: str) -> RoutingProblem:
     distances, customers = problem.travel.distances, problem.customers
     centres = [int(customers[distances[problem.fleet[0].start, customers].argmax()])]
     while 3 * len(centres) < len(customers):
-        centres.append(int(customers[distances[np.ix_(centres, customers)].min(axis=0).argmax()]))
-    nearest = distances[np.ix_(centres, customers)].argmin(axis=0)
+        centres.append(int(customers[distances[np.array(centres)][:, customers].min(axis=0).argmax()]))
+    nearest = distances[np.array(centres)][:, customers].argmin(axis=0)
     groups = tuple(Group(tuple(customers[nearest == k].tolist()), True) for k in range(len(centres)))
     required = np.zeros(len(problem.sites), dtype=bool)
     return replace(problem, sites=replace(problem.sites, groups=groups, required=required))
@@ -102,6 +102,8 @@ SETS = {
 
 FOUND = {
     "tsiligirides_problem_2_budget_30": 265.0, "set_66_1_060": 915.0, "mtsp100_3": 8509.16, "kroa200_10": 6223.22, "lin318_5": 11660.1,
+    "reloads E-n51-k5": 526.0, "reloads E-n76-k10": 837.0, "reloads E-n101-k8": 818.0, "groups X-n101-k25": 7849.0,
+    "groups X-n200-k36": 16882.0, "groups X-n327-k20": 12340.0,
 }  # fmt: skip
 """The best values that were found in long runs, of files that ``bks.csv`` has no row for and of problems made of files."""
 

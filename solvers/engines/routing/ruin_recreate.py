@@ -348,6 +348,8 @@ class _Search:
                 self.best[0] = held.sums[k.OBJECTIVE]
                 self.best[1:] = np.where(held.node[:, k.ROUTE] >= 0, held.node[:, k.FOLLOWING], -1)
                 self.publish()
+            elif self.pool.whole:
+                break
         held.put(held.routes(self.best[1:]))
         self.own[:] = self.best
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .....formulations.routing.routes import Route, Routes
-from ..integer_scales import Floats, Integers
+from ..integer_scales import Integers
 from ..routing_integers import IntegerRouting
 from . import columns as k
 

@@ -11,10 +11,12 @@ import numpy as np
 from .....formulations.programs.program import Program, Rows, Variables
 from .....formulations.routing.routes import Route, Routes
 from ....backend import Control, Options
+from ....backends.highs import Highs
 from . import columns as k
 
 if TYPE_CHECKING:
-    from .arrays import Arrays, Floats, Integers
+    from ..integer_scales import Floats, Integers
+    from .arrays import Arrays
 
 VISITS = 100
 """Visits on the routes that one program replaces."""
@@ -38,13 +40,14 @@ class Pool:
     """Routes of the answers that a search comes through: of each vehicle type and set of visits the cheapest order.
 
     Source: the set-partitioning step of Rochat and Taillard (1995), Probabilistic diversification and intensification in local search for
-    vehicle routing, Journal of Heuristics 1, here of a part of the best answer at a time.
+    vehicle routing, Journal of Heuristics 1, here of a part of the best answer at a time. ``whole`` tells whether the last one was all.
     """
 
     def __init__(self, held: Arrays, seed: int) -> None:
         self.held, self.random = held, random.Random(seed)
         self.routes: dict[Key, tuple[int, tuple[int, ...]]] = {}
         self.looked = 0
+        self.whole = False
 
     def collect(self) -> None:
         """Keep the routes at hand that have changed since the last time."""
@@ -65,9 +68,9 @@ class Pool:
     def region(self, routes: list[Route]) -> list[Route]:
         """Routes that lie next to each other: as many as have ``VISITS`` visits, and one at least."""
         route_of = {c: at for at, one in enumerate(routes) for c in one.visits}
-        seed = self.random.choice(list(route_of))
         others = self.random.sample(list(route_of), len(route_of))
-        nearest = dict.fromkeys(route_of[c] for c in (seed, *self.held.near[seed].tolist(), *others) if c in route_of)
+        near = self.held.near[others[0]].tolist() if others else []
+        nearest = dict.fromkeys(route_of[c] for c in (*others[:1], *near, *others) if c in route_of)
         chosen: list[Route] = []
         visits = 0
         for at in nearest:
@@ -79,64 +82,64 @@ class Pool:
 
     def better(self, seconds: float, control: Control) -> Routes | None:
         """A cheaper answer that routes of the pool make up together with those at hand outside of a region; None where none is found."""
-        from ....backends.highs import Highs
         rows = self.held.route
         used = np.nonzero(rows[:, k.VISITS] > 0)[0].tolist()
-        answer = [Route(self.held.visits(r), int(rows[r, k.KIND])) for r in used]
-        for route, r in zip(answer, used, strict=True):
+        at_hand = [Route(self.held.visits(r), int(rows[r, k.KIND])) for r in used]
+        for route, r in zip(at_hand, used, strict=True):
             self.add(route, int(rows[r, k.COST]))
-        region = self.region(answer)
-        served = {c for one in answer for c in one.visits}
-        free = [c for one in region for c in one.visits] + [c for c in self.held.customers.tolist() if c not in served]
-        own = [(one.vehicle, frozenset(one.visits)) for one in region]
-        inside = frozenset(free)
+        region = self.region(at_hand)
+        self.whole = len(region) == len(at_hand)
+        served = {c for route in at_hand for c in route.visits}
+        missing = [c for c in self.held.customers.tolist() if c not in served]
+        own = [_key(route) for route in region]
+        places = [c for route in region for c in route.visits] + missing
+        inside = frozenset(places)
         keys = list(dict.fromkeys([*own, *(key for key in self.routes if key[1] <= inside)]))
-        if len(keys) == len(own):
-            return None
-        spare = self.held.types[:, k.SLOTS] - self.held.types[:, k.USED]
-        start = np.array([1.0] * len(own) + [0.0] * (len(keys) - len(own)) + [float(c not in served) for c in free])
-        costs = np.append([self.routes[key][0] for key in keys], self.held.site[free, k.LOST])
+        loose = [c for c in places if c not in served or not self.held.site[c, k.REQUIRED]]
+        start = np.array([1.0] * len(own) + [0.0] * (len(keys) - len(own)) + [float(c not in served) for c in loose])
+        costs = np.append([self.routes[key][0] for key in keys], self.held.site[loose, k.LOST])
         costs = costs / max(1.0, costs @ start) * UNITS
+        most = (
+            self.held.types[:, k.SLOTS]
+            - self.held.types[:, k.USED]
+            + np.bincount([kind for kind, _ in own], minlength=len(self.held.types))
+        )
         options = replace(Options(), time_limit=seconds, gap=0.0)
-        program = _program(keys, costs, free, spare, own, integer=False)
-        relaxed = Highs().search(program, options, control)
-        if relaxed.row_duals is None or relaxed.answer is None:
+        relaxation = _program(keys, costs, places, loose, most, integer=False)
+        relaxed = Highs().search(relaxation, options, control)
+        if len(keys) == len(own) or relaxed.row_duals is None or relaxed.answer is None:
             return None
-        reduced, gap = costs - program.matrix.T @ relaxed.row_duals, costs @ (start - relaxed.answer)
+        reduced, gap = costs - relaxation.matrix.T @ relaxed.row_duals, costs @ (start - relaxed.answer)
         cheapest = np.argsort(reduced[: len(keys)], kind="stable")[:CHOSEN]
         taken = sorted({*range(len(own)), *cheapest[reduced[cheapest] < gap].tolist(), *range(len(keys), len(costs))})
         keys, costs, start = [keys[at] for at in taken if at < len(keys)], costs[taken], start[taken]
-        if len(keys) == len(own):
-            return None
-        program = _program(keys, costs, free, spare, own, integer=True)
+        program = _program(keys, costs, places, loose, most, integer=True)
         found = Highs().search(program, replace(options, iterations=NODES, start=start), control).answer
-        if found is None or costs @ (start - found) < 1e-6:
+        if found is None or costs @ (start - found) < 1.0:  # a millionth
             return None
         chosen = [keys[at] for at in np.nonzero(found[: len(keys)] > 0.5)[0].tolist()]
-        replaced = set(own)
-        outside = [one for one in answer if (one.vehicle, frozenset(one.visits)) not in replaced]
+        outside = [route for route in at_hand if _key(route) not in own]
         return Routes.of([*outside, *(Route(self.routes[key][1], key[0]) for key in chosen)])
 
 
-def _program(keys: list[Key], costs: Floats, free: list[int], spare: Integers, own: list[Key], *, integer: bool) -> Program:
-    """Each of ``free`` is on one route or left out, at the costs behind those of the routes, and no more vehicles of a type drive than
-    there are."""
-    row_of = {c: at for at, c in enumerate(free)}
-    lengths = np.array([len(visits) for _, visits in keys])
-    columns = np.append(np.repeat(np.arange(len(keys)), lengths), len(keys) + np.arange(len(free)))
-    rows = np.append([row_of[c] for _, visits in keys for c in visits], np.arange(len(free)))
+def _key(route: Route) -> Key:
+    return route.vehicle, frozenset(route.visits)
+
+
+def _program(keys: list[Key], costs: Floats, places: list[int], loose: list[int], most: Integers, *, integer: bool) -> Program:
+    """Each of ``places`` is on one route, or, of those that are ``loose``, left out, at the costs behind those of the routes; and no more
+    vehicles of a type drive than ``most``."""
+    row_of = {c: at for at, c in enumerate(places)}
+    kinds = [len(places) + kind for kind, _ in keys]
+    rows = np.array([*(row_of[c] for _, visits in keys for c in visits), *(row_of[c] for c in loose), *kinds])
+    lengths = [len(visits) for _, visits in keys]
+    columns = np.concatenate([np.repeat(np.arange(len(keys)), lengths), len(keys) + np.arange(len(loose)), np.arange(len(keys))])
     order = np.argsort(rows, kind="stable")
-    starts = np.append(0, np.cumsum(np.bincount(rows, minlength=len(free)))).astype(np.int32)
-    ones = np.ones(len(free))
-    visits = Rows("visits", indptr=starts, indices=columns[order].astype(np.int32), data=np.ones(len(rows)), lower=ones, upper=ones)
-    kinds = np.array([kind for kind, _ in keys])
-    used = np.array([kind for kind, _ in own])
-    of_type = [np.nonzero(kinds == kind)[0] for kind in range(len(spare))]
-    most = np.array([spare[kind] + (used == kind).sum() for kind in range(len(spare))], dtype=float)
-    fleet = Rows(
-        "vehicles", indptr=np.append(0, np.cumsum([len(one) for one in of_type])).astype(np.int32),
-        indices=np.concatenate(of_type).astype(np.int32), data=np.ones(len(keys)), lower=np.zeros(len(spare)), upper=most,
+    starts = np.append(0, np.cumsum(np.bincount(rows, minlength=len(places) + len(most)))).astype(np.int32)
+    ones = np.ones(len(places))
+    limits = Rows(
+        "visits and vehicles", indptr=starts, indices=columns[order].astype(np.int32), data=np.ones(len(rows)),
+        lower=np.append(ones, np.zeros(len(most))), upper=np.append(ones, most),
     )  # fmt: skip
-    size = len(costs)
-    chosen = Variables("chosen", lower=np.zeros(size), upper=np.ones(size), cost=costs, integer=integer)
-    return Program("set-partitioning", "min", (chosen,), (visits, fleet))
+    chosen = Variables("chosen", lower=np.zeros(len(costs)), upper=np.ones(len(costs)), cost=costs, integer=integer)
+    return Program("set-partitioning", "min", (chosen,), (limits,))
