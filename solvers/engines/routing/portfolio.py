@@ -37,7 +37,7 @@ RUINS = 100
 WORK = ("iterations", "solutions", "scale")
 """Entries of the last engine's statistics that the portfolio's statistics repeat."""
 
-ENOUGH = 10_000
+ENOUGH = 15_000
 """Ruins for each customer that ruin and recreate is given time for, if the limit has it, before another engine goes on from its routes."""
 
 FIRST_SHARE = 0.5

@@ -204,8 +204,8 @@ class _Search:
         self.held = arrays(problem, self.data, int(asked["neighbours"]) * (2 if optional else 1), options.seed % 2**64)
         self.best, self.own = np.zeros((2, 1 + len(self.held.node)), dtype=np.int64)  # of all, and of the anneal at hand
         self.elites = Elites(self.held, options.seed)
-        apart = not self.held.flags & (columns.GROUPED | columns.RELOADING) and not self.held.types[:, columns.HOME].any()
-        self.pool = Pool(self.held, options.seed) if apart else None
+        coupled = self.held.flags & (columns.GROUPED | columns.COUNTED) or len(self.held.depots) or self.held.types[:, columns.HOME].any()
+        self.pool = None if coupled else Pool(self.held, options.seed)
         self.sizes = np.array([asked["string"], asked["removals"], 0.0])
         self.answer: Routes | None = None
         self.value: float | None = None
