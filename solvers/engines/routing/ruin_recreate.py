@@ -219,8 +219,7 @@ class _Search:
         self.kernels.anneal.make()
         most, idle = self.options.iterations or math.inf, self.options.no_improvement or math.inf
         start = self.options.start is not None and self.held.begin(self.options.start)
-        self.best[0] = sums[k.OBJECTIVE]
-        self.best[1:] = np.where(self.held.node[:, k.ROUTE] >= 0, self.held.node[:, k.FOLLOWING], -1)
+        self.take_at_hand()
         self.own[:] = self.best
         self.publish()
         began, pieces, whole = now(), 64, max(1e-9, self.options.time_limit)
@@ -294,8 +293,8 @@ class _Search:
         held.put(held.routes(self.best[1:]))
         while True:
             if not self.lacking:
-                self.best[0] = held.sums[k.OBJECTIVE] + (fixed * types[:, k.USED]).sum()
-                self.best[1:] = np.where(held.node[:, k.ROUTE] >= 0, held.node[:, k.FOLLOWING], -1)
+                self.take_at_hand()
+                self.best[0] += (fixed * types[:, k.USED]).sum()
                 self.publish()
                 if not outweighed or types[:, k.USED].sum() <= fewest:
                     break
@@ -315,6 +314,12 @@ class _Search:
         held.put(held.routes(self.best[1:]))
         self.best[0] = held.sums[k.OBJECTIVE]
         self.own[:] = self.best
+
+    def take_at_hand(self) -> None:
+        """Take the routes at hand for the best answer."""
+        k, node = self.columns, self.held.node
+        self.best[0] = self.held.sums[k.OBJECTIVE]
+        self.best[1:] = np.where(node[:, k.ROUTE] >= 0, node[:, k.FOLLOWING], -1)
 
     @property
     def lacking(self) -> bool:
@@ -345,8 +350,7 @@ class _Search:
             parts -= 1
             better = self.pool.better(ends - now() if self.by_clock else self.stop.seconds_left, control)
             if better is not None and held.put(better) and held.sums[k.OBJECTIVE] < self.best[0]:
-                self.best[0] = held.sums[k.OBJECTIVE]
-                self.best[1:] = np.where(held.node[:, k.ROUTE] >= 0, held.node[:, k.FOLLOWING], -1)
+                self.take_at_hand()
                 self.publish()
             elif self.pool.whole:
                 break

@@ -328,7 +328,8 @@ def _stacked(matrices: list[Integers]) -> Integers:
 
 
 def _further(data: IntegerRouting, goes: Integers) -> tuple[Integers, Integers]:
-    """What moves are charged, and when they close."""
+    """Energy that each move draws, in units of time: its duration, unless it is charged by windows; and the latest time at which it may
+    begin."""
     charges, closings = goes.copy(), np.full_like(goes, MOST)
     for p, moves in enumerate(data.moves):
         if moves.charge is not None:

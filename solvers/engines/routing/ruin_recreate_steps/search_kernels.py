@@ -254,7 +254,7 @@ def sort(ways, site, types, random, moved, todo, keys, moves, dims, flags):  # t
 
 @inner
 def cheapest(ways, at_way, site, types, allowed, alone, near, route, node, c, random, flags):  # type: ignore[no-untyped-def]
-    """Of ``c`` and the alternatives to it the one whose visit costs least against what leaving it out does; some are overlooked."""
+    """Choose one site of the group of ``c`` to be visited: the cheapest to insert next to its neighbours, of a random half of the group."""
     chosen, least, one = c, NONE, c
     while True:
         cost = NONE
