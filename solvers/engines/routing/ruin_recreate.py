@@ -50,6 +50,9 @@ ANNEALS, AMPLE, FROM_NOTHING = 4, 12_000, 0.6
 """How many anneals there are from nothing where there is time for so many ruins for each customer, and their share of the time; with less,
 one long anneal is better."""
 
+COOLEST = 0.25
+"""With less time still the one anneal begins cooler, in proportion; down to this share."""
+
 RECOMBINED = 200
 """Ruins for each customer of an anneal that begins with an answer made of two."""
 
@@ -234,14 +237,14 @@ class _Search:
         course = Course(max(hot, 1e-9), max(cold, 1e-9))
         at, share, limit, measured, combined = 0, 0.0, "time", not self.by_clock, 0
         if math.isfinite(most):
-            course.anneals = self.anneals(most)
+            self.plan(course, most)
         while not self.stop.reached() and now() - began < whole:
             done = int(sums[k.STEPS])
             if not measured and now() - began >= MEASURED:
                 measured = True
                 spent = now() - began
                 whole = spent + self.seconds_at(done / spent, len(self.held.customers), self.stop.seconds_left)
-                course.anneals = self.anneals(done / spent * whole)
+                self.plan(course, done / spent * whole)
                 if start and done / spent * whole < FEW * len(self.held.customers):
                     course.hot = min(course.hot, 3.0 * course.cold)
             if done >= most or done - at >= idle:
@@ -357,11 +360,12 @@ class _Search:
         held.put(held.routes(self.best[1:]))
         self.own[:] = self.best
 
-    def anneals(self, ruins: float) -> int:
-        """How many anneals there is time for, told how many ruins."""
-        k = self.columns
+    def plan(self, course: Course, ruins: float) -> None:
+        """Choose how many anneals there are, and how warm the first one begins, told for how many ruins there is time."""
+        k, ample = self.columns, AMPLE * len(self.held.customers)
         coupled = self.held.flags & (k.GROUPED | k.RELOADING | k.RECHARGING)  # routes of two answers do not go together then
-        return 1 if coupled or ruins < AMPLE * len(self.held.customers) else ANNEALS
+        course.anneals = 1 if coupled or ruins < ample else ANNEALS
+        course.hot *= min(1.0, max(COOLEST, ruins / ample))
 
     def go_on(self, course: Course, share: float, done: int) -> None:
         """Keep the answer of an anneal, and begin the next one: from nothing, or from an answer made of two."""
