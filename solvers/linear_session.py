@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -28,8 +28,8 @@ class LinearResult:
         ``optimal``, ``infeasible``, ``unbounded``, ``iterations`` (their limit was met) or ``unknown``.
     value : float
         The objective; with the status ``iterations`` that of the point at which it stopped.
-    x, duals : arrays of shape (variables,) and (rows,)
-        Empty unless optimal.
+    x, duals, reduced : arrays of shape (variables,), (rows,) and (variables,)
+        The point, the duals and the reduced costs; empty unless optimal.
     ray : array of shape (rows,) or None
         Of an infeasible program, where HiGHS has one.
     """
@@ -39,6 +39,7 @@ class LinearResult:
     x: Floats
     duals: Floats
     ray: Floats | None = None
+    reduced: Floats = field(default_factory=lambda: np.zeros(0))
 
 
 class LinearSession:
@@ -91,6 +92,21 @@ class LinearSession:
         self._model.addRows(size, lower, np.full(size, math.inf), len(columns), *given)
         self._grown = True
 
+    def remove_rows(self, rows: Longs) -> None:
+        """Remove some rows; where they stood must not matter."""
+        if len(rows):
+            self._model.deleteRows(len(rows), rows.astype(np.int32))
+
+    def remove_columns(self, columns: Longs) -> None:
+        """Remove some columns that stand at 0."""
+        if len(columns):
+            self._model.deleteCols(len(columns), columns.astype(np.int32))
+            self.lower, self.upper = np.delete(self.lower, columns), np.delete(self.upper, columns)
+
+    def primal(self, wanted: bool) -> None:
+        """Go on by the primal simplex, which columns do not throw back; else by the dual, which rows and bounds do not."""
+        self._model.setOptionValue("simplex_strategy", 4 if wanted else 1)
+
     def basis(self) -> Any:
         """Where the session stands, for ``start``."""
         return self._model.getBasis()
@@ -120,7 +136,8 @@ class LinearSession:
                 continue
             if status in (s.kOptimal, s.kModelEmpty):
                 found = model.getSolution()
-                return LinearResult("optimal", float(info.objective_function_value), np.array(found.col_value), np.array(found.row_dual))
+                x, duals, reduced = (np.array(part) for part in (found.col_value, found.row_dual, found.col_dual))
+                return LinearResult("optimal", float(info.objective_function_value), x, duals, reduced=reduced)
             if status == s.kInfeasible:
                 _, known, ray = model.getDualRay()
                 return LinearResult("infeasible", math.nan, np.zeros(0), np.zeros(0), np.array(ray) if known else self._broken_row())

@@ -30,7 +30,7 @@ from waybound.instances.errors import WayboundError
 from waybound.reports.battery.kinds import KINDS
 from waybound.reports.battery.truth import program_truth
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
-from waybound.solvers.bounds.routing.column_generation import column_generation_bound
+from waybound.solvers.bounds.routing.branch_price_cut import branch_price_cut_bound
 
 Data = dict[str, Any]
 Lie = Callable[[Data, random.Random], bool]
@@ -69,7 +69,7 @@ def cases() -> list[tuple[Problem, float | None, str]]:
     for seed in (0, 6, 9, 10):
         routed = plane(seed, 7, 17.0)
         values = best_values(routed)
-        grown.append((routed, None if values is None else values[0], column_generation_bound(routed, Stop(20.0))))
+        grown.append((routed, None if values is None else values[0], branch_price_cut_bound(routed, Stop(20.0))))
     made = []
     for problem, best, evidence in grown:
         if evidence is not None and evidence.kind == "branching-tree":

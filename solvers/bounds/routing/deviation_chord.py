@@ -12,18 +12,18 @@ from ....formulations.stop import NEVER, Stop
 from ....formulations.verified_bounds import better_bound, verified_bound
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family, replaced
-from . import column_generation, spanning_tree, state_space
+from . import branch_price_cut, spanning_tree, state_space
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
 
 PART = 0.2
-"""Part of the time left that each method gets, but the last ones (column generation, where it applies)."""
+"""Part of the time left that each method gets, but the last ones (branch, price and cut, where it applies)."""
 
 LAST = 8
 """Order of the last methods that are asked."""
 
-SLOW = frozenset({"state-space", "column-generation"})
+SLOW = frozenset({"state-space", "branch-price-cut"})
 """Methods that take all the time they get, and prove less from the mean durations alone."""
 
 
@@ -62,7 +62,7 @@ def _replaces(problem: Any) -> frozenset[str]:
     return SLOW if one and not timed else frozenset()
 
 
-KERNELS = (*spanning_tree.KERNELS, *state_space.KERNELS, *column_generation.KERNELS)
+KERNELS = (*spanning_tree.KERNELS, *state_space.KERNELS, *branch_price_cut.KERNELS)
 
 MISSING = of_family("routing", lacks_chord)
 

@@ -29,7 +29,7 @@ def test_what_is_found_is_verified_and_more_than_the_means_prove() -> None:
     assert found is not None and found.value == verified_bound(problem, found)
     certain = replace(problem, team_risk=None)
     means = [
-        e for name in ("state-space", "column-generation") if (e := BOUNDS[name].evidence(certain, Stop(60.0), None, None)) is not None
+        e for name in ("state-space", "branch-price-cut") if (e := BOUNDS[name].evidence(certain, Stop(60.0), None, None)) is not None
     ]
     assert found.value > max(verified_bound(certain, e) for e in means)
     assert "with the chord of the deviation" in found.source
@@ -52,7 +52,7 @@ def test_it_ends_when_it_is_told_and_applies_where_there_are_risks() -> None:
 @pytest.mark.slow
 def test_it_stands_for_slow_methods_where_it_leaves_nothing_out() -> None:
     plain = risky(240.0, 0.05)
-    assert METHOD.replaces(plain) == {"state-space", "column-generation"} and not METHOD.replaces(risky(240.0, None))
+    assert METHOD.replaces(plain) == {"state-space", "branch-price-cut"} and not METHOD.replaces(risky(240.0, None))
     both = replace(plain, fleet=(replace(plain.fleet[0], energy=Energy(500.0)),))
     late = replace(plain, sites=replace(plain.sites, due=np.full(10, 900.0)))
     for other in (both, late):

@@ -25,8 +25,8 @@ from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
-from waybound.solvers.bounds.routing import column_generation
-from waybound.solvers.bounds.routing.column_generation import column_generation_bound
+from waybound.solvers.bounds.routing import branch_price_cut
+from waybound.solvers.bounds.routing.branch_price_cut import branch_price_cut_bound
 from waybound.solvers.linear_programs import LinearPrograms
 
 PROVED = (
@@ -38,7 +38,7 @@ PROVED = (
 @pytest.fixture(scope="module", autouse=True)
 def _compiled() -> None:
     """Kernels are compiled before a budget begins."""
-    for module in column_generation.KERNELS:
+    for module in branch_price_cut.KERNELS:
         for kernel in kernels(module):
             kernel.make()
 
@@ -71,20 +71,20 @@ def assert_no_more_is_proved(problem: RoutingProblem, name: str, stop: Stop) -> 
 @pytest.mark.parametrize("seed", range(6 if ALL else 3))
 def test_optima_of_small_problems_are_proved(feature: str, seed: int) -> None:
     problem = small(feature, seed, "exact")
-    assert_optimum_is_proved(problem, column_generation_bound(problem, Stop(60.0)))
+    assert_optimum_is_proved(problem, branch_price_cut_bound(problem, Stop(60.0)))
 
 
 @settings(max_examples=draws(40), deadline=None)
 @given(problem=small_problems(most=3, hetero=True))
 def test_nothing_more_than_the_optimum_is_proved(problem: RoutingProblem) -> None:
-    assert_no_more_is_proved(problem, "column-generation", Stop(20.0))
+    assert_no_more_is_proved(problem, "branch-price-cut", Stop(20.0))
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_the_root_is_the_linear_relaxation_of_set_partitioning(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     problem = small("time-windows", seed, "exact")
-    monkeypatch.setattr(column_generation._Tree, "branch", lambda self, node: False)
-    evidence = column_generation_bound(problem, Stop(60.0))
+    monkeypatch.setattr(branch_price_cut.Tree, "branch", lambda self, node: False)
+    evidence = branch_price_cut_bound(problem, Stop(60.0))
     assert evidence is not None and evidence.kind == "set-partitioning-duals"
     relaxed = relax(problem)
     assert verified_bound(problem, evidence) == pytest.approx(set_partitioning_bound(problem, relaxed.fewest), rel=1e-7)
@@ -93,21 +93,21 @@ def test_the_root_is_the_linear_relaxation_of_set_partitioning(seed: int, monkey
 @pytest.mark.parametrize("seed", range(3))
 def test_capacities_alone_take_branchings(seed: int) -> None:
     problem = plane(seed, 12, 20.0)
-    evidence = column_generation_bound(problem, Stop(120.0))
+    evidence = branch_price_cut_bound(problem, Stop(120.0))
     bound = verified_bound(problem, evidence)
     assert bound == evidence.value
     import waybound as wb
 
     solution = wb.solve(problem, "pyvrp", iterations=300, bound_time=0)
     assert bound == solution.objective
-    told = column_generation_bound(problem, Stop(120.0), target=solution.objective)
+    told = branch_price_cut_bound(problem, Stop(120.0), target=solution.objective)
     assert told is not None and verified_bound(problem, told) == bound
 
 
 def test_numbers_of_routes_and_moves_are_branched_on() -> None:
     seen = set[str]()
     for seed in range(12):
-        evidence = column_generation_bound(plane(seed, 9, 17.0), Stop(60.0))
+        evidence = branch_price_cut_bound(plane(seed, 9, 17.0), Stop(60.0))
         if evidence.kind == "branching-tree":
             seen |= {key for node in evidence.data["nodes"] for key in node.get("branch", ())}
             assert all(leaf["kind"] == "set-partitioning-duals" for leaf in leaves(evidence) if leaf)
@@ -120,22 +120,22 @@ def test_a_fleet_that_is_too_small_for_the_packing_is_proved_so() -> None:
     sites = Sites.of(range(8), demand=[0, 7, 7, 7, 7, 7, 1, 0])
     problem = RoutingProblem(sites, Travel("EUC_2D", rng.integers(0, 50, (8, 2)).astype(float)), (VehicleType(2, 18.0),))
     assert best_values(problem) is None
-    evidence = column_generation_bound(problem, Stop(60.0))
+    evidence = branch_price_cut_bound(problem, Stop(60.0))
     assert evidence is not None and verified_bound(problem, evidence) == math.inf
 
 
 @pytest.mark.slow
 def test_more_is_remembered_where_a_route_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(column_generation, "MEMORY", 0)
+    monkeypatch.setattr(branch_price_cut, "MEMORY", 0)
     for seed in range(4):
         problem = plane(seed, 6, 20.0)
-        best, evidence = best_values(problem), column_generation_bound(problem, Stop(60.0))
+        best, evidence = best_values(problem), branch_price_cut_bound(problem, Stop(60.0))
         assert verified_bound(problem, evidence) == pytest.approx(best[0])
 
 
 def test_where_labels_are_too_many_it_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(column_generation, "LABELS", 5)
-    assert column_generation_bound(plane(1, 10, 30.0), Stop(10.0)) is None
+    monkeypatch.setattr(branch_price_cut, "LABELS", 5)
+    assert branch_price_cut_bound(plane(1, 10, 30.0), Stop(10.0)) is None
 
 
 @pytest.mark.slow
@@ -143,7 +143,7 @@ def test_what_proves_nothing_to_the_checker_counts_for_nothing(monkeypatch: pyte
     from waybound.formulations.routing.checking import set_partitioning_duals
 
     monkeypatch.setattr(set_partitioning_duals, "LABELS", 3)
-    evidence = column_generation_bound(plane(1, 10, 30.0), Stop(60.0))
+    evidence = branch_price_cut_bound(plane(1, 10, 30.0), Stop(60.0))
     assert evidence is None or verified_bound(plane(1, 10, 30.0), evidence) == -math.inf
 
 
@@ -154,7 +154,7 @@ def test_it_ends_when_it_is_asked_to_and_hands_over_what_it_has() -> None:
         stop = Stop(HANG)
         clock = threading.Timer(seconds, stop.ask)
         clock.start()
-        evidence = column_generation_bound(problem, stop)
+        evidence = branch_price_cut_bound(problem, stop)
         assert stop.reached() == "interrupt"
         if evidence is not None:
             assert verified_bound(problem, evidence) == evidence.value
@@ -162,37 +162,8 @@ def test_it_ends_when_it_is_asked_to_and_hands_over_what_it_has() -> None:
 
 @pytest.mark.slow
 def test_the_same_seed_gives_the_same_evidence() -> None:
-    first, second = (column_generation_bound(plane(2, 12, 25.0), Stop(120.0)) for _ in range(2))
+    first, second = (branch_price_cut_bound(plane(2, 12, 25.0), Stop(120.0)) for _ in range(2))
     assert first == second and first is not None
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_labels_find_the_cheapest_of_all_routes(seed: int) -> None:
-    from waybound.formulations.stop import NEVER
-    from waybound.solvers.bounds.routing.arcs import arc_costs
-    from waybound.solvers.bounds.routing.column_generation import least_routes
-    from waybound.solvers.bounds.routing.route_label_kernels import DONE
-
-    problem, rng = small("service-times", seed, "exact"), np.random.default_rng(seed)
-    arcs = arc_costs(problem)
-    tree = column_generation._Tree(problem, arcs, None, Stop(60.0), 1)
-    prices = rng.uniform(0.0, 60.0, len(arcs.cost))
-    reduced = arcs.cost.copy()
-    reduced[:, 1:] -= prices[1:]
-    memory = column_generation._bits(np.ones(arcs.cost.shape, dtype=bool))
-    truth = {}
-    for visits in routes(problem, problem.fleet[0]):
-        stops = [0, *visits, 0]  # the depot is site 0, and nodes are sites
-        truth[visits] = float(sum(reduced[i, j] for i, j in itertools.pairwise(stops)))
-    arrays = reduced, tree.weight, tree.way, tree.start, tree.lower, tree.upper, memory
-    status, least, totals, visited = least_routes(NEVER, arrays, careful=True, most=10, below=0.0)
-    assert status == DONE and least == pytest.approx(min(truth.values()))
-    found = [tuple(route.tolist()) for route in visited]
-    assert 0 < len(found) <= 10 and totals.tolist() == sorted(totals.tolist())
-    for route, total in zip(found, totals.tolist(), strict=True):
-        assert truth[route] == pytest.approx(total) and total < 0.0
-    careless = least_routes(NEVER, arrays, careful=False, most=10, below=0.0)
-    assert careless[1] >= least - 1e-9
 
 
 @pytest.mark.share(3)
