@@ -163,6 +163,7 @@ def digested(problem: RoutingProblem) -> str:
     for travel in (v.travel for v in problem.fleet):
         further += [] if travel is None else [*_moves(travel), travel.closing, *_variances(travel)]
     further += [part for part in (problem.travel.closing, problem.forbidden) if part is not None]
+    further += ["needed", *problem.needed] if problem.needed else []
     further += _variances(problem.travel)
     further += [] if problem.team_risk is None else ["team-risk", problem.team_risk]
     return digest(

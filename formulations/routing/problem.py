@@ -69,6 +69,9 @@ class RoutingProblem(Problem):
         Routes that must be used at least.
     forbidden : bool array of shape (sites, sites), optional
         Moves that no route makes.
+    needed : sequence of such arrays, keyword-only
+        Sets of moves, as proofs distinguish cases by them: of each set at least one is made in the answers that bounds speak of.
+        ``evaluate`` does not look whether it is.
     team_risk : float, optional
         Largest probability that any route overruns a limit, where durations are uncertain.
     clock : Clock, optional
@@ -96,6 +99,7 @@ class RoutingProblem(Problem):
     forbidden: NDArray[np.bool_] | None
     team_risk: float | None
     clock: Clock | None
+    needed: tuple[NDArray[np.bool_], ...]
 
     def __init__(
         self,
@@ -110,13 +114,16 @@ class RoutingProblem(Problem):
         forbidden: NDArray[np.bool_] | None = None,
         team_risk: float | None = None,
         clock: Clock | None = None,
+        *,
+        needed: Sequence[NDArray[np.bool_]] = (),
     ) -> None:
         aim = Objective() if objective is None else Objective.of(objective)
         self.__dict__.update(
             sites=sites, travel=travel, fleet=tuple(fleet), objective=aim, min_vehicles=min_vehicles, name=name, problem=problem,
-            notes=tuple(notes), forbidden=forbidden, team_risk=team_risk, clock=clock,
+            notes=tuple(notes), forbidden=forbidden, team_risk=team_risk, clock=clock, needed=tuple(needed),
         )  # fmt: skip
-        check_moves(sites, forbidden)
+        for moves in (forbidden, *self.needed):
+            check_moves(sites, moves)
         check_routing_data(sites, travel, self.fleet, min_vehicles, team_risk, clock)
 
     def altered(self, **parts: Any) -> RoutingProblem:
@@ -343,7 +350,7 @@ class RoutingProblem(Problem):
         return verdict
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "_judged"}
+        return {name: value for name, value in self.__dict__.items() if name not in ("_judged", "_move_sets")}
 
     def continue_from(self, plan: Any, time: float) -> RoutingProblem:
         """The problem of the next horizon, where ``plan`` has been driven until ``time``.

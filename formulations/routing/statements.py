@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...instances.errors import InputError
 from ...instances.printable import printable
@@ -23,16 +24,57 @@ NEARLY = 1e-8
 """Part of a sum: by less a value may differ and still count as the same."""
 
 
+SETS = 1 << 20
+"""Moves in sets that are known again; some 50 bytes each."""
+
+
 def check_statement(problem: RoutingProblem, statement: Any) -> None:
-    """``{"arc": [id, id]}``: some route goes from the one site to the other without a stop between; ``{"routes": k}``: at most k routes."""
+    """``{"arc": [id, id]}``: some route goes from the one site to the other without a stop between; ``{"routes": k}``: at most k routes;
+    ``{"moves": {id: [id, ...], ...}}``: some route goes from one of the sites straight to one of those in its list."""
     parts = statement if isinstance(statement, Mapping) and len(statement) == 1 else {}
-    arc, routes = parts.get("arc"), parts.get("routes")
+    arc, routes, moves = parts.get("arc"), parts.get("routes"), parts.get("moves")
     if type(routes) is int and 1 <= routes <= len(problem.sites):
+        return
+    if moves is not None:
+        moves_of(problem, moves)
         return
     index = problem.site_index
     if not isinstance(arc, list) or len(arc) != 2 or not all(isinstance(site, str) and site in index for site in arc):
-        expected = '{"arc": [the id of a site, the id of a site]}, or {"routes": a number of them}'
-        raise InputError("not a statement on a move or on the number of routes", expected=expected, found=printable(str(statement), 80))
+        expected = '{"arc": [the id of a site, the id of a site]}, {"moves": {id: [ids]}}, or {"routes": a number of them}'
+        raise InputError("not a statement on moves or on the number of routes", expected=expected, found=printable(statement, 80))
+
+
+def moves_of(problem: RoutingProblem, moves: Any) -> NDArray[np.int64]:
+    """Positions of a statement's set of moves in a matrix of all, read row by row.
+
+    A tree states them once and asks for them at each leaf: what was read is known again, as long as it says the same.
+    """
+    read: dict[int, tuple[Any, Any, NDArray[np.int64]]] = problem.__dict__.setdefault("_move_sets", {})
+    known = read.get(id(moves))
+    if known is not None and known[1] == moves:
+        return known[2]
+    found = _positions(problem, moves)
+    if sum(len(at) for *_, at in list(read.values())) + len(found) > SETS:
+        read.clear()
+    read[id(moves)] = moves, {tail: list(heads) for tail, heads in moves.items()}, found  # what is held keeps its number
+    return found
+
+
+def _positions(problem: RoutingProblem, moves: Any) -> NDArray[np.int64]:
+    index, width = problem.site_index, len(problem.sites)
+    expected = '{"moves": {the id of a site: [the ids of others, ...], ...}}, each move once'
+    if not isinstance(moves, dict) or not moves or not all(isinstance(heads, list) and heads for heads in moves.values()):
+        raise InputError("a statement on a set of moves has no such set", expected=expected, found=printable(moves, 80))
+    try:
+        tails = np.repeat([index[tail] for tail in moves], [len(heads) for heads in moves.values()])
+        heads = np.array([index[head] for ids in moves.values() for head in ids], dtype=np.int64)
+    except (KeyError, TypeError) as fault:
+        message = "a statement on a set of moves names a site that does not exist"
+        raise InputError(message, "unknown-name", found=printable(fault, 80)) from None
+    found: NDArray[np.int64] = tails * width + heads
+    if len(np.unique(found)) < len(found) or (tails == heads).any():
+        raise InputError("a statement on a set of moves names a move twice, or one that goes nowhere", expected=expected)
+    return found
 
 
 def in_words(problem: RoutingProblem, statement: Any, holds: bool) -> str:
@@ -40,22 +82,36 @@ def in_words(problem: RoutingProblem, statement: Any, holds: bool) -> str:
     if "routes" in statement:
         routes = statement["routes"] if holds else statement["routes"] + 1
         return f"there {'is' if routes == 1 else 'are'} at {'most' if holds else 'least'} {routes} route{'' if routes == 1 else 's'}"
-    tail, head = statement["arc"]
+    if "moves" in statement:
+        count = sum(map(len, statement["moves"].values()))
+        if count > 1:
+            return f"some route makes one of {count:,} moves" if holds else f"no route makes any of {count:,} moves"
+        ((tail, (head,)),) = statement["moves"].items()
+    else:
+        tail, head = statement["arc"]
     return f"{'some' if holds else 'no'} route goes from {tail} straight to {head}"
 
 
 def restricted(problem: RoutingProblem, decisions: Sequence[Decision]) -> RoutingProblem:
-    """The same problem without moves: one that is not made, and those beside one that is, for a customer is left and entered once.
+    """The same problem without moves: those that are not made, and those beside one that is, for a customer is left and entered once.
 
-    Of each type of vehicle there are as many as there are routes at most.
+    Sets of which some move is made are kept with the problem. Of each type of vehicle there are as many as there are routes at most.
     """
-    sites = problem.sites
+    sites, needed = problem.sites, list(problem.needed)
     moves = np.zeros((len(sites),) * 2, dtype=bool) if problem.forbidden is None else problem.forbidden.copy()
     least, most = problem.min_vehicles, len(sites)
     for statement, holds in decisions:
         problem.check_statement(statement)
         if "routes" in statement:
             least, most = (least, min(most, statement["routes"])) if holds else (max(least, statement["routes"] + 1), most)
+            continue
+        if "moves" in statement:
+            among = moves_of(problem, statement["moves"])
+            if holds:
+                needed.append(np.zeros_like(moves))
+                needed[-1].flat[among] = True
+            else:
+                moves.flat[among] = True
             continue
         i, j = (problem.site_index[site] for site in statement["arc"])
         if not holds:
@@ -67,7 +123,8 @@ def restricted(problem: RoutingProblem, decisions: Sequence[Decision]) -> Routin
         if not sites.depot[j]:
             moves[:, j] = True
         moves[i, j] = kept
-    return problem.altered(forbidden=moves, min_vehicles=least, fleet=_at_most(problem.fleet, most) if most < len(sites) else problem.fleet)
+    fleet = _at_most(problem.fleet, most) if most < len(sites) else problem.fleet
+    return problem.altered(forbidden=moves, needed=tuple(needed), min_vehicles=least, fleet=fleet)
 
 
 def later_levels(problem: RoutingProblem, values: Sequence[float]) -> RoutingProblem | None:

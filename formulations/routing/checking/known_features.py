@@ -141,7 +141,7 @@ def without_stops(problem: RoutingProblem) -> RoutingProblem:
         store = {"energy": None} if v.stations else {}
         fleet.append(replace(v, travel=explicit(distances, durations), speed=1.0, **loads, **store))  # type: ignore[arg-type]
     travel = explicit(problem.travel.distances, problem.travel.durations)
-    return with_fleet(problem, fleet, travel).altered(forbidden=None)  # what is forbidden is a move without a stop between
+    return with_fleet(problem, fleet, travel).altered(forbidden=None, needed=())  # these are moves without a stop between
 
 
 def _over(matrix: Floats, stops: Longs) -> Floats:

@@ -9,7 +9,7 @@ every answer that it accepts. Which levels and arcs are within reach is worked o
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -114,6 +114,53 @@ def moves_left(problem: RoutingProblem) -> Flags:
     return allowed
 
 
+def needed_moves(problem: RoutingProblem) -> list[Flags]:
+    """Sets of moves between the merged nodes, shape (nodes, nodes), of each of which some route makes at least one.
+
+    One that another is part of says nothing. A move from depot to depot may be that of a vehicle that serves nobody, so that a set with
+    one says nothing either.
+    """
+    problem = without_stops(problem)
+    sites, customers = problem.sites, problem.sites.customers
+    found: list[Flags] = []
+    for moves in problem.needed:
+        if moves[np.ix_(sites.depots, sites.depots)].any():
+            continue
+        joined = np.zeros((len(customers) + 1,) * 2, dtype=bool)
+        joined[1:, 1:] = moves[np.ix_(customers, customers)]
+        joined[0, 1:] = np.any([moves[v.start, customers] for v in problem.fleet], axis=0)
+        joined[1:, 0] = np.any([moves[customers, v.end] for v in problem.fleet], axis=0)
+        if not any((known <= joined).all() for known in found):
+            found = [*(known for known in found if not (joined <= known).all()), joined]
+    return found
+
+
+def fewest_carriers(problem: RoutingProblem, groups: Sequence[Longs]) -> list[int]:
+    """Least number of routes that visit all customers of each group, given as nodes from 1 on: what they bring, and what they collect,
+    fits into as many vehicles. Where even all vehicles are too small, one more than there are."""
+    problem = without_stops(problem)
+    sites, at = problem.sites, problem.sites.customers
+    least = [1] * len(groups)
+    for k in range(sites.dimensions):
+        name = "" if k == 0 else "further_"
+        loads = [getattr(sites, f"{name}{what}")[at] for what in ("demand", "pickup")]
+        room = _room(problem, [v.capacities[k] if k < len(v.capacities) else math.inf for v in problem.fleet])
+        for load in loads:
+            each = load if k == 0 else load[:, k - 1]
+            totals = np.array([math.fsum(each[group - 1]) for group in groups]) * (1.0 - 4 * EPS)
+            least = np.maximum(least, np.searchsorted(room, totals) + 1).tolist()
+    return least
+
+
+def _room(problem: RoutingProblem, capacities: Sequence[float]) -> Floats:
+    """At least what one, two, ... vehicles carry, the largest first."""
+    customers = len(problem.sites.customers)
+    counts = [customers if v.count is None else min(v.count, customers) for v in problem.fleet]
+    each = np.array(capacities)
+    room = np.sort(np.repeat(each + widening(each), counts))[::-1]
+    return np.cumsum(room) * (1.0 + 4 * len(room) * EPS)
+
+
 def _term_weights(problem: RoutingProblem) -> tuple[float, float] | None:
     """Weights of total cost and of the number of vehicles in the first level; None if it holds anything else."""
     weights = {"total-cost": 0.0, "vehicles": 0.0}
@@ -132,9 +179,7 @@ def _fleet(problem: RoutingProblem) -> tuple[int, int]:
     counts = [len(customers) if v.count is None else min(v.count, len(customers)) for v in problem.fleet]
     most = min(len(customers), sum(counts))
     total = math.fsum(problem.sites.demand[customers]) * (1.0 - 4 * EPS)
-    capacities = np.array([v.capacity for v in problem.fleet])
-    room = np.sort(np.repeat(capacities + widening(capacities), counts))[::-1]
-    enough = np.nonzero(np.cumsum(room) * (1.0 + 4 * len(room) * EPS) >= total)[0]
+    enough = np.nonzero(_room(problem, [v.capacity for v in problem.fleet]) >= total)[0]
     fewest = int(enough[0]) + 1 if len(enough) else most + 1
     return max(fewest, problem.min_vehicles), most
 

@@ -1,56 +1,84 @@
 """Evidence ``set-partitioning-duals``: a Lagrangian bound from one price a customer, over the cheapest route at these prices.
 
-Routes are relaxed to walks that may come back to a customer whom they forgot: at each customer some neighbours are remembered, all others
-are forgotten there (ng-routes). The least reduced cost of all such walks whose levels keep every limit is found here by labels. The bound
-is derived in docs/proofs.md#routes.
+Further rows may have prices too: those of subsets of customers, and of the vehicles that a set of customers needs. Routes are relaxed to
+walks that may come back to a customer whom they forgot: at each customer some others are remembered, all others are forgotten there
+(ng-routes). The least reduced cost of all such walks whose levels keep every limit is found here by labels. The bound is derived in
+docs/proofs.md#routes.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ...checking.evidence_numbers import numbers
+from ....instances.printable import printable
+from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
 from ...stop import current_stop
-from .known_features import Flags, Floats, routing_evidence
-from .relaxation import Relaxation, Resource, relax
+from .known_features import Longs, routing_evidence
+from .relaxation import Relaxation, Resource, fewest_carriers, needed_moves, relax
+from .walks import FAR, Load, Multipliers, Row, Walks
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
 
 
-CUSTOMERS = 400
+CUSTOMERS = 1_000
 """More are not looked at: nothing is proved."""
 
 LABELS = 1_000_000
-"""In one proof at most; some 60 bytes each."""
+"""At a time at most; some 100 bytes each."""
 
-WORK = 3_000_000_000
-"""Comparisons in one proof at most, some 5 s."""
+WORK = 400_000_000
+"""Moves and comparisons in one proof at most, some 5 s."""
+
+ROWS = 4_000
+"""Rows of each kind at most; more are refused."""
 
 
 @routing_evidence("set-partitioning-duals", "set-partitioning-duals are")
 def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on total cost, the number of vehicles, or a weighted sum of them, by any prices of visits (weak duality).
 
-    ``data``: ``visits``, one number a site (entries of depots are ignored); ``memory``, how many of the nearest customers are remembered
-    at each one, of those next to whom he can be visited; ``ray``, optional: true for prices of the visits alone, as if no arc cost
-    anything. Minus infinity where labels exceed their limits, infinity where no answer is left.
+    Parameters
+    ----------
+    problem : RoutingProblem
+    data : dict
+        ``visits``: one number a site (entries of depots are ignored). ``memory``: how many of the nearest customers are remembered at each
+        one, of those next to whom he can be visited; or, in its place, ``remembered``: one list a site of the indices of sites that are
+        remembered there, an empty one for a depot; a customer always remembers himself. All else is optional. ``ray``: true for prices
+        alone, as if no arc cost anything. ``rows``: subset rows of multiplier 1/2, each with the indices of its ``sites``, an odd number
+        of customers, its ``memory``, customers with those among them, and its ``price``, 0 or less. ``loads``: sets of customers that as
+        many moves enter at least as vehicles are needed to carry their demands, each with its ``sites`` and its ``price``, 0 or more.
+        ``least`` and ``least_needed``: numbers below which no walk, and none that makes a needed move, is said to cost; of walks that cost
+        as much only that is looked at.
 
+    Returns
+    -------
+    float
+        Minus infinity where labels exceed their limits, infinity where no answer is left.
+
+    Raises
+    ------
+    InputError
+        If anything is malformed.
+
+    Notes
+    -----
     Source: Desrochers, Desrosiers, Solomon (1992) for the relaxation and its bound; Baldacci, Mingozzi, Roberti (2011) for ng-routes;
-    Feillet, Dejax, Gendreau, Gueguen (2004) for customers out of reach; docs/proofs.md#routes.
+    Feillet, Dejax, Gendreau, Gueguen (2004) for customers out of reach; Jepsen, Petersen, Spoorendonk, Pisinger (2008) for subset rows,
+    and Pecin, Pessoa, Poggi, Uchoa (2017) for their memories; docs/proofs.md#routes.
     """
-    prices, memory, ray = numbers(data, "visits", len(problem.sites)), data.get("memory"), data.get("ray", False)
-    if type(memory) is not int or memory < 0:
-        raise InputError("evidence 'memory' must be a whole number", "out-of-range", expected="0 or more", found=str(memory)[:80])
+    prices, ray = numbers(data, "visits", len(problem.sites)), data.get("ray", False)
     if not isinstance(ray, bool):
-        raise InputError("evidence 'ray' must be true or false", found=str(ray)[:80])
+        raise InputError("evidence 'ray' must be true or false", found=printable(ray, 80))
+    given = _given(problem, data)
+    claimed = [number(data, key) if key in data else None for key in ("least", "least_needed")]
     if len(problem.sites.customers) > CUSTOMERS:
         return -math.inf
     relaxed = relax(problem)
@@ -59,71 +87,136 @@ def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any
     usable = np.isfinite(relaxed.cost)
     if relaxed.fewest > relaxed.most or not usable[1:].any(axis=1).all() or not usable[:, 1:].any(axis=0).all():
         return math.inf
-    with np.errstate(over="ignore"):
-        bound = _bound(problem, relaxed, np.where(usable, 0.0, math.inf) if ray else relaxed.cost, prices[relaxed.customers], memory)
+    needed = [moves & usable for moves in needed_moves(problem)]
+    if not all(moves.any() for moves in needed):
+        return math.inf
+    near = _nearest(problem, relaxed, given.memory) if isinstance(given.memory, int) else given.memory
+    loads = [Load(s, k, p) for (s, p), k in zip(given.loads, fewest_carriers(problem, [s for s, _ in given.loads]), strict=True)]
+    multipliers = Multipliers(prices[relaxed.customers], loads, given.rows, near)
+    cost = np.where(usable, 0.0, math.inf) if ray else relaxed.cost
+    try:
+        walks = Walks(cost, _limited(problem, relaxed), multipliers, needed, current_stop(), LABELS, WORK)
+        bound = _whole_bound(walks, relaxed, *claimed)
+    except OverflowError:
+        return -math.inf
+    if not math.isfinite(bound):
+        return bound
     if ray:
         return math.inf if bound > 0 else -math.inf
-    return lift(bound, "min", relaxed.grain)
-
-
-def _bound(problem: RoutingProblem, relaxed: Relaxation, cost: Floats, prices: Floats, memory: int) -> float:
-    from .walk_kernels import DONE, least_walk
-
-    usable, nodes = np.isfinite(cost), len(cost)
-    size = float(np.abs(prices).max()) + float(np.abs(cost[usable]).max())
     # The routes of an answer have fewer than 2 nodes moves. Each is added up from its first on, so that no sum is larger than nodes sizes.
-    error = 8.0 * float(np.finfo(np.float64).eps) * 2 * nodes * nodes * size
-    if not math.isfinite(64.0 * nodes * nodes * size):
-        return -math.inf
-    reduced = cost.copy()
-    reduced[:, 1:] -= prices[None, :]
-    resources = [r for name, r in relaxed.resources.items() if name != "time" or _limits_time(problem)]
-    if not resources:  # the length of a walk is limited all the same
-        resources = [relaxed.resources["time"]]
-    upper = np.array([r.upper + r.slack for r in resources])
-    status, least = least_walk(
-        current_stop().flag,
-        reduced,
-        np.array([np.where(usable, r.weight, math.inf) for r in resources]),
-        np.array([_ways(r, usable) for r in resources]),
-        np.array([r.start for r in resources]),
-        np.array([r.lower for r in resources]),
-        upper,
-        upper + np.array([[r.slack] for r in resources]),
-        _remembered(problem, relaxed, memory),
-        LABELS,
-        WORK,
-    )
-    if status != DONE:
-        return -math.inf
-    if least == math.inf:
-        return math.inf
-    return math.fsum([*prices, min(relaxed.fewest * least, relaxed.most * least), -error])
+    size, nodes = float(np.abs(cost[usable]).max()), len(cost)
+    error = 8.0 * float(np.finfo(np.float64).eps) * (2 * nodes * nodes * size + abs(bound))
+    return lift(bound - error, "min", relaxed.grain)
 
 
-def _limits_time(problem: RoutingProblem) -> bool:
+def _whole_bound(walks: Walks, relaxed: Relaxation, claimed: float | None, claimed_needed: float | None) -> float:
+    """The bound that the least walks prove, each set of needed moves by itself."""
+    least = walks.least(None, claimed)
+    if least is None or least == FAR:
+        return -math.inf if least is None else math.inf
+    bound = min(relaxed.fewest * least, relaxed.most * least)
+    for which in range(len(walks.needed)):
+        through = walks.least(which, claimed_needed)
+        if through == FAR:
+            return math.inf
+        if through is not None:
+            others = min((relaxed.fewest - 1) * least, (relaxed.most - 1) * least)
+            bound = max(bound, max(through, least) + others)
+    return math.ldexp(walks.constant + bound, -walks.exponent)
+
+
+def _limited(problem: RoutingProblem, relaxed: Relaxation) -> list[Resource]:
+    """Resources that limit walks; at least one, for the length of a walk is limited all the same."""
     ends = [v.end for v in problem.fleet]
-    fixed = any(v.energy is not None and v.energy.charge == "elapsed-fixed-start" for v in problem.fleet)
-    return fixed or bool(np.isfinite(problem.sites.due[[*problem.sites.customers, *ends]]).any())
+    timed = any(v.energy is not None and v.energy.charge == "elapsed-fixed-start" for v in problem.fleet)
+    timed = timed or bool(np.isfinite(problem.sites.due[[*problem.sites.customers, *ends]]).any())
+    return [r for name, r in relaxed.resources.items() if name != "time" or timed] or [relaxed.resources["time"]]
 
 
-def _ways(resource: Resource, usable: Flags) -> Floats:
-    """Length of the shortest way from node to node over customers (Floyd 1962); infinite where there is none."""
-    length = np.where(usable, resource.weight, math.inf)
-    for k in range(1, len(length)):
-        np.minimum(length, length[:, k, None] + length[None, k], out=length)
-    return length
-
-
-def _remembered(problem: RoutingProblem, relaxed: Relaxation, memory: int) -> NDArray[np.uint64]:
-    """One bit for each customer himself and for the ``memory`` nearest of those next to whom he can be visited; none for the depot."""
+def _nearest(problem: RoutingProblem, relaxed: Relaxation, memory: int) -> NDArray[np.int32]:
+    """The ``memory`` nearest of those next to whom each customer can be visited, as nodes; none for the depot."""
     usable = np.isfinite(relaxed.cost[1:, 1:])
     far = problem.travel.distances[np.ix_(relaxed.customers, relaxed.customers)]
     far = np.where(usable | usable.T, np.minimum(far, far.T), math.inf)
     np.fill_diagonal(far, -math.inf)
-    near = np.argsort(far, axis=1, kind="stable")[:, : memory + 1]
-    bits = np.zeros((len(far) + 1, (len(far) + 63) // 64), np.uint64)
-    for i, others in enumerate(near.tolist(), start=1):
-        for j in others:
-            bits[i, j // 64] |= np.uint64(1 << (j % 64))
-    return bits
+    near = np.argsort(far, axis=1, kind="stable")[:, 1 : memory + 1] + 1
+    return np.vstack([np.full((1, near.shape[1]), -1), near]).astype(np.int32)
+
+
+# -- reading -----------------------------------------------------------------------------------------------------------------------------
+
+
+class _Given(NamedTuple):
+    """What evidence holds beside prices of visits; customers are nodes, and ``memory`` a number of the nearest, or a list a node."""
+
+    memory: int | NDArray[np.int32]
+    rows: list[Row]
+    loads: list[tuple[Longs, float]]
+
+
+def _given(problem: RoutingProblem, data: Mapping[str, Any]) -> _Given:
+    node = np.zeros(len(problem.sites), dtype=np.int64)
+    node[problem.sites.customers] = np.arange(1, len(problem.sites.customers) + 1)
+    nodes = node.tolist()
+    rows = []
+    for entry in _entries(data, "rows", {"sites", "memory", "price"}):
+        sites, memory = _customers(entry["sites"], nodes, "the sites of a row"), _customers(entry["memory"], nodes, "the memory of a row")
+        if len(sites) < 3 or len(sites) % 2 == 0:
+            raise InputError("a row of evidence has an odd number of sites", "out-of-range", expected="3 or more", found=str(len(sites)))
+        if not set(sites) <= set(memory):
+            raise InputError("the memory of a row of evidence lacks a site of the row", "missing")
+        rows.append(Row(np.array(sites), np.array(memory), _signed(entry, -1.0)))
+    loads = []
+    for entry in _entries(data, "loads", {"sites", "price"}):
+        sites = _customers(entry["sites"], nodes, "the sites of a load")
+        if not sites:
+            raise InputError("a load of evidence has no sites", "missing")
+        loads.append((np.array(sites), _signed(entry, 1.0)))
+    return _Given(_memory(data, nodes), rows, loads)
+
+
+def _memory(data: Mapping[str, Any], nodes: list[int]) -> int | NDArray[np.int32]:
+    memory, lists = data.get("memory"), data.get("remembered")
+    if lists is None:
+        if type(memory) is not int or memory < 0:
+            raise InputError("evidence 'memory' must be a whole number", "out-of-range", expected="0 or more", found=printable(memory, 80))
+        return min(memory, len(nodes))
+    if memory is not None or not isinstance(lists, list) or len(lists) != len(nodes):
+        expected = f"{len(nodes)} lists, and no 'memory'"
+        raise InputError("evidence 'remembered' must be one list a site", "wrong-shape", expected=expected, found=printable(lists, 80))
+    read = [_customers(sites, nodes, "the sites that are remembered") for sites in lists]
+    if any(sites and not nodes[k] for k, sites in enumerate(read)):
+        raise InputError("evidence 'remembered' lists sites at a depot, where nobody is remembered", "out-of-range")
+    kept = [[other for other in sites if other != nodes[k]] for k, sites in enumerate(read)]
+    made = np.full((1 + max(nodes), max(map(len, kept), default=0)), -1, np.int32)
+    for k, sites in enumerate(kept):
+        made[nodes[k], : len(sites)] = sites
+    return made
+
+
+def _entries(data: Mapping[str, Any], key: str, keys: set[str]) -> Sequence[Mapping[str, Any]]:
+    entries = data.get(key, [])
+    if not isinstance(entries, list) or not all(isinstance(entry, Mapping) and entry.keys() == keys for entry in entries):
+        expected = f"a list of objects with {', '.join(sorted(keys))}"
+        raise InputError(f"evidence {key!r} is malformed", expected=expected, found=printable(entries, 80))
+    if len(entries) > ROWS:
+        raise InputError(f"evidence has too many {key}", "too-large", expected=f"at most {ROWS:,}", found=f"{len(entries):,}")
+    return entries
+
+
+def _customers(sites: Any, nodes: list[int], what: str) -> list[int]:
+    """Customers of a list of indices of sites, as nodes."""
+    if not isinstance(sites, list) or not set(map(type, sites)) <= {int}:
+        raise InputError(f"{what} in evidence must be a list of indices", found=printable(sites, 80))
+    if not all(0 <= site < len(nodes) and nodes[site] for site in sites) or len(set(sites)) < len(sites):
+        message = f"{what} in evidence are not all different customers"
+        raise InputError(message, "unknown-name", expected=f"indices from 0 to {len(nodes) - 1}, no depots", found=printable(sites, 80))
+    return [nodes[site] for site in sites]
+
+
+def _signed(entry: Mapping[str, Any], sign: float) -> float:
+    price = number(entry, "price")
+    if sign * price < 0.0:
+        expected = "0 or more" if sign > 0.0 else "0 or less"
+        raise InputError("evidence 'price' has the wrong sign", "out-of-range", expected=expected, found=f"{price:g}")
+    return price

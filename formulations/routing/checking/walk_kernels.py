@@ -1,122 +1,290 @@
-"""The least reduced cost of a walk from the depot and back, compiled: the checker's own labels."""
+"""The least reduced cost of a walk from the depot and back, in whole numbers, compiled: the checker's own labels."""
 
 from __future__ import annotations
 
-import math
+from typing import Any
 
 import numpy as np
+from llvmlite import ir
+from numba.core import types
+from numba.extending import intrinsic
 
 from ...kernels import kernel
 from ...stop_kernel import asked
+from .walks import BITS, FAR, Network
 
 DONE, STOPPED, FULL = 0, 1, 2
 
+CHUNK = 64
+"""Kept labels that are sorted together."""
 
-@kernel(
-    "Tuple((i8, f8))(i8[::1], f8[:, ::1], f8[:, :, ::1], f8[:, :, ::1], f8[::1], f8[:, ::1], f8[:, ::1], f8[:, ::1], u8[:, ::1], i8, i8)"
+ROUNDS = 20
+"""Passes over the moves within a cell; what does not settle by then bounds nothing."""
+
+_NAMED = (Network,)
+"""The named tuple that these types name."""
+
+NETWORK = (
+    "named(Network, i8[::1], i8[:, ::1], i8[::1], i8[:, ::1], i8[:, ::1], i8[::1], i4[:, ::1], i4[:, ::1], i8[:, :, ::1], i4[:, ::1], "
+    "i4[:, ::1], i8[:, ::1], i8[:, ::1])"
 )
-def least_walk(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    flag, cost, weight, way, start, lower, upper, beyond, memory, room, work
-):
-    """Least cost of all walks that keep their levels and do not come back to a customer whom they remember.
 
-    Labels are extended stage by stage, a visit a stage, so that each walk of as many visits as there are customers is looked at. One
-    gives way to another at its node that costs no more, has no higher level, and remembers nobody whom it does not remember, or can
-    reach.
 
-    ``cost`` has shape (nodes, nodes), node 0 being the depot, ``weight`` and ``way`` (the least that any moves add from node to node)
-    shape (resources, nodes, nodes), all infinite where there is no move; ``lower``, ``upper`` and ``beyond`` (a customer is out of reach
-    above it) shape (resources, nodes); ``memory`` of shape (nodes, words) has one bit a customer for those still remembered at a node;
-    ``room`` and ``work`` are the most labels and comparisons; ``flag`` is that of a ``Stop``. Returns whether it was done, stopped, or
-    had no room.
+@intrinsic  # type: ignore[untyped-decorator]
+def lowest(typing: Any, word: Any) -> Any:
+    """Position of the lowest bit that is set."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.cttz(arguments[0], ir.Constant(ir.IntType(1), 1))
+
+    return types.int64(types.int64), code
+
+
+@kernel(f"i8[:, :, :, ::1](i8[::1], {NETWORK}, i8)")
+def completions(flag, network, layers):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """At most what any walk costs from a node on, at a level within a cell or above; FAR where none comes back.
+
+    Of all levels only the first counts, and of all that is remembered only whether a walk goes back at once: the best and the second
+    way on, over different nodes, are enough for that (Christofides, Mingozzi, Toth 1981). Entry [0] of the result is for all walks, [1],
+    with two ``layers``, for those that make a needed move from there on. Nothing is bounded where the flag is set meanwhile.
     """
-    nodes, words, resources = len(cost), memory.shape[1], len(start)
-    # What is never written takes no memory.
-    node, behind, dropped = np.empty(room, np.int32), np.empty(room, np.int32), np.empty(room, np.bool_)
-    value, level, seen = np.empty(room), np.empty((room + 1, resources)), np.empty((room + 1, words), np.uint64)
-    front = np.empty(nodes, np.int32)  # labels of a node in order of their values
-    for j in range(nodes):
-        front[j] = -1
-    one, least = np.uint64(1), math.inf
-    begin, count, looked = -1, 0, 0  # what is looked at stands in row ``count``
-    for _ in range(nodes - 1):
-        end = count
-        for label in range(begin, end):
-            if label >= 0 and dropped[label]:
-                continue
-            tail = node[label] if label >= 0 else 0
-            for head in range(1, nodes):
-                if cost[tail, head] == math.inf:
-                    continue
-                if label >= 0 and (seen[label, (head - 1) // 64] >> np.uint64((head - 1) % 64)) & one:
-                    continue
-                kept = True
-                for r in range(resources):
-                    before = level[label, r] if label >= 0 else start[r]
-                    level[count, r] = max(lower[r, head], before + weight[r, tail, head])
-                    kept = kept and level[count, r] <= upper[r, head]
-                if not kept:
-                    continue
-                price = cost[tail, head] + (value[label] if label >= 0 else 0.0)
-                for w in range(words):
-                    seen[count, w] = seen[label, w] & memory[head, w] if label >= 0 else np.uint64(0)
-                for other in range(1, nodes):
-                    away = other == head
-                    for r in range(resources):
-                        away = away or level[count, r] + way[r, head, other] > beyond[r, other]
-                    if away:
-                        seen[count, (other - 1) // 64] |= one << np.uint64((other - 1) % 64)
-
-                looked += nodes
-                if looked > work:
-                    return FULL, -math.inf
-                if asked(flag):
-                    return STOPPED, -math.inf
-                previous, k = -1, front[head]
-                while kept and k >= 0 and value[k] <= price:
-                    kept = not _no_worse(k, count, level, seen)
-                    previous, k = k, behind[k]
-                    looked += 1
-                if not kept:
-                    continue
-                if count == room:
-                    return FULL, -math.inf
-                new = count
-                count += 1
-                node[new], value[new], behind[new], dropped[new] = head, price, k, False
-                if previous < 0:
-                    front[head] = new
-                else:
-                    behind[previous] = new
-                previous = new
-                while k >= 0:
-                    # One that waits for its turn has fewer visits, and may be extended further.
-                    if (k <= label or k >= end) and _no_worse(new, k, level, seen):
-                        dropped[k] = True
-                        behind[previous] = behind[k]
-                    else:
-                        previous = k
-                    k = behind[k]
-                    looked += 1
-
-                back = cost[head, 0] < math.inf
-                for r in range(resources):
-                    back = back and level[new, r] + weight[r, head, 0] <= upper[r, 0]
-                if back:
-                    least = min(least, price + cost[head, 0])
-        begin = end
-        if begin == count:
+    first, moves, lower, upper, place = network.first, network.moves, network.lower, network.upper, network.place
+    base, shift, cells = network.grid[0], network.grid[1], network.grid[2]
+    nodes = len(first) - 1
+    rest = np.full((layers, nodes, cells, 3), FAR)
+    new = np.empty((layers, 3), np.int64)
+    for c in range(cells - 1, -1, -1):
+        if asked(flag):
             break
-    return DONE, least
+        begin = base + (c << shift)
+        settled = False
+        for _ in range(ROUNDS):
+            within, changed = False, False
+            for i in range(1, nodes):
+                level = max(begin, lower[i, 0])
+                if level > upper[i, 0] or (level - base) >> shift != c:
+                    continue
+                for layer in range(layers):
+                    new[layer, 0], new[layer, 1], new[layer, 2] = FAR, FAR, -1
+                for m in range(first[i], first[i + 1]):
+                    head = moves[m, 0]
+                    arrival = max(level + moves[m, 3], lower[head, 0])
+                    if arrival > upper[head, 0]:
+                        continue
+                    to = (arrival - base) >> shift
+                    within = within or (to == c and head > 0)
+                    for layer in range(layers):
+                        wanted = layer & (1 - moves[m, 1])
+                        if head == 0:
+                            total = FAR if wanted else 0
+                        else:
+                            back = rest[wanted, head, to, 2] == i and place[head, i] >= 0
+                            total = rest[wanted, head, to, 1 if back else 0]
+                        if total == FAR:
+                            continue
+                        total = max(total + moves[m, 2], -FAR)
+                        if total < new[layer, 0]:
+                            new[layer, 0], new[layer, 1], new[layer, 2] = total, new[layer, 0], head
+                        elif total < new[layer, 1]:
+                            new[layer, 1] = total
+                for layer in range(layers):
+                    for k in range(3):
+                        changed = changed or (k < 2 and new[layer, k] != rest[layer, i, c, k])
+                        rest[layer, i, c, k] = new[layer, k]
+            settled = not (within and changed)
+            if settled:
+                break
+        if not settled:
+            for layer in range(layers):
+                for i in range(1, nodes):
+                    rest[layer, i, c, 0] = rest[layer, i, c, 1] = -FAR
+    return rest
+
+
+@kernel(f"UniTuple(i8, 4)(i8[::1], {NETWORK}, i8[:, :, :, ::1], i8, b1, b1, i8, i8)")
+def least_walk(flag, network, rest, least, wanted, careful, room, work):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Least cost of the walks that cost less than ``least``, keep their levels, and come back to nobody whom they remember.
+
+    Labels are gone through as their first level grows. One gives way to another that was gone through at its node before, costs no more,
+    has no higher level, remembers nobody whom it does not remember or cannot reach, and has made a needed move if it has; for each row
+    that the other one alone has half of, the other one costs as much less as that row's price. Those whose cost and ``rest``, from
+    ``completions``, are ``least`` or more are dropped.
+
+    With ``wanted`` a walk makes a needed move. Unless ``careful``, labels give way whatever is remembered and in whichever rows: then
+    what is found is the cost of a walk, and may not be the least. ``room`` and ``work`` are the most labels at a time, and comparisons.
+    Returns whether it was done, stopped or had no room, the least cost (FAR without a walk), the visits of that walk, and the
+    comparisons.
+    """
+    first, moves, start, lower, upper, grid, listed, place, reach, rows_at, row_place, turned, prices = network
+    nodes, levels, rows = len(first) - 1, len(start), turned.shape[1]
+    words = (listed.shape[1] + BITS - 1) // BITS
+    known = 1 + levels  # a label: its cost, its levels, whom it remembers behind the bit of a needed move, its rows
+    halves = known + words
+    width = halves + rows
+    base, shift, cells = grid[0], grid[1], grid[2]
+    # What is never written takes no memory.
+    label, node = np.empty((room, width), np.int64), np.empty(room, np.int32)
+    visits, link = np.empty(room, np.int32), np.empty(room, np.int64)  # the next one of a cell, or of those that are free
+    queue = np.full(cells, -1)
+    chunks = room // CHUNK + nodes
+    kept, count, older = np.empty((chunks, CHUNK, width), np.int64), np.zeros(chunks, np.int64), np.empty(chunks, np.int64)
+    newest = np.full(nodes, -1)  # the chunks of a node, each in order of costs
+    new = np.zeros(width, np.int64)
+    free, used, filled, looked = -1, 1, 0, 0
+    found, length = FAR, 0
+
+    label[0, 0], node[0], visits[0], link[0], queue[0] = 0, 0, 0, -1, 0
+    for r in range(levels):
+        label[0, 1 + r] = start[r]
+    for w in range(known, width):
+        label[0, w] = 0
+    label[0, known] = 1 if wanted else 0
+    for cell in range(cells):
+        while queue[cell] >= 0:
+            if asked(flag):
+                return STOPPED, -FAR, 0, looked
+            if looked > work:
+                return FULL, -FAR, 0, looked
+            one = queue[cell]
+            queue[cell] = link[one]
+            tail, cost = node[one], label[one, 0]
+            if tail > 0:
+                stays = cost + rest[label[one, known] & 1, tail, cell, 0] < least
+                if stays:
+                    for w in range(width):
+                        new[w] = label[one, w]
+                    stays, more = _stays(kept, count, older, newest[tail], new, levels, words, prices[tail], careful)
+                    looked += more
+                if not stays:
+                    link[one], free = free, one
+                    continue
+                k = newest[tail]
+                if k < 0 or count[k] == CHUNK:
+                    if filled == chunks:
+                        return FULL, -FAR, 0, looked
+                    older[filled], newest[tail], k = k, filled, filled
+                    filled += 1
+                at = count[k]
+                while at > 0 and kept[k, at - 1, 0] > cost:
+                    for w in range(width):
+                        kept[k, at, w] = kept[k, at - 1, w]
+                    at -= 1
+                for w in range(width):
+                    kept[k, at, w] = new[w]
+                count[k] += 1
+
+            looked += first[tail + 1] - first[tail]
+            for m in range(first[tail], first[tail + 1]):
+                head, total = moves[m, 0], cost + moves[m, 2]
+                still = label[one, known] & (1 - moves[m, 1]) & 1
+                level = max(label[one, 1] + moves[m, 3], lower[head, 0])
+                if level > upper[head, 0]:
+                    continue
+                to = (level - base) >> shift
+                if head == 0:
+                    if still or total >= least:
+                        continue
+                else:
+                    beyond = rest[still, head, to, 1 if rest[still, head, to, 2] == tail and place[head, tail] >= 0 else 0]
+                    if total + beyond >= least:
+                        continue
+                p = place[tail, head]
+                if p >= 0 and label[one, known + p // BITS] >> (p % BITS) & 1:
+                    continue
+                new[1] = level
+                inside = True
+                for r in range(1, levels):
+                    new[1 + r] = max(label[one, 1 + r] + moves[m, 3 + r], lower[head, r])
+                    inside = inside and new[1 + r] <= upper[head, r]
+                if not inside:
+                    continue
+                if head == 0:
+                    least, found, length = total, total, visits[one]
+                    continue
+
+                for w in range(known, width):
+                    new[w] = 0
+                for w in range(rows):
+                    left = label[one, halves + w]
+                    while left != 0:
+                        q = row_place[head, rows_at[tail, BITS * w + lowest(left)]]
+                        left &= left - 1
+                        if q >= 0:
+                            new[halves + q // BITS] |= 1 << (q % BITS)
+                for w in range(rows):
+                    left = new[halves + w] & turned[head, w]
+                    new[halves + w] ^= turned[head, w]
+                    while left != 0:
+                        total += prices[head, BITS * w + lowest(left)]
+                        left &= left - 1
+                if rows and total + beyond >= least:
+                    continue
+                new[0] = total
+                for w in range(words):
+                    left = label[one, known + w]
+                    if w == 0:
+                        left &= ~1
+                    while left != 0:
+                        q = place[head, listed[tail, BITS * w + lowest(left)]]
+                        left &= left - 1
+                        if q >= 0:
+                            new[known + q // BITS] |= 1 << (q % BITS)
+                new[known] |= still
+                for p in range(1, listed.shape[1]):
+                    if listed[head, p] < 0:
+                        break
+                    for r in range(levels):
+                        if new[1 + r] > reach[head, p, r]:
+                            new[known + p // BITS] |= 1 << (p % BITS)
+                stays, more = _stays(kept, count, older, newest[head], new, levels, words, prices[head], careful)
+                looked += more
+                if not stays:
+                    continue
+                at = free
+                if at >= 0:
+                    free = link[at]
+                elif used < room:
+                    at = used
+                    used += 1
+                else:
+                    return FULL, -FAR, 0, looked
+                for w in range(width):
+                    label[at, w] = new[w]
+                node[at], visits[at], link[at], queue[to] = head, visits[one] + 1, queue[to], at
+            link[one], free = free, one
+    return DONE, found, length, looked
 
 
 @kernel(_nrt=False, no_cpython_wrapper=True)  # counting references would take most of its time
-def _no_worse(one, other, level, seen):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Whether a label has no higher level than another one, and remembers nobody whom that does not remember."""
-    for r in range(level.shape[1]):
-        if level[one, r] > level[other, r]:
-            return False
-    for w in range(seen.shape[1]):  # noqa: SIM110 - numba compiles no generators
-        if seen[one, w] & ~seen[other, w] != 0:
-            return False
-    return True
+def _stays(kept, count, older, k, new, levels, words, prices, careful):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Whether a label gives way to none of those kept at its node, from chunk ``k`` on; and how many were looked at."""
+    looked, known = 0, 1 + levels
+    while k >= 0:
+        looked += 1
+        for e in range(count[k]):
+            spare = new[0] - kept[k, e, 0]
+            if spare < 0:
+                break
+            looked += 1
+            if kept[k, e, known] & (-1 if careful else 1) & ~new[known] != 0:
+                continue
+            worse = False
+            for r in range(1, known):
+                worse = worse or kept[k, e, r] > new[r]
+            if worse:
+                continue
+            if not careful:
+                return False, looked
+            for w in range(known + 1, known + words):
+                worse = worse or kept[k, e, w] & ~new[w] != 0
+            if worse:
+                continue
+            for w in range(known + words, len(new)):
+                left = kept[k, e, w] & ~new[w]
+                while left != 0 and spare >= 0:
+                    spare -= prices[BITS * (w - known - words) + lowest(left)]
+                    left &= left - 1
+            if spare >= 0:
+                return False, looked
+        k = older[k]
+    return True, looked

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -60,7 +61,7 @@ class Pricer:
 
     def __init__(self, weight: Floats, start: Floats, lower: Floats, upper: Floats, usable: Flags, dearest: float, room: int) -> None:
         self.levels, self.nodes = len(start), len(usable)
-        self.unit = 2.0**COST_BITS / max(dearest, 1e-300)
+        self.unit = 2.0**COST_BITS / dearest if dearest > 0.0 else 1.0
         whole = [self._whole(weight[r], start[r], lower[r], upper[r], usable) for r in range(self.levels)]
         w, first, low, high = (np.array(part, dtype=np.int64) for part in zip(*whole, strict=True))
         self.top = high.max(axis=1)
@@ -77,10 +78,11 @@ class Pricer:
     @staticmethod
     def _whole(weight: Floats, start: float, lower: Floats, upper: Floats, usable: Flags) -> tuple[Longs, int, Longs, Longs]:
         """A resource in whole numbers, which allow all that it allows."""
-        size = max(float(np.abs(upper).max()), float(np.abs(lower).max()), abs(start), 1e-300)
-        unit = 2.0 ** (LEVEL_BITS - np.ceil(np.log2(size)))
-        moves = np.floor(np.where(usable, np.minimum(weight, 4.0 * size), 0.0) * unit).astype(np.int64)
-        return moves, int(np.floor(start * unit)), np.floor(lower * unit).astype(np.int64), np.ceil(upper * unit).astype(np.int64)
+        size = max(float(np.abs(upper).max()), float(np.abs(lower).max()), abs(start))
+        shift = LEVEL_BITS - math.frexp(size)[1]
+        moves = np.floor(np.ldexp(np.where(usable, np.minimum(weight, 4.0 * size), 0.0), shift)).astype(np.int64)
+        first, low, high = np.floor(np.ldexp(start, shift)), np.floor(np.ldexp(lower, shift)), np.ceil(np.ldexp(upper, shift))
+        return moves, int(first), low.astype(np.int64), high.astype(np.int64)
 
     # -- what changes from node to node of a tree ------------------------------------------------------------------------
 

@@ -46,7 +46,7 @@ class BranchPriceCut(Engine):
     features = (
         LIMITS
         | {f"objective:{term}" for term in ARC_TERMS}
-        | {"service-times", "separate-durations", "fixed-cost", "limited-fleet", "min-vehicles", "open-routes", "forbidden-moves"}
+        | {"service-times", "separate-durations", "fixed-cost", "limited-fleet", "min-vehicles", "open-routes", "multiple-depots", "forbidden-moves"}
         | {"objective:weights"}
     )
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
+import pickle
+import time
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +21,8 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import InputError
+from waybound.instances.routing.instance import Sites, VehicleType
+from waybound.instances.routing.travel import EXPLICIT, Travel
 
 FEATURES = (
     "capacity", "time-windows", "depot-windows", "service-times", "max-duration", "max-distance", "travel", "limited-fleet",
@@ -29,9 +34,6 @@ def few(feature: str, seed: int, customers: int = 4) -> RoutingProblem:
     """A small problem with fewer customers still: all its answers can be judged one by one."""
     whole = small(feature, seed, "exact")
     kept = np.concatenate([whole.sites.depots, whole.customers[:customers]])
-    from waybound.instances.routing.instance import Sites
-    from waybound.instances.routing.travel import EXPLICIT, Travel
-
     s = whole.sites
     sites = Sites.of(
         [s.ids[k] for k in kept], depot=s.depot[kept], demand=s.demand[kept], ready=s.ready[kept], due=s.due[kept], service=s.service[kept]
@@ -62,17 +64,28 @@ def moves(problem: RoutingProblem, answer: Routes) -> set[tuple[str, str]]:
     return made
 
 
+def some_moves(problem: RoutingProblem, rng: np.random.Generator) -> dict[str, Any]:
+    """A statement on a set of moves, of a few or of many."""
+    ids, share = problem.sites.ids, rng.choice([0.1, 0.4, 0.8])
+    found = {a: [b for b in ids if a != b and rng.random() < share] for a in ids}
+    return {"moves": {a: heads for a, heads in found.items() if heads} or {ids[-1]: [ids[0]]}}
+
+
 def drawn(problem: RoutingProblem, rng: np.random.Generator) -> list[tuple[dict[str, Any], bool]]:
-    """Some decisions on moves, and often one on the number of routes."""
+    """Some decisions on moves, and often one on the number of routes or on sets of moves."""
     pairs = [(a, b) for a in problem.sites.ids for b in problem.sites.ids if a != b]
     some = rng.choice(len(pairs), int(rng.integers(1, 7)), replace=False)
     numbers = [({"routes": int(rng.integers(1, 5))}, bool(rng.random() < 0.5)) for _ in range(int(rng.integers(0, 3)))]
-    return [*(({"arc": list(pairs[k])}, bool(rng.random() < 0.35)) for k in some), *numbers]
+    sets = [(some_moves(problem, rng), bool(rng.random() < 0.6)) for _ in range(int(rng.integers(0, 3)))]
+    return [*(({"arc": list(pairs[k])}, bool(rng.random() < 0.35)) for k in some), *numbers, *sets]
 
 
 def holds_as_decided(answer: Routes, made: set[tuple[str, str]], decision: tuple[dict[str, Any], bool]) -> bool:
     statement, holds = decision
-    truth = len(answer) <= statement["routes"] if "routes" in statement else tuple(statement["arc"]) in made
+    if "moves" in statement:
+        truth = any((tail, head) in made for tail, heads in statement["moves"].items() for head in heads)
+    else:
+        truth = len(answer) <= statement["routes"] if "routes" in statement else tuple(statement["arc"]) in made
     return truth is holds
 
 
@@ -86,11 +99,12 @@ def test_restricted_problems_keep_every_answer_of_their_decisions_and_no_evidenc
     n = len(whole.sites)
     for _ in range(draws(12)):
         decisions = drawn(whole, rng)
-        problem = whole.restricted(decisions)
-        for answer, made, _ in judged:
-            if all(holds_as_decided(answer, made, decision) for decision in decisions):
-                assert problem.evaluate(answer).feasible
-        best = min((e.values[0] for answer, _, e in judged if problem.evaluate(answer).feasible), default=math.inf)
+        problem = whole.restricted(decisions[: len(decisions) // 2]).restricted(decisions[len(decisions) // 2 :])
+        left = [(answer, e) for answer, made, e in judged if all(holds_as_decided(answer, made, decision) for decision in decisions)]
+        assert all(problem.evaluate(answer).feasible for answer, _ in left)
+        if not problem.needed:  # the judge does not look whether needed moves are made
+            left = [(answer, e) for answer, _, e in judged if problem.evaluate(answer).feasible]
+        best = min((e.values[0] for _, e in left), default=math.inf)
         for evidence in _attempts(whole, n, rng):
             assert verified_bound(problem, evidence) <= best + 1e-9 * abs(best), evidence.kind
 
@@ -107,12 +121,30 @@ def _attempts(problem: RoutingProblem, n: int, rng: np.random.Generator) -> Iter
         routes = {"visits": some(scale), "memory": int(rng.integers(0, n))}
         yield Evidence("set-partitioning-duals", "", 0.0, routes)
         yield Evidence("set-partitioning-duals", "", 0.0, {**routes, "ray": True})
+        for ray in (False, True):
+            yield Evidence("set-partitioning-duals", "", 0.0, {**_priced_rows(problem, scale, rng), "visits": some(scale), "ray": ray})
         yield Evidence("spanning-tree", "", 0.0, {"multipliers": some(scale), "depot": float(rng.normal() * scale)})
     for site in problem.customers.tolist():
         yield Evidence("infeasible-site", "", 0.0, {"site": problem.sites.ids[site]})
     ids = [problem.sites.ids[k] for k in problem.customers]
     yield Evidence("sites-beyond-fleet", "", 0.0, {"sites": ids})
     yield Evidence("sites-apart", "", 0.0, {"sites": ids[:2]})
+
+
+def _priced_rows(problem: RoutingProblem, scale: float, rng: np.random.Generator) -> dict[str, Any]:
+    """Lists of who is remembered, subset rows, loads, and perhaps something claimed of the least walks."""
+    customers = problem.customers
+
+    def some(least: int) -> list[int]:
+        return rng.choice(customers, int(rng.integers(least, len(customers) + 1)), replace=False).tolist()
+
+    rows, loads = [], [{"sites": some(1), "price": abs(float(rng.normal())) * scale} for _ in range(int(rng.integers(0, 3)))]
+    for _ in range(int(rng.integers(0, 4))):
+        sites = rng.choice(customers, 3, replace=False).tolist()
+        rows.append({"sites": sites, "memory": sorted({*sites, *some(0)}), "price": -abs(float(rng.normal())) * scale})
+    remembered = [[] if problem.sites.depot[k] else some(0) for k in range(len(problem.sites))]
+    claimed = {key: float(rng.normal()) * scale for key in ("least", "least_needed") if rng.random() < 0.3}
+    return {"remembered": remembered, "rows": rows, "loads": loads, **claimed}
 
 
 def test_where_all_moves_are_decided_the_bound_is_the_answer() -> None:
@@ -155,7 +187,8 @@ def test_a_forbidden_move_breaks_an_answer_in_words() -> None:
 @pytest.mark.parametrize(
     "statement", [None, "1-2", {"arc": ["1"]}, {"arc": ["1", "nobody"]}, {"arc": [1, 2]}, {"arc": ["1", "2", "3"]}, {"arc": ["1", ["2"]]},
                   {"arc": ["1", "2"], "used": True}, {"arc": {"1": "2"}}, {"routes": 0}, {"routes": 1.0}, {"routes": True}, {"routes": 99},
-                  {"routes": 2, "arc": ["1", "2"]}]
+                  {"routes": 2, "arc": ["1", "2"]}, {"moves": {}}, {"moves": []}, {"moves": None}, {"moves": {"1": []}},
+                  {"moves": {"1": "2"}}, {"moves": {"1": ["2", "2"]}}, {"moves": {"1": ["1"]}}, {"moves": {"1": ["2"]}, "arc": ["1", "2"]}]
 )  # fmt: skip
 def test_what_is_no_statement_on_a_move_is_refused(statement: object) -> None:
     with pytest.raises(InputError, check=coded("malformed")):
@@ -166,6 +199,8 @@ def test_what_is_no_statement_on_a_move_is_refused(statement: object) -> None:
     ("statement", "words", "opposite"),
     [
         ({"arc": ["1", "2"]}, "some route goes from 1 straight to 2", "no route goes from 1 straight to 2"),
+        ({"moves": {"1": ["2"]}}, "some route goes from 1 straight to 2", "no route goes from 1 straight to 2"),
+        ({"moves": {"1": ["2", "3"], "0": ["4"]}}, "some route makes one of 3 moves", "no route makes any of 3 moves"),
         ({"routes": 1}, "there is at most 1 route", "there are at least 2 routes"),
         ({"routes": 2}, "there are at most 2 routes", "there are at least 3 routes"),
     ],
@@ -176,7 +211,45 @@ def test_every_statement_can_be_said_in_words(statement: dict[str, Any], words: 
     assert (problem.in_words(statement, True), problem.in_words(statement, False)) == (words, opposite)
 
 
-def test_forbidden_moves_must_fit_the_sites() -> None:
+@pytest.mark.parametrize("moves", [{"1": ["nobody"]}, {"nobody": ["1"]}, {"1": [2]}, {"1": [["2"]]}, {1: ["2"]}])
+def test_a_set_of_moves_between_sites_that_do_not_exist_is_refused(moves: object) -> None:
+    with pytest.raises(InputError, match="names a site that does not exist", check=coded("unknown-name")):
+        few("capacity", 0).check_statement({"moves": moves})
+
+
+def test_sets_of_moves_are_forbidden_or_kept_with_the_problem() -> None:
+    problem = few("capacity", 0)
+    many, few_moves = {"moves": {"1": ["2", "3"], "0": ["1"]}}, {"moves": {"2": ["3"]}}
+    apart = problem.restricted([({"arc": [a, b]}, False) for a, heads in many["moves"].items() for b in heads])
+    without = problem.restricted([(many, False)])
+    assert without.forbidden is not None and (without.forbidden == apart.forbidden).all() and not without.needed
+    kept = problem.restricted([(many, True)]).restricted([(few_moves, True), ({"routes": 2}, True)])
+    assert [np.argwhere(moves).tolist() for moves in kept.needed] == [[[0, 1], [1, 2], [1, 3]], [[2, 3]]]
+    digests = {p.digest() for p in (problem, without, kept, problem.restricted([(many, True)]))}
+    assert len(digests) == 4 and problem.digest() == replace(problem, needed=()).digest()
+    assert len(replace(kept, min_vehicles=1).needed) == 2 and pickle.loads(pickle.dumps(kept)).needed[1][2, 3]
+    assert kept.given(problem.evaluate(Routes.of([[1]])).values) is None  # there is one level
+    assert all(kept.evaluate(answer).feasible for answer in answers(problem) if problem.evaluate(answer).feasible and len(answer) <= 2)
+
+
+def test_a_large_set_that_is_stated_once_is_read_once() -> None:
+    n = 101
+    sites = Sites.of(range(n), demand=[0, *np.ones(n - 1)])
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((n, n))), (VehicleType(capacity=5.0),))
+    statement = {"moves": {str(a): [str(b) for b in range(n) if a != b] for a in range(n)}}
+    began = time.perf_counter()
+    for _ in range(300):
+        part = problem.restricted([(statement, True)])
+    assert time.perf_counter() - began < 5.0  # 300 x 10,100 moves
+    assert part.needed[0].sum() == n * (n - 1)
+    other = problem.restricted([({"moves": {"1": ["2"]}}, True)])
+    assert other.needed[0].sum() == 1
+    del statement["moves"]["1"][:50]
+    assert problem.restricted([(statement, True)]).needed[0].sum() == n * (n - 1) - 50
+
+
+@pytest.mark.parametrize("moves", [{"forbidden": np.zeros((2, 2), dtype=bool)}, {"needed": (np.zeros((2, 2), dtype=bool),)}])
+def test_sets_of_moves_must_fit_the_sites(moves: dict[str, Any]) -> None:
     problem = few("capacity", 0)
     with pytest.raises(InputError, match="one for each pair of sites"):
-        RoutingProblem(problem.sites, problem.travel, problem.fleet, forbidden=np.zeros((2, 2), dtype=bool))
+        RoutingProblem(problem.sites, problem.travel, problem.fleet, **moves)

@@ -69,7 +69,7 @@ class Divisible:
         own = {name: getattr(data, name)[sites] for name in OF_SITES} | {name: getattr(data, name)[kinds] for name in OF_TYPES}
         windows = tuple(data.windows[k] for k in sites.tolist())
         return Part(
-            problem.altered(sites=self.sites.subset(sites), travel=travel, fleet=fleet, forbidden=forbidden),
+            problem.altered(sites=self.sites.subset(sites), travel=travel, fleet=fleet, forbidden=forbidden, needed=()),
             replace(data, **(own | {"profile": profile.astype(np.int64)}), moves=tuple(moves), windows=windows),
             sites,
             kinds,

@@ -1,0 +1,42 @@
+"""The engine: optima with their proofs, starts that are kept, limits that leave an answer and a bound."""
+
+from __future__ import annotations
+
+import pytest
+from draws import draws
+from small_routing import plane, small
+from truth.routing import best_values
+
+import waybound as wb
+from waybound.instances.errors import UnsupportedError, UsageError
+
+
+@pytest.mark.parametrize("feature", ["capacity", "time-windows", "max-distance", "open-routes", "limited-fleet", "fixed-cost"])
+@pytest.mark.parametrize("seed", range(draws(5)))
+def test_small_problems_end_optimal_and_verified_or_without_an_answer(feature: str, seed: int) -> None:
+    problem = small(feature, seed, "exact")
+    best, solution = best_values(problem), wb.solve(problem, "branch-price-cut")
+    if best is None:
+        assert solution.status == "infeasible"
+    else:
+        assert solution.status == "optimal" and solution.bound_kind == "verified" and solution.objective == pytest.approx(best[0])
+
+
+def test_a_start_is_taken_and_bettered() -> None:
+    problem = plane(3, 12, 25.0)
+    start = wb.Routes.of([[int(site)] for site in problem.customers])
+    solution = wb.solve(problem, "branch-price-cut", start=start)
+    assert solution.status == "optimal" and solution.objective < problem.evaluate(start).values[0]
+
+
+def test_options_are_checked_and_limits_are_kept_to() -> None:
+    problem = plane(3, 12, 25.0)
+    with pytest.raises(UsageError, match="columns"):
+        wb.solve(problem, "branch-price-cut", no_such=1)
+    few = wb.solve(problem, "branch-price-cut", labels=5, bound_time=0)
+    assert few.status == "feasible" and few.objective >= wb.solve(problem, "branch-price-cut").objective
+
+
+def test_what_it_cannot_price_it_refuses_by_name() -> None:
+    with pytest.raises(UnsupportedError, match="heterogeneous-fleet"):
+        wb.solve(small("heterogeneous-fleet", 1, "exact"), "branch-price-cut")
