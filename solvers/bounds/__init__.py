@@ -36,6 +36,8 @@ class BoundMethod:
     aims : bool
         Whether ``compute`` takes the keyword ``target`` too, the value of a known answer or None: such a method searches, and no bound
         beyond that value is worth its time.
+    starts : bool
+        Whether ``compute`` takes the keyword ``answer`` too, the answer at hand or None.
     replaces : callable
         Methods that this one stands for where a problem is of its family, whether it can take it or not.
     """
@@ -47,6 +49,7 @@ class BoundMethod:
     prepare: Callable[[], None] = lambda: None
     replaces: Callable[[Any], frozenset[str]] = lambda problem: frozenset()
     aims: bool = False
+    starts: bool = False
     kernels: tuple[str, ...] = ()
 
     def compiled(self) -> bool:
@@ -57,9 +60,12 @@ class BoundMethod:
 
         return all(kernel.kept() for module in self.kernels for kernel in kernels(module))
 
-    def evidence(self, problem: Any, stop: Stop, linear: LinearPrograms, target: float | None = None) -> Evidence | None:
+    def evidence(
+        self, problem: Any, stop: Stop, linear: LinearPrograms, target: float | None = None, answer: Any = None
+    ) -> Evidence | None:
         """The evidence that ``compute`` finds, if any."""
-        return self.compute(problem, stop, linear, target=target) if self.aims else self.compute(problem, stop, linear)
+        known = ({"target": target} if self.aims else {}) | ({"answer": answer} if self.starts else {})
+        return self.compute(problem, stop, linear, **known)
 
 
 BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.solvers.bounds", "waybound.solvers.bounds.*", group="waybound.bounds")

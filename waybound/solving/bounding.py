@@ -42,6 +42,7 @@ def find_bounds(
     bound_time: float,
     *,
     target: float | None = None,
+    answer: Any = None,
     known: Sequence[Evidence] = (),
     control: Control | None = None,
     progress: Callable[[dict[str, Any]], None] | None = None,
@@ -61,6 +62,8 @@ def find_bounds(
         Budget for all methods together, without what they prepare, compile or load; 0 turns bounding off.
     target : float, optional
         Value of an answer: evidence that reaches it ends the search.
+    answer : optional
+        That answer, where it is at hand: its parts help some methods.
     known : sequence of Evidence
         What was found already, by whoever made the answer.
     control : Control, optional
@@ -103,7 +106,7 @@ def find_bounds(
         try:
             with off_the_clock():
                 method.prepare()
-            evidence = method.evidence(problem, within, linear, target)
+            evidence = method.evidence(problem, within, linear, target, answer)
         except UnsupportedError:
             return False
         except Exception as fault:  # whatever it is: a bound that cannot be computed is no bound, and costs neither answer nor other bounds

@@ -204,7 +204,8 @@ class Conclusion:
             if seen.interrupted or not beside.fault:
                 return
         progress, linear = record.of_bounds, self.linear
-        bounding = bounded(self.problem, budget, target=target, known=known, progress=progress, unable=notes, linear=linear)
+        held = {"target": target, "answer": None if target is None else self.answer}
+        bounding = bounded(self.problem, budget, known=known, progress=progress, unable=notes, linear=linear, **held)
         self.evidence.extend(bounding.result.answer or [])
         if bounding.interrupted or bounding.result.message:
             notes.append(f"bounding ended early: {bounding.result.message or 'interrupted'}")

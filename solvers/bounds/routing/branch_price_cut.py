@@ -35,6 +35,9 @@ from .subset_rows import SubsetRow, violated
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
 
+RUINS, OPENING = 1000, 0.1
+"""Ruins for each customer of the search for a first answer, where none is given, and its part of the time at most."""
+
 CUSTOMERS = 400
 """Most customers that the checker looks at."""
 
@@ -257,15 +260,18 @@ class Tree(ProofTree[_Node]):
         if solved.prices is not None:
             node.prices = solved.prices
         if solved.status == "fixed":
-            if first:
+            if node is self.root:
                 self._prove(node, problem, solved)
-            if self._without(node, solved):
-                return True
+            left_out = self._without(node, solved)
+            if left_out or (left_out is None and not first):
+                return bool(left_out)
+            # The checker did not follow, or there was no time for the rest: then what was proved of all moves counts.
             self.fixing = False
-            solved = self._solved(node, part)
-            if solved.status == "stopped" and not first:
+            again = self._solved(node, part)
+            if again.prices is None and not first:
                 return False
-            node.prices = solved.prices or node.prices
+            solved = solved if again.prices is None else again
+            node.prices = solved.prices
         if solved.prices is not None:
             self._prove(node, problem, solved)
         if self.reached(node.bound) or solved.status in ("full", "stopped"):
@@ -274,8 +280,9 @@ class Tree(ProofTree[_Node]):
             self._keep(node, part, solved)
         return True
 
-    def _without(self, node: _Node, solved: _Solved) -> bool:
-        """Leave hopeless moves out: a branching of which one side is proved at once; whether it was."""
+    def _without(self, node: _Node, solved: _Solved) -> bool | None:
+        """Leave hopeless moves out: a branching of which one side is proved at once; whether it was, None where there was no time for the
+        other one."""
         assert solved.hopeless is not None
         names = self._names()
         moves = {names[i][0]: [names[j][1] for j in np.nonzero(row)[0]] for i, row in enumerate(solved.hopeless) if row.any()}
@@ -287,7 +294,7 @@ class Tree(ProofTree[_Node]):
             return False
         rest.prices = node.prices
         if not self.look(rest):
-            return False
+            return None
         self.close(used)
         node.children = used, rest
         return True
@@ -382,7 +389,7 @@ class Tree(ProofTree[_Node]):
             solved.hopeless = self._hopeless(node, part, solved)
             if solved.hopeless is not None:
                 return replace(solved, status="fixed")
-            self._purge(solved)
+            self._purge(solved, best)
             bounds.append(solved.bound)
             goal = self.target / self.unit if math.isfinite(self.target) else 2.0 * bounds[-1] - bounds[0]
             rounds = ROUNDS if node.first else 1
@@ -397,7 +404,7 @@ class Tree(ProofTree[_Node]):
             rows = rows or not found
             node.prices = solved.prices
 
-    def _purge(self, solved: _Solved) -> None:
+    def _purge(self, solved: _Solved, best: _Solved) -> None:
         """Drop routes that no better answer drives at these prices, and the dearest of very many."""
         gap = self.target / self.unit - solved.bound
         if len(self.pool) <= FEW:
@@ -406,9 +413,13 @@ class Tree(ProofTree[_Node]):
         if len(self.pool) > MANY_COLUMNS:
             most = min(most, float(np.partition(solved.reduced, MANY_COLUMNS // 2)[MANY_COLUMNS // 2]))
         kept = (solved.reduced <= most) | (solved.values > 0.0)
+        kept[: len(best.values)] |= best.values > 0.0
         if kept.sum() < 0.8 * len(kept):
             self.master.keep(kept)
-            solved.values, solved.reduced, self.phase_one = solved.values[kept], solved.reduced[kept], None
+            self.phase_one = None
+            for one in {id(one): one for one in (solved, best)}.values():
+                one.values = one.values[kept[: len(one.values)]]
+            solved.reduced = solved.reduced[kept]
 
     def _hopeless(self, node: _Node, part: _Part, solved: _Solved) -> Flags | None:
         """Moves that no better answer makes, if there are many since the gap was last so much larger."""
@@ -644,11 +655,12 @@ def _comes_back(route: Longs, near: Flags) -> bool:
 
 
 def branch_price_cut_bound(
-    problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None, target: float | None = None
-) -> Evidence | None:
+    problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None, target: float | None = None,
+    answer: Routes | None = None,
+) -> Evidence | None:  # fmt: skip
     """Evidence from branch, price and cut: a branching tree, or ``set-partitioning-duals`` where no branching was needed.
 
-    The tree ends where its bound reaches ``target``, the value of an answer; better answers that it meets on the way take its place. The
+    The tree ends where its bound reaches ``target``, the value of an ``answer``, whose routes are the first ones; better answers that it meets on the way take its place. The
     linear programs are solved by HiGHS, whoever solves others, and go on from where the last one ended. None where the routes at the root
     were too many for the memory or the time.
 
@@ -659,9 +671,27 @@ def branch_price_cut_bound(
     arcs = arc_costs(problem, stop)
     if arcs is None or len(arcs.customers) == 0:
         return None
-    tree = Tree(problem, arcs, target, stop, 1 if linear is None else linear.seed)
+    seed = 1 if linear is None else linear.seed
+    if target is None:
+        answer = first_answer(problem, OPENING * stop.seconds_left, seed, stop)
+        target = None if answer is None else problem.evaluate(answer).values[0]
+    tree = Tree(problem, arcs, target, stop, seed, answer=answer)
     tree.grow()
     return tree.evidence("routes")
+
+
+def first_answer(problem: RoutingProblem, seconds: float, seed: int, stop: Stop, *, compiled: bool = True) -> Routes | None:
+    """A good answer soon, by ruin and recreate; None where there is none, or where its loops were never ``compiled`` and should be."""
+    from ...backend import Control, Options
+    from ...engines.routing.ruin_recreate import RuinRecreate
+    from ...engines.routing.ruin_recreate_steps import near_kernels, search_kernels
+
+    engine, control = RuinRecreate(), Control()
+    if engine.missing(problem) or (compiled and not (near_kernels.nearest.kept() and search_kernels.anneal.kept())):
+        return None
+    with stop.telling(control.stop):
+        answer = engine.run(problem, Options(seconds, iterations=RUINS * len(problem.customers), seed=seed), control).answer
+    return answer if answer is not None and problem.evaluate(answer).feasible else None
 
 
 KERNELS = tuple(f"waybound.solvers.bounds.routing.{name}_kernels" for name in ("label", "subset_row", "cut")) + (
@@ -670,5 +700,7 @@ KERNELS = tuple(f"waybound.solvers.bounds.routing.{name}_kernels" for name in ("
 
 BOUNDS.add(
     "branch-price-cut",
-    BoundMethod("branch-price-cut", of_family("routing", lacks_arc_costs), branch_price_cut_bound, order=8, aims=True, kernels=KERNELS),
+    BoundMethod(
+        "branch-price-cut", of_family("routing", lacks_arc_costs), branch_price_cut_bound, order=1, aims=True, starts=True, kernels=KERNELS
+    ),
 )

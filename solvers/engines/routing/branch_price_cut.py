@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar
 
@@ -12,18 +11,10 @@ from ....formulations.stop import Stop
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...bounds.routing import branch_price_cut
 from ...bounds.routing.arcs import ARC_TERMS, LIMITS, arc_costs
-from .ruin_recreate import RuinRecreate
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
-
-RUINS = 1000
-"""Ruins for each customer of the search for a first answer, where none is given."""
-
-OPENING = 0.1
-"""Part of the time for it at most."""
-
 
 @BACKENDS.register("branch-price-cut")
 class BranchPriceCut(Engine):
@@ -66,8 +57,7 @@ class BranchPriceCut(Engine):
             return RawResult("optimal", answer=Routes(()), objective=0.0, bound=0.0, message="there are no customers")
         answer = options.start
         if answer is None:
-            few = replace(options, time_limit=OPENING * stop.seconds_left, iterations=RUINS * len(problem.customers), extra={})
-            answer = RuinRecreate().run(problem, few, control).answer
+            answer = branch_price_cut.first_answer(problem, branch_price_cut.OPENING * stop.seconds_left, options.seed, stop, compiled=False)
         value = None
         if answer is not None:
             judged = problem.evaluate(answer)

@@ -85,6 +85,7 @@ def test_the_root_is_the_linear_relaxation_of_set_partitioning(seed: int, monkey
     problem = small("time-windows", seed, "exact")
     monkeypatch.setattr(branch_price_cut.Tree, "branch", lambda self, node: False)
     monkeypatch.setattr(branch_price_cut.Tree, "_cut", lambda self, solved, rows: False)
+    monkeypatch.setattr(branch_price_cut, "first_answer", lambda *arguments: None)
     evidence = branch_price_cut_bound(problem, Stop(60.0))
     assert evidence is not None and evidence.kind == "set-partitioning-duals"
     relaxed = relax(problem)
