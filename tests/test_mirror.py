@@ -17,7 +17,7 @@ FLOORS = ("instances", "formulations", "solvers", "heuristics", "reports", "wayb
 KERNELS = {
     "formulations/auctions/matching_kernels": "formulations/auctions/matching",
     "formulations/routing/checking/state_space_kernels": "formulations/routing/checking/state_space",
-    "formulations/routing/checking/walk_kernels": "formulations/routing/checking/set_partitioning_duals",
+    "formulations/routing/checking/walk_kernels": "formulations/routing/checking/walks",
     "heuristics/auctions/auction_steps/bidding_kernels": "heuristics/auctions/sequential_single_item",
     "formulations/transpose_kernels": "heuristics/sata/greedy_steps/picking",
     "heuristics/auctions/conflict_kernels": "heuristics/auctions/conflict_auction",

@@ -122,8 +122,9 @@ class RoutingProblem(Problem):
             sites=sites, travel=travel, fleet=tuple(fleet), objective=aim, min_vehicles=min_vehicles, name=name, problem=problem,
             notes=tuple(notes), forbidden=forbidden, team_risk=team_risk, clock=clock, needed=tuple(needed),
         )  # fmt: skip
-        for moves in (forbidden, *self.needed):
-            check_moves(sites, moves)
+        check_moves(sites, forbidden)
+        for moves in self.needed:
+            check_moves(sites, moves, "needed")
         check_routing_data(sites, travel, self.fleet, min_vehicles, team_risk, clock)
 
     def altered(self, **parts: Any) -> RoutingProblem:

@@ -137,12 +137,11 @@ def check_routing_data(
             raise InputError(message, "contradiction", expected=", ".join(sorted(needs)))
 
 
-def check_moves(sites: Sites, forbidden: NDArray[np.bool_] | None) -> None:
-    """Raise InputError unless ``forbidden`` tells of each pair of sites whether it is."""
-    if forbidden is not None and (forbidden.shape != (len(sites), len(sites)) or forbidden.dtype != np.bool_):
-        found = f"{forbidden.dtype} {forbidden.shape}"
-        message = "forbidden moves must be truth values, one for each pair of sites"
-        raise InputError(message, "malformed" if forbidden.dtype != np.bool_ else "wrong-shape", found=found)
+def check_moves(sites: Sites, moves: NDArray[np.bool_] | None, what: str = "forbidden") -> None:
+    """Raise InputError unless ``moves`` tells of each pair of sites whether it is in the set."""
+    if moves is not None and (moves.shape != (len(sites), len(sites)) or moves.dtype != np.bool_):
+        message = f"{what} moves must be truth values, one for each pair of sites"
+        raise InputError(message, "malformed" if moves.dtype != np.bool_ else "wrong-shape", found=f"{moves.dtype} {moves.shape}")
 
 
 def _check_vehicle(vehicle: VehicleType, sites: Sites, travel: Travel, clock: Clock | None) -> None:

@@ -215,6 +215,68 @@ def fewer_remembered(data: Data, rng: random.Random) -> bool:
     return bool(chosen)
 
 
+def priced(data: Data) -> list[Data]:
+    """The evidence of leaves that price visits."""
+    return [leaf["data"] for leaf in leaves(data) if leaf.get("kind") == "set-partitioning-duals"]
+
+
+def with_rows(data: Data, rng: random.Random, **wrong: Any) -> bool:
+    """Subset rows and loads that nobody looked for, some of which may be wrong."""
+    for held in priced(data):
+        customers = range(1, len(held["visits"]) if isinstance(held["visits"], list) else 1 + max(held["visits"]["at"]))
+        rows, loads = [], []
+        for _ in range(rng.randint(1, 6)):
+            sites = rng.sample(customers, 3)
+            memory = sorted({*sites, *rng.sample(customers, rng.randint(0, len(customers)))})
+            rows.append({"sites": sites, "memory": memory, "price": -rng.choice([0.1, 5.0, 50.0]), **wrong})
+            loads.append({"sites": rng.sample(customers, rng.randint(1, len(customers))), "price": rng.choice([0.1, 5.0, 50.0])})
+        held |= {"rows": rows, "loads": loads}
+    return bool(priced(data))
+
+
+def with_rows_that_pay(data: Data, rng: random.Random) -> bool:
+    return with_rows(data, rng, price=rng.choice([1e-9, 3.0]))
+
+
+def with_forgotten_rows(data: Data, rng: random.Random) -> bool:
+    return with_rows(data, rng, memory=[1])
+
+
+def with_rows_of_depots(data: Data, rng: random.Random) -> bool:
+    return with_rows(data, rng, sites=[0, 1, 2], memory=[0, 1, 2])
+
+
+def with_rows_of_no_weight(data: Data, rng: random.Random) -> bool:
+    """As if no route might have any of them."""
+    return with_rows(data, rng, most=0)
+
+
+def claimed_least(data: Data, rng: random.Random) -> bool:
+    for held in priced(data):
+        held |= {"least": rng.choice([0.0, 1e9, -1.0]), "least_needed": 1e9}
+    return bool(priced(data))
+
+
+def sets_of_moves(data: Data, rng: random.Random) -> bool:
+    """Statements on one move are turned into such on many, with the evidence as it was."""
+    ids = [str(k) for k in range(8)]
+    told = [node for node in nodes(data) if "arc" in node.get("branch", {})] if priced(data) else []
+    for node in told:
+        tail, head = node["branch"]["arc"]
+        node["branch"] = {"moves": {tail: [head], **{a: [b for b in ids if b != a] for a in rng.sample(ids, 3) if a != tail}}}
+    return bool(told)
+
+
+def half_a_set(data: Data, rng: random.Random) -> bool:
+    told = [node for node in nodes(data) if "arc" in node.get("branch", {})] if priced(data) else []
+    for node in told:
+        tail, head = node["branch"]["arc"]
+        node["branch"] = {
+            "moves": rng.choice([{}, {tail: head}, {tail: []}, {tail: [head, head]}, {tail: [tail]}, [tail, head], {tail: ["?"]}])
+        }
+    return bool(told)
+
+
 def fractional_branch(data: Data, rng: random.Random) -> bool:
     node = rng.choice([n for n in nodes(data) if "branch" in n])
     key = next(k for k in node["branch"])
@@ -254,6 +316,11 @@ LIES: dict[str, Lie] = {
     "an unknown kind": unknown_kind,
     "too deep": deep,
     "half a memory": forgotten_nobody,
+    "rows that pay": with_rows_that_pay,
+    "rows that are forgotten": with_forgotten_rows,
+    "rows of depots": with_rows_of_depots,
+    "rows of no weight": with_rows_of_no_weight,
+    "half a set of moves": half_a_set,
     "NaN": one_number(math.nan),
     "infinity": one_number(math.inf),
     "overflow": one_number(10**400),
@@ -273,12 +340,18 @@ HARMLESS: dict[str, Lie] = {
     "one for all": same_evidence_everywhere,
     "rays that are none": rays_everywhere,
     "other memories": fewer_remembered,
+    "rows and loads": with_rows,
+    "a least walk": claimed_least,
+    "sets of moves": sets_of_moves,
     "a branching and a leaf are lost": lost_subtree,
 }
 """What may prove something, though never anything false."""
 
 
-FEWEST = {"half a memory": 3, "other memories": 3}
+FEWEST = {
+    "half a memory": 3, "other memories": 3, "rows that pay": 3, "rows that are forgotten": 3, "rows of depots": 3, "rows of no weight": 3,
+    "half a set of moves": 2, "rows and loads": 3, "a least walk": 3, "sets of moves": 2,
+}  # fmt: skip
 """Cases in which a lie must have been told, where not 20: the trees of routes."""
 
 

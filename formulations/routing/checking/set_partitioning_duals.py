@@ -22,7 +22,8 @@ from ...checking.granularity import lift
 from ...stop import current_stop
 from .known_features import Longs, routing_evidence
 from .relaxation import Relaxation, Resource, fewest_carriers, needed_moves, relax
-from .walks import FAR, Load, Multipliers, Row, Walks
+from .walk_networks import FAR, Row
+from .walks import Load, Multipliers, Walks
 
 if TYPE_CHECKING:
     from ..problem import RoutingProblem
@@ -147,7 +148,7 @@ def _nearest(problem: RoutingProblem, relaxed: Relaxation, memory: int) -> NDArr
 
 
 class _Given(NamedTuple):
-    """What evidence holds beside prices of visits; customers are nodes, and ``memory`` a number of the nearest, or a list a node."""
+    """Evidence beside prices of visits; customers are nodes, and ``memory`` is a number of the nearest, or a list a node."""
 
     memory: int | NDArray[np.int32]
     rows: list[Row]

@@ -11,7 +11,7 @@ from numba.extending import intrinsic
 
 from ...kernels import kernel
 from ...stop_kernel import asked
-from .walks import BITS, FAR, Network
+from .walk_networks import BITS, FAR, Network
 
 DONE, STOPPED, FULL = 0, 1, 2
 
@@ -110,10 +110,10 @@ def least_walk(flag, network, rest, least, wanted, careful, room, work):  # type
     that the other one alone has half of, the other one costs as much less as that row's price. Those whose cost and ``rest``, from
     ``completions``, are ``least`` or more are dropped.
 
-    With ``wanted`` a walk makes a needed move. Unless ``careful``, labels give way whatever is remembered and in whichever rows: then
-    what is found is the cost of a walk, and may not be the least. ``room`` and ``work`` are the most labels at a time, and comparisons.
-    Returns whether it was done, stopped or had no room, the least cost (FAR without a walk), the visits of that walk, and the
-    comparisons.
+    With ``wanted`` a walk makes a needed move. Unless ``careful``, labels give way whatever is remembered, in whichever rows, and by their
+    first level alone: then the cost of a walk is found, and may not be the least. ``room`` and ``work`` are the most labels at a time, and
+    the most moves and comparisons. Returns whether it was done, stopped or had no room, the least cost (FAR without a walk), the visits of
+    that walk, and the moves and comparisons.
     """
     first, moves, start, lower, upper, grid, listed, place, reach, rows_at, row_place, turned, prices = network
     nodes, levels, rows = len(first) - 1, len(start), turned.shape[1]
@@ -269,7 +269,7 @@ def _stays(kept, count, older, k, new, levels, words, prices, careful):  # type:
             if kept[k, e, known] & (-1 if careful else 1) & ~new[known] != 0:
                 continue
             worse = False
-            for r in range(1, known):
+            for r in range(1, known if careful else 2):
                 worse = worse or kept[k, e, r] > new[r]
             if worse:
                 continue

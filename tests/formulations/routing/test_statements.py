@@ -232,6 +232,42 @@ def test_sets_of_moves_are_forbidden_or_kept_with_the_problem() -> None:
     assert all(kept.evaluate(answer).feasible for answer in answers(problem) if problem.evaluate(answer).feasible and len(answer) <= 2)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_tree_of_sets_of_moves_proves_no_more_than_the_best(seed: int) -> None:
+    problem, rng = few("capacity", seed), np.random.default_rng(seed)
+    best = min(e.values[0] for e in map(problem.evaluate, answers(problem)) if e.feasible)
+    far, n = problem.travel.distances, len(problem.sites)
+    for _ in range(draws(40)):
+        prices = {"visits": (2.0 * far[0] * rng.uniform(0.5, 1.0, n)).tolist(), **_priced_rows(problem, 3.0, rng)}
+        leaf = {"kind": "set-partitioning-duals", "data": prices}
+        # A set that some route makes a move of, and within the others the same again.
+        nodes = [{"branch": some_moves(problem, rng)}, leaf, {"branch": some_moves(problem, rng), **leaf}, {}, leaf]
+        assert verified_bound(problem, Evidence("branching-tree", "", 0.0, {"nodes": nodes})) <= best + 1e-9 * best
+
+
+def test_moves_that_cost_too_much_are_ruled_out_all_at_once() -> None:
+    """As by reduced costs: no route makes any of them, for one that does is too dear."""
+    problem = few("capacity", 3)
+    judged = [(moves(problem, answer), problem.evaluate(answer)) for answer in answers(problem)]
+    best, made = min((e.values[0], made) for made, e in judged if e.feasible)
+    ids = problem.sites.ids
+    others = {a: heads for a in ids if (heads := [b for b in ids if a != b and (a, b) not in made and (b, a) not in made])}
+    second = min(e.values[0] for used, e in judged if e.feasible and any(b in others.get(a, ()) for a, b in used))
+    zero = {"kind": "set-partitioning-duals", "data": {"visits": [0.0] * len(ids), "memory": 9}}
+    found = verified_bound(problem, Evidence("branching-tree", "", 0.0, {"nodes": [{"branch": {"moves": others}}, zero, zero]}))
+    assert found <= best < second
+    part = problem.restricted([({"moves": others}, True)])
+    shares = [Evidence("set-partitioning-duals", "", 0.0, {"visits": [best / 4 * k for _ in ids], "memory": 9}) for k in (0.8, 0.9, 1.0)]
+    whole = [verified_bound(problem, share) for share in shares]
+    assert all(through >= bound for through, bound in zip((verified_bound(part, share) for share in shares), whole, strict=True))
+
+
+def test_what_is_left_to_drive_needs_none_of_the_moves() -> None:
+    problem = few("capacity", 0).restricted([({"moves": {"1": ["2"]}}, True)])
+    plan = Routes.of([[site] for site in problem.customers.tolist()])
+    assert problem.continue_from(plan, 0.0).needed == ()
+
+
 def test_a_large_set_that_is_stated_once_is_read_once() -> None:
     n = 101
     sites = Sites.of(range(n), demand=[0, *np.ones(n - 1)])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from waybound.formulations.evidence import Evidence
-from waybound.formulations.routing.checking.relaxation import relax
+from waybound.formulations.routing.checking.relaxation import fewest_carriers, needed_moves, relax
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.tolerance import LIMIT
@@ -112,3 +113,65 @@ def test_routes_at_the_depot_hold_what_is_sure_and_the_cheapest_of_the_rest():
     assert relaxed.cheapest_routes(np.array([1.0, 5.0, -2.0]), 0.0, ~surely) == -1.0
     assert relaxed.cheapest_routes(np.array([1.0, 5.0, -2.0]), 10.0, surely) == 15.0
     assert relaxed.cheapest_routes(np.array([1.0, math.inf, -2.0]), 0.0, surely) == math.inf
+
+
+def groups_of(*groups: list[int]) -> list[np.ndarray]:
+    return [np.array(group) for group in groups]
+
+
+def test_a_group_needs_the_fewest_vehicles_that_carry_it_the_largest_first():
+    sites = Sites.of("oabcd", demand=[0, 4, 4, 4, 0])
+    fleet = (VehicleType(1, 7.0, name="large"), VehicleType(2, 3.0, name="small"))
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((5, 5))), fleet)
+    assert fewest_carriers(problem, groups_of([4], [1], [1, 2], [1, 2, 3], [3, 4])) == [1, 1, 2, 3, 1]
+    more = replace(problem, fleet=(*fleet, VehicleType(None, 5.0, name="hired")))
+    assert fewest_carriers(more, groups_of([1, 2, 3])) == [2]
+    few = replace(problem, fleet=(VehicleType(1, 7.0),))
+    assert fewest_carriers(few, groups_of([1], [1, 2, 3])) == [1, 2]  # all vehicles are too small: there is no answer
+    assert fewest_carriers(replace(problem, fleet=(VehicleType(),)), groups_of([1, 2, 3])) == [1]
+    assert fewest_carriers(problem, []) == []
+
+
+def test_what_fits_but_for_rounding_needs_no_further_vehicle():
+    sites = Sites.of("oabc", demand=[0, 0.1, 0.1, 0.1])
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((4, 4))), (VehicleType(capacity=0.3),))
+    assert problem.evaluate(Routes.of([[1, 2, 3]])).feasible
+    assert fewest_carriers(problem, groups_of([1, 2, 3])) == [1]
+
+
+def test_pickups_and_further_loads_need_vehicles_too():
+    ones = Travel(EXPLICIT, matrix=np.ones((4, 4)))
+    both = RoutingProblem(Sites.of("oabc", demand=[0, 1, 1, 1], pickup=[0, 4, 4, 4]), ones, (VehicleType(capacity=5.0),))
+    assert fewest_carriers(both, groups_of([1], [1, 2], [1, 2, 3])) == [1, 2, 3]
+    sites = Sites.of("oabc", demand=np.array([[0, 0], [1, 2], [1, 2], [1, 2]]))
+    two = RoutingProblem(sites, ones, (VehicleType(capacity=9.0, further_capacity=(4.0,)), VehicleType(1, 2.0, further_capacity=(2.0,))))
+    assert fewest_carriers(two, groups_of([1, 2], [1, 2, 3])) == [1, 2]
+    assert fewest_carriers(replace(two, fleet=(VehicleType(capacity=9.0),)), groups_of([1, 2, 3])) == [1]
+
+
+def test_needed_moves_from_any_depot_are_moves_from_the_merged_one():
+    sites = Sites.of("opab", depot=[True, True, False, False])
+    fleet = (VehicleType(None, 5.0, 0, 0, name="north"), VehicleType(None, 5.0, 1, 0, name="south"))
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((4, 4))), fleet)
+    part = problem.restricted([({"moves": {"p": ["a"], "a": ["b"], "b": ["o", "p"]}}, True)])
+    assert [np.argwhere(moves).tolist() for moves in needed_moves(part)] == [[[0, 1], [1, 2], [2, 0]]]
+    # Nobody returns to p, so that this is none of anybody's moves.
+    assert [moves.sum() for moves in needed_moves(problem.restricted([({"moves": {"b": ["p"]}}, True)]))] == [0]
+
+
+def test_a_set_of_needed_moves_says_nothing_where_another_is_part_of_it_or_nobody_may_be_served():
+    problem = RoutingProblem(Sites.of("oab", demand=[0, 1, 1]), Travel(EXPLICIT, matrix=np.ones((3, 3))), (VehicleType(),))
+    wide, narrow, other = ({"moves": moves} for moves in ({"a": ["b"], "b": ["a"]}, {"a": ["b"]}, {"o": ["a"]}))
+    for statements in ([wide, narrow], [narrow, wide], [narrow, narrow], [wide, narrow, wide]):
+        assert [np.argwhere(m).tolist() for m in needed_moves(problem.restricted([(s, True) for s in statements]))] == [[[1, 2]]]
+    assert len(needed_moves(problem.restricted([(s, True) for s in (wide, other)]))) == 2
+    depots, fleet = Sites.of("opab", depot=[True, True, False, False]), (VehicleType(2, 5.0, 0, 1, committed=True),)
+    two = RoutingProblem(depots, Travel(EXPLICIT, matrix=np.ones((4, 4))), fleet)
+    assert needed_moves(two.restricted([({"moves": {"o": ["p"], "a": ["b"]}}, True)])) == []
+
+
+def test_where_vehicles_stop_on_their_way_no_moves_are_needed():
+    sites = Sites.of("oab", demand=[0, 1, 1])
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((3, 3))), (VehicleType(1, 1.0, reloads=(0,)),))
+    part = problem.restricted([({"moves": {"a": ["b"]}}, True)])
+    assert needed_moves(part) == [] and part.needed and fewest_carriers(part, groups_of([1, 2])) == [1]
