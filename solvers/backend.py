@@ -244,7 +244,9 @@ class Backend(ABC):
     ----------------
     name : str
     package : str
-        What ``pip install`` needs.
+        Its distribution, which ``pip install`` needs.
+    pinned : str
+        The version of it that is needed, where not every one will do.
     modules : tuple of str
         Modules that must be found (not imported) for it to be installed.
     summary : str
@@ -262,12 +264,15 @@ class Backend(ABC):
     order : int
         Where the user names no solver, the one of the lowest that can take the problem is used: by measured quality on routing files, then
         by measured speed on the linear forms of the other families, then those that take nonconvex products whatever their bounds.
+    by_default : bool
+        Whether it may be used where the user names no solver.
     variants : tuple of str
         Examples of solvers within it, named as ``pulp:HiGHS``; empty if it has none.
     """
 
     name: ClassVar[str]
     package: ClassVar[str]
+    pinned: ClassVar[str] = ""
     modules: ClassVar[tuple[str, ...]]
     summary: ClassVar[str]
     interrupts: ClassVar[str] = ""
@@ -277,6 +282,7 @@ class Backend(ABC):
     options: ClassVar[Mapping[str, Any] | None] = MappingProxyType({})
     one_thread: ClassVar[bool] = False
     order: ClassVar[int] = 100
+    by_default: ClassVar[bool] = True
     variants: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, variant: str = "") -> None:
@@ -297,6 +303,11 @@ class Backend(ABC):
     def installed(cls) -> bool:
         """Whether its modules can be found; imports nothing heavy."""
         return all(is_installed(m.split(".")[0]) for m in cls.modules)
+
+    @classmethod
+    def requirement(cls) -> str:
+        """What ``pip install`` needs."""
+        return f"{cls.package}=={cls.pinned}" if cls.pinned else cls.package
 
     @classmethod
     def version(cls) -> str:
@@ -395,7 +406,7 @@ def solver_named(name: str) -> Backend:
     if colon and not variant:
         raise UsageError(f"{name!r} names no solver within {base}; write {base} or {base}:NAME", "unknown-name")
     if not kind.installed():
-        raise MissingPackageError(f"solver {base} needs the package {kind.package}: pip install {kind.package}")
+        raise MissingPackageError(f"solver {base} needs the package {kind.package}: pip install {kind.requirement()}")
     return kind(variant) if variant else kind()
 
 

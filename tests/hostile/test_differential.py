@@ -75,7 +75,7 @@ def test_no_false_word_of_ours(family: str, share: Callable[[int, int], int], ta
 SOLVERS = {
     "highs": 80, "scip": 40, "cpsat": 40, "pulp": 20, "pulp:HiGHS": 2, "mathopt:highs": 2, "mathopt:gscip": 40, "mathopt:glop": 30,
     "mathopt:cp-sat": 30, "mathopt:pdlp": 10, "cvxpy": 1, "cvxpy:HIGHS": 1, "cvxpy:SCS": 2, "pyvrp": 25, "ortools": 6,
-    "vroom": 6,
+    "vroom": 6, "vrpsolver": 6,
 }  # fmt: skip
 """Solvers of others, and how many problems of each family they get."""
 

@@ -285,7 +285,7 @@ _FEASIBLE = Explanation("feasible", "the data", message="there is an answer that
 
 def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: float, control: Control, notes: list[str]) -> Explanation:
     if not BACKENDS[FILTER_SOLVER].installed():
-        return Explanation("undecided", message=f"naming rows needs {FILTER_SOLVER}: pip install {BACKENDS[FILTER_SOLVER].package}")
+        return Explanation("undecided", message=f"naming rows needs {FILTER_SOLVER}: pip install {BACKENDS[FILTER_SOLVER].requirement()}")
     try:
         if isinstance(problem, Compiled):
             made = problem

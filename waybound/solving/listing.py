@@ -53,7 +53,7 @@ def solver_table(problem: Problem | None = None) -> list[SolverInfo]:
         rows.append(
             SolverInfo(
                 name, backend.takes, backend.installed(), backend.version(), backend.summary, takes,
-                f"pip install {backend.package}", tuple(sorted(missing)), forms,
+                f"pip install {backend.requirement()}", tuple(sorted(missing)), forms,
                 None if backend.options is None else tuple(backend.options),
             )
         )  # fmt: skip

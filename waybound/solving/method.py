@@ -72,14 +72,14 @@ def able_heuristics(problem: Problem) -> list[str]:
 
 
 def default_solver(problem: Problem, given: Program | None = None, form: str | None = None, relax: bool = False) -> str:
-    """The first installed solver that can take the problem, or the program that is meant."""
+    """The first installed solver that can take the problem, or the program that is meant, of those that may be used unasked."""
     lacking: dict[str, frozenset[str]] = {}
     meant = given.features() if given is not None else FORMS[form].makes(problem) if form is not None else INTEGERS if relax else None
     if relax and meant is not None:
         meant -= INTEGERS
     for name in sorted(BACKENDS, key=lambda name: BACKENDS[name].order):
         backend = BACKENDS[name]
-        if backend.installed():
+        if backend.installed() and backend.by_default:
             if meant is None:
                 missing, _ = missing_features(name, problem)
             elif issubclass(backend, ProgramBackend):

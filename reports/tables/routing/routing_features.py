@@ -49,7 +49,7 @@ Solvers of programs find optima through forms:
 
 ## Engines
 
-They search routes, and prove nothing by themselves.
+They search routes, and prove nothing by themselves. `vrpsolver` says that it does, without evidence.
 
 {engines}
 

@@ -7,7 +7,8 @@ all others by 1e6, consumption up and limits down, so that whatever is feasible 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
@@ -224,6 +225,14 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     )  # fmt: skip
     _check_headroom(integers, len(sites), largest, total)
     return integers
+
+
+def fitting_integers(problem: RoutingProblem, *, largest: int, total: int, scales: Sequence[int]) -> IntegerRouting:
+    """The integers with the first of ``scales``, for data that three decimals cannot hold, that leaves an engine room for its sums."""
+    for fine in scales[:-1]:
+        with suppress(InputError):
+            return integer_routing(problem, largest=largest, total=total, fine=fine)
+    return integer_routing(problem, largest=largest, total=total, fine=scales[-1])
 
 
 def with_slope(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:

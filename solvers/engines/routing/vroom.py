@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import timedelta
 from types import MappingProxyType
@@ -19,11 +18,11 @@ from ....formulations.checking.granularity import grain
 from ....formulations.programs.exactness import Exactness
 from ....formulations.routing.objective import Objective, TotalCost
 from ....formulations.routing.routes import Route, Routes
-from ....instances.errors import InputError, UsageError
+from ....instances.errors import UsageError
 from ...backend import BACKENDS, Control, Options, RawResult
 from .bisection import USUAL_FEATURES, Bisecting
 from .integer_scales import UNLIMITED, Floats, Integers
-from .routing_integers import IntegerRouting, entangled, integer_routing
+from .routing_integers import IntegerRouting, entangled, fitting_integers
 from .routing_objective import awaited, claimed_objective, unscalable
 
 if TYPE_CHECKING:
@@ -143,10 +142,7 @@ def _search(
 
 def vroom_integers(problem: Any) -> IntegerRouting:
     """A routing problem in integers that leave VROOM room for its sums."""
-    for fine in FINE[:-1]:
-        with suppress(InputError):
-            return integer_routing(problem, largest=LARGEST, total=LARGEST, fine=fine)
-    return integer_routing(problem, largest=LARGEST, total=LARGEST, fine=FINE[-1])
+    return fitting_integers(problem, largest=LARGEST, total=LARGEST, scales=FINE)
 
 
 def _attempts(asked: Priorities, data: IntegerRouting) -> list[tuple[Priorities, int]]:
