@@ -40,7 +40,8 @@ CLAIM = 1e-5
 SOLVERS = {
     "highs": 30, "saddle": 60, "scip": 10, "cpsat": 10, "pulp": 5, "pulp:HiGHS": 1, "mathopt:highs": 1, "mathopt:gscip": 5,
     "mathopt:glop": 5, "mathopt:cp-sat": 5, "mathopt:pdlp": 3, "cvxpy": 1, "cvxpy:HIGHS": 1, "cvxpy:SCS": 1, "pyvrp": 20, "ortools": 5,
-    "vroom": 5, "vrpsolver": 3, "supported-paths": 60, "non-dominated-paths": 30, "risk-labels": 30, "path-enumeration": 15, "convex-allocation": 30,
+    "vroom": 5, "vrpsolver": 3,
+    "supported-paths": 60, "non-dominated-paths": 30, "risk-labels": 30, "path-enumeration": 15, "convex-allocation": 30,
     "exact-joint": 5, "epsilon-scaling": 100, "lapjv": 100, "min-cost-flow": 5, "threshold-matching": 100,
 }  # fmt: skip
 """Solvers, and how many problems of each family they get: few where each starts a process."""

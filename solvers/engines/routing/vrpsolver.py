@@ -6,6 +6,7 @@ The wrapper is under the MIT licence; the authors of the engine in it, BaPCod, o
 from __future__ import annotations
 
 import importlib.util
+import math
 import os
 import platform
 import re
@@ -206,8 +207,8 @@ class Model:
             self.closes = np.minimum(data.closes, np.minimum(self.opens, UNLIMITED // 2) + np.minimum(data.max_duration, UNLIMITED // 2))
         else:
             self.served, self.opens, self.closes = np.zeros_like(self.served), np.zeros_like(self.opens), data.max_distance
-        self.latest = int(max(self.opens.max(), data.ready.max())) + int(self.served.sum()) + len(self.points) * int(self.spent.max())
-        self.closes = np.minimum(self.closes, self.latest)
+        endless = int(max(self.opens.max(), data.ready.max())) + int(self.served.sum()) + len(self.points) * int(self.spent.max())
+        self.closes = np.minimum(self.closes, endless)
         self.optional = frozenset(site for site in problem.customers.tolist() if not problem.sites.required[site])
         self.idle = sum(not data.prize[site] for site in self.optional)
         self.steps = self.idle + 1
@@ -238,6 +239,7 @@ class Model:
         room = np.full(len(problem.fleet), carried) if limited is None else np.minimum(data.capacity[:, limited], carried)
         if not room.all():  # nor is there a capacity of 0
             demand, room = 2 * demand, 2 * room + 1
+        latest = max(self.closes[k] for k in self.types)
         for number, k in enumerate(self.types, 1):
             vehicle = problem.fleet[k]
             most = len(problem.customers)
@@ -248,16 +250,16 @@ class Model:
             )  # fmt: skip
         for number, site in enumerate(self.points.tolist()):
             if number < self.depots:
-                model.add_depot(id=number, **self._window(0, self.latest))
+                model.add_depot(id=number, **self._window(min(self.opens[k] for k in self.types), latest))
                 continue
-            opens, closes = data.windows[site][0] if self.timed else (0, self.latest)
+            opens, closes = data.windows[site][0] if self.timed else (0, latest)
             served = int(self.served[site])
             price = (self.steps * int(data.prize[site]) or 1) if site in self.optional else 0
             needed = problem.sites.skills[site] if problem.sites.skills else frozenset()
             lacking = [n for n, k in enumerate(self.types, 1) if not needed <= problem.fleet[k].skills]
             model.add_customer(
                 id=number, id_customer=number - self.depots + 1, demand=int(demand[site]), penalty=price, service_time=served,
-                incompatible_vehicles=lacking, **self._window(opens, min(closes, self.latest) + served),
+                incompatible_vehicles=lacking, **self._window(opens, min(closes, latest) + served),
             )  # fmt: skip
         for link in self._links():
             model.add_link(**link)
@@ -323,7 +325,8 @@ class Model:
         except solver.ModelError as fault:
             return RawResult("error", message=f"VRPSolver failed: {' '.join(fault.message.split())}")
         said = f"VRPSolver says: {' '.join(model.message.split())}"
-        root, nodes = self.bound(model.statistics.root_lb), model.statistics.nb_branch_and_bound_nodes
+        nodes, cost = model.statistics.nb_branch_and_bound_nodes, round(model.solution.value)
+        root = self.bound(model.statistics.root_lb, cost or None)
         statistics = {"nodes": nodes, **({} if root is None else {"root bound": root})}
         status = INFEASIBLE if LACKS_ROOM in said else model.status
         if status == NONE_BETTER and (not nodes or time.perf_counter() - began >= seconds):
@@ -332,7 +335,7 @@ class Model:
         if status not in (PROVED, FOUND, NONE_BETTER, NOTHING_FOUND, INFEASIBLE):
             return RawResult("error", message=said)
         if status in (PROVED, FOUND):
-            answer, cost = self._routes(model.solution.routes), round(model.solution.value)
+            answer = self._routes(model.solution.routes)
             objective = self._told(cost // self.steps) if self.data.scales["exact"] else self.worth(answer)
             bound = objective if status == PROVED else self.bound(model.statistics.best_lb, cost)
             return RawResult("optimal" if status == PROVED else "feasible", limit, answer, objective, bound, statistics=statistics)
@@ -372,6 +375,9 @@ class Model:
 BOUNDS = re.compile(rb"global bounds : \[ (\S+) ,|final dual bound: \S+ \(rounded: (\S+)\)")
 """Bounds: of all open nodes, or of one."""
 
+BEST = re.compile(rb"<PB=([^>]+)>")
+"""The value that answers have to be below. Once it knows one of that value, bounds of nodes may be anything above it."""
+
 BRANCHES = b"Strong branching"
 """Begins what is printed of nodes below the root."""
 
@@ -398,26 +404,40 @@ def printing(path: Path, hear: Callable[[float], None]) -> Iterator[None]:
 
 
 def _listen(descriptor: int, done: threading.Event, hear: Callable[[float], None]) -> None:
-    text, offset, best, below = b"", 0, 0.0, False
+    reader, text, offset, best = Reader(), b"", 0, 0.0
     while not done.wait(LOOK):
         more = os.pread(descriptor, 1 << 20, offset)
         offset += len(more)
         *lines, text = (text + more).split(b"\n")
         for line in lines:
-            below = below or BRANCHES in line
-            bound = printed_bound(line, below)
+            bound = reader.bound(line)
             if bound is not None and bound > best:
                 best = bound
                 hear(bound)
 
 
-def printed_bound(line: bytes, below: bool) -> float | None:
-    """The bound on all answers in a printed line; ``below`` tells whether there are nodes below the root."""
-    found = BOUNDS.search(line)
-    if found is None or (below and found[1] is None):
-        return None
-    bound = float(found[1] or found[2])
-    return bound if bound < LONG else bound * (1.0 - SIX_DIGITS)
+@dataclass
+class Reader:
+    """Reads what is printed line by line: ``best`` is the value to stay below, ``below`` tells whether there are nodes below the root."""
+
+    best: float = math.inf
+    below: bool = False
+
+    def bound(self, line: bytes) -> float | None:
+        """The bound on all answers in a line."""
+        self.below = self.below or BRANCHES in line
+        if (best := BEST.search(line)) is not None:
+            self.best = printed(best[1])
+        found = BOUNDS.search(line)
+        if found is None or (self.below and found[1] is None):
+            return None
+        return min(printed(found[1] or found[2]), self.best)
+
+
+def printed(number: bytes) -> float:
+    """The least that a printed number may stand for."""
+    value = float(number)
+    return value if value < LONG else value * (1.0 - SIX_DIGITS)
 
 
 def last_words(path: Path) -> str:

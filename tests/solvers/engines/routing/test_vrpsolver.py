@@ -21,7 +21,7 @@ from waybound.solvers.backend import BACKENDS, Control, Options, solver_named
 from waybound.solvers.engines.routing import vrpsolver
 from waybound.solvers.engines.routing.portfolio import ENGINES
 from waybound.solvers.engines.routing.routing_integers import integer_routing
-from waybound.solvers.engines.routing.vrpsolver import Model, VRPSolver, last_words, library, printed_bound
+from waybound.solvers.engines.routing.vrpsolver import Model, Reader, VRPSolver, last_words, library
 from waybound.solving.method import default_solver
 
 needs_library = pytest.mark.skipif(not BACKENDS["vrpsolver"].installed(), reason="not installed: pip install VRPSolverEasy==0.1.3")
@@ -43,7 +43,7 @@ def line(*at: float, **sites) -> RoutingProblem:
 
 def test_who_lacks_it_is_told_the_version_that_has_an_engine(monkeypatch) -> None:
     monkeypatch.setattr(vrpsolver, "library", lambda: None)
-    with pytest.raises(MissingPackageError, match="pip install VRPSolverEasy==0.1.3"):
+    with pytest.raises(MissingPackageError, match=r"pip install VRPSolverEasy==0\.1\.3"):
         solver_named("vrpsolver")
 
 
@@ -117,12 +117,15 @@ def test_the_cutoff_is_no_bound() -> None:
 
 
 def test_bounds_are_read_from_what_is_printed() -> None:
-    assert printed_bound(b"Search is finished, global bounds : [ 11439 , 1e+06 ], TIME = 0h0m30s10t = 3010", True) == 11439
-    assert printed_bound(b"**** Local DB = 70, global bounds : [ 71 , 90 ], TIME", True) == 71
-    assert printed_bound(b"ColGenEvalAlg final dual bound: 11337.5 (rounded: 11338)", False) == 11338
-    assert printed_bound(b"ColGenEvalAlg final dual bound: 11337.5 (rounded: 11338)", True) is None  # of one node
-    assert printed_bound(b"<DWph=0> <it= 3> <DB= 16362.5000>", False) is None
-    assert 1.23456e6 - 7 < (printed_bound(b"global bounds : [ 1.23457e+06 , 2e+06 ]", True) or 0.0) < 1234565.1  # six digits
+    reader = Reader()
+    assert reader.bound(b"ColGenEvalAlg final dual bound: 11337.5 (rounded: 11338)") == 11338
+    assert reader.bound(b"<DWph=0> <it= 3> <DB=16362.5000> <PB=13553> ") is None
+    assert reader.bound(b"ColGenEvalAlg final dual bound: 18425.1 (rounded: 18426)") == 13553
+    assert reader.bound(b"**** Strong branching phase 1 is started *****") is None
+    assert reader.bound(b"ColGenEvalAlg final dual bound: 11337.5 (rounded: 11338)") is None  # of one node
+    assert reader.bound(b"Search is finished, global bounds : [ 11439 , 13553 ], TIME = 0h0m30s10t = 3010") == 11439
+    assert reader.bound(b"**** Local DB = 70, global bounds : [ 71 , 90 ], TIME") == 71
+    assert 1.23456e6 - 7 < (Reader().bound(b"global bounds : [ 1.23457e+06 , 2e+06 ]") or 0.0) < 1234565.1  # six digits
 
 
 def test_last_words_are_those_of_an_error(tmp_path: Path) -> None:
@@ -154,6 +157,7 @@ def test_words_of_the_library_become_ours() -> None:
     worth = small("capacity", 0, "round").evaluate(alone).values[0]
     proved = said(0, bound=worth, value=worth - 4e-10, routes=ways)
     assert (proved.status, proved.limit, proved.objective, proved.bound, proved.answer) == ("optimal", "none", worth, worth, alone)
+    assert "root bound" not in said(0, bound=2 * worth, value=worth, routes=ways).statistics  # once an answer closes the node
     found = said(1, bound=10.2, value=worth, routes=ways)
     assert (found.status, found.limit, found.objective, found.bound) == ("feasible", "time", worth, 11.0)
     nothing = said(3, bound=10.2)
