@@ -13,7 +13,7 @@ import re
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import chdir, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -173,7 +173,7 @@ class Proof:
         made = model.made()
         took = time.perf_counter() - began
         control.end_set_up(took)
-        with printing(self.printed, lambda bound: model.publish(bound, control)):
+        with chdir(self.printed.parent), printing(self.printed, lambda bound: model.publish(bound, control)):  # it writes a file there
             result = model.solved(made, max(self.options.time_limit - took, LEAST_SECONDS))
         if result.answer is not None:
             control.publish(result.answer, result.objective)

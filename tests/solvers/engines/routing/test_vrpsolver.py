@@ -199,11 +199,13 @@ def test_ways_that_differ_keep_their_costs() -> None:
 
 
 @needs_library
-def test_its_optimum_and_bound_stay_claims() -> None:
+def test_its_optimum_and_bound_stay_claims(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
     solution = wb.solve(plane(3, 8, 20.0), "vrpsolver", bound_time=0)
     assert (solution.status, solution.bound_kind, solution.bound) == ("optimal", "claimed", solution.objective)
     assert solution.certificate.bound is None and solution.certificate.feasible
     assert not solution.faults
+    assert not [*tmp_path.iterdir()]  # the library writes a file where it is
 
 
 @needs_library
