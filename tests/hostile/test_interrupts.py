@@ -90,7 +90,7 @@ SOLVED = {
     "mathopt:highs": "routes.txt", "mathopt:cp-sat": "knapsack.json", "mathopt:glop": "sensing.json", "mathopt:pdlp": "sensing.json",
     "cvxpy": "sensing.json", "cvxpy:CLARABEL": "sensing.json", "cvxpy:SCS": "sensing.json", "cvxpy:HIGHS": "sata.json",
     "pulp": "routes.txt", "pulp:CBC": "knapsack.json", "pulp:HiGHS": "routes.txt", "pyvrp": "routes.txt", "ortools": "routes.txt",
-    "portfolio": "routes.txt", "vrpsolver": "routes.txt",
+    "portfolio": "routes.txt", "vrpsolver": "routes.txt", "branch-price-cut": "routes.txt",
     "ruin-recreate": "routes.txt",
     "saddle": "sensing.json", "vroom": "large.vrp", "risk-labels": "rewards.json", "path-enumeration": "rewards.json",
     "convex-allocation": "plan.json", "disjunctive-allocation": "obstacles.json", "exact-joint": "joint-plan.json",

@@ -121,7 +121,7 @@ class _Level:
         """Whether no walk has moves that add nothing and come back to where they began."""
         idle = usable[1:, 1:] & (self.weight[1:, 1:] <= 0.0)
         for _ in range(len(idle)):  # who has no such move out is on no such way
-            left = idle & idle.any(axis=1)[None, :]
+            left = idle & np.atleast_1d(idle.any(axis=1))[None, :]
             if (left == idle).all():
                 break
             idle = left
@@ -194,15 +194,15 @@ class Tree(ProofTree[_Node]):
         ]
         if not any(level.grows(self.usable) for level in levels):  # then visits are counted, for walks to have an end
             levels.append(_Level(self.usable * 1.0, 0.0, np.zeros(nodes), np.full(nodes, nodes)))
-        self.pricer = Pricer(
-            *(np.array(part) for part in zip(*(level.finite(self.usable) for level in levels), strict=True)),
-            self.usable, self.dearest, most.get("labels", LABELS),
-        )  # fmt: skip
+        weight, start, lower, upper = (np.array(part) for part in zip(*(level.finite(self.usable) for level in levels), strict=True))
+        self.pricer = Pricer(weight, start, lower, upper, self.usable, self.dearest, most.get("labels", LABELS))
         self.pool, self.cuts, self.loads = Pool(), dict[tuple[int, ...], SubsetRow](), set[bytes]()
         self.finite = np.where(self.usable, arcs.cost, self.dearest)
         if answer is not None:
             known = {site: node for node, site in enumerate(arcs.customers.tolist(), start=1)}
-            self.pool.add(self.pool.new([np.array([known[site] for site in route.visits], dtype=np.int64) for route in answer if route.visits]))
+            self.pool.add(
+                self.pool.new([np.array([known[site] for site in route.visits], dtype=np.int64) for route in answer if route.visits])
+            )
         self.dear = 1.0
         self.master = self._new_master()
         self.phase_one: Master | None = None
@@ -219,7 +219,8 @@ class Tree(ProofTree[_Node]):
 
     def _new_master(self) -> Master:
         lacking = self.dear * np.append(self.dearest, self.finite[0, 1:] + self.finite[1:, 0])
-        return Master(self.pool, self.finite, np.maximum(lacking, 1e-3 * self.dear * self.dearest), self.seed, self.master.cuts if self.loads or self.cuts else ())
+        cuts = self.master.cuts if self.loads or self.cuts else ()
+        return Master(self.pool, self.finite, np.maximum(lacking, 1e-3 * self.dear * self.dearest), self.seed, cuts)
 
     # -- nodes -------------------------------------------------------------------------------------------------------
 
@@ -357,7 +358,9 @@ class Tree(ProofTree[_Node]):
             elif isinstance(cut, LoadCut) and price > 0.0:
                 data.setdefault("loads", []).append({"sites": sites[np.nonzero(cut.inside[1:])[0]].tolist(), "price": price * self.unit})
         source = f"column generation, {len(data.get('rows', ())) + len(data.get('loads', ()))} cuts"
-        return Evidence("set-partitioning-duals", source, math.inf if ray else solved.bound * self.unit, {**data, "ray": True} if ray else data)
+        return Evidence(
+            "set-partitioning-duals", source, math.inf if ray else solved.bound * self.unit, {**data, "ray": True} if ray else data
+        )
 
     # -- column generation -------------------------------------------------------------------------------------------
 
@@ -467,7 +470,7 @@ class Tree(ProofTree[_Node]):
         for cut in gone:
             if isinstance(cut, LoadCut):
                 self.loads.discard(cut.inside.tobytes())
-            else:
+            elif isinstance(cut, SubsetRow):
                 self.cuts.pop(cut.customers, None)
         self.cuts.update((cut.customers, cut) for cut in triples)
         self.master.cut([*cuts, *triples])
@@ -545,7 +548,7 @@ class Tree(ProofTree[_Node]):
         reduced[:, 1:] -= prices.visits[1:]
         cost = some.sums(np.where(np.isfinite(reduced), reduced, 1e12)) - prices.routes
         cost -= coefficients(list(prices.cuts), some, 0) @ np.array(list(prices.cuts.values()))
-        chosen, counts = [], np.zeros(len(part.cost), np.int64)
+        chosen, counts = list[Longs](), np.zeros(len(part.cost), np.int64)
         for k in np.argsort(cost, kind="stable").tolist():
             if cost[k] > -self.step or len(chosen) == COLUMNS:
                 break
@@ -555,7 +558,9 @@ class Tree(ProofTree[_Node]):
         return chosen
 
     def _lagrangian(self, at: Prices, least: float, part: _Part) -> float:
-        return math.fsum([*at.visits[1:], *(price * cut.right for cut, price in at.cuts.items())]) + min(part.fewest * least, part.most * least)
+        return math.fsum([*at.visits[1:], *(price * cut.right for cut, price in at.cuts.items())]) + min(
+            part.fewest * least, part.most * least
+        )
 
     def _restrict(self, master: Master, part: _Part) -> None:
         """Have a master program choose among the routes that a node allows."""
@@ -660,9 +665,9 @@ def branch_price_cut_bound(
 ) -> Evidence | None:  # fmt: skip
     """Evidence from branch, price and cut: a branching tree, or ``set-partitioning-duals`` where no branching was needed.
 
-    The tree ends where its bound reaches ``target``, the value of an ``answer``, whose routes are the first ones; better answers that it meets on the way take its place. The
-    linear programs are solved by HiGHS, whoever solves others, and go on from where the last one ended. None where the routes at the root
-    were too many for the memory or the time.
+    The tree ends where its bound reaches ``target``, the value of an ``answer``, whose routes are the first ones; better answers that it
+    meets on the way take its place. Without either, it looks for an answer first. The linear programs are solved by HiGHS, whoever solves
+    others, and go on from where the last one ended. None where the routes at the root were too many for the memory or the time.
 
     Source: Desrochers, Desrosiers, Solomon (1992); Barnhart, Johnson, Nemhauser, Savelsbergh, Vance (1998), "Branch-and-price".
     """
@@ -694,7 +699,8 @@ def first_answer(problem: RoutingProblem, seconds: float, seed: int, stop: Stop,
     return answer if answer is not None and problem.evaluate(answer).feasible else None
 
 
-KERNELS = tuple(f"waybound.solvers.bounds.routing.{name}_kernels" for name in ("label", "subset_row", "cut")) + (
+KERNELS = (
+    *(f"waybound.solvers.bounds.routing.{name}_kernels" for name in ("label", "subset_row", "cut")),
     "waybound.formulations.routing.checking.walk_kernels",
 )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from ....formulations.stop import Stop
 from .arcs import Flags, Floats, Longs
 from .subset_rows import SubsetRow
+
+Ints = NDArray[np.int32]
 
 BUCKETS = 24
 """Buckets of a node in the first level."""
@@ -26,19 +28,73 @@ UNEVEN, SHIFT = 1.2, 0.05
 """Ratio of the numbers of labels from both ends above which the halfway point is moved, and by what part of the first level."""
 
 
-@dataclass(eq=False)
 class _End:
-    """All that labels from one end of the routes take; nodes, moves and levels are those seen from there."""
+    """All that labels from one end of the routes take; nodes, moves and levels are those seen from there, nodes come first.
 
-    weight: Longs
-    lower: Longs
-    upper: Longs
-    start: Longs
-    rows: NDArray[np.int64]
-    arcs: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
-    tails: Longs = field(default_factory=lambda: np.zeros(0, np.int64))
-    heads: NDArray[np.int32] = field(default_factory=lambda: np.zeros(0, np.int32))
-    count: int = 0
+    ``moves`` are the ends of the moves in the kernels' order; ``labels``, ``queues`` and ``buckets`` are what the kernels write to, in the
+    order in which ``grow`` takes it.
+    """
+
+    def __init__(self, weight: Longs, lower: Longs, upper: Longs, start: Longs, room: int) -> None:
+        self.weight, self.lower, self.upper, self.start = weight, lower, upper, start
+        self.count, self.nodes, self.room = 0, len(lower), room
+        self.node, self.parent, self.after, self.waiting = (np.empty(room, np.int32) for _ in range(4))
+        self.gone, self.queue = np.empty(room, np.bool_), np.empty(QUEUE, np.int32)
+        self.chains, self.cheapest = np.empty((self.nodes, BUCKETS), np.int32), np.empty((self.nodes, BUCKETS), np.int64)
+        self.rows = np.empty((0, 0), np.int64)
+        self.arcs = self.heads = np.zeros(0, np.int32)
+        self.tails = self.cost = np.zeros(0, np.int64)
+        self.arc_weight = self.keep = np.zeros((0, 0), np.int64)
+        self.latest = np.zeros((0, 0, 0), np.int64)
+        self.place = np.zeros(0, np.int8)
+
+    def restrict(self, usable: Flags, cuts: Sequence[SubsetRow], members: Ints, position: NDArray[np.int8]) -> None:
+        """Take the moves that ``usable`` marks, from here, and the lists of who is remembered."""
+        from .label_kernels import WORD
+
+        tails, heads = np.nonzero(usable)
+        words = -(-len(cuts) // WORD)
+        self.arcs = np.searchsorted(tails, np.arange(self.nodes + 1)).astype(np.int32)
+        self.tails, self.heads = tails, heads.astype(np.int32)
+        self.arc_weight = np.ascontiguousarray(self.weight[:, tails, heads].T)
+        self.place = position[tails, heads]
+        self.keep = np.zeros((len(tails), words), np.int64)
+        for c, cut in enumerate(cuts):
+            self.keep[cut.memory[tails] & cut.memory[heads], c // WORD] |= 1 << (c % WORD)
+        self.latest = self._latest(usable, members)
+        width = len(self.start) + 3 + words
+        if self.rows.shape[1] != width:
+            self.rows = np.empty((self.room + 1, width), np.int64)
+
+    def _latest(self, usable: Flags, members: Ints) -> Longs:
+        """Levels at each node above which those whom it remembers are out of reach."""
+        none, far = np.int64(1 << 60), np.int64(1 << 50)
+        latest = np.full((*members.shape, len(self.start)), none, np.int64)
+        for r, weight in enumerate(self.weight):
+            way = np.where(usable, weight, far)
+            for k in range(1, self.nodes):
+                np.minimum(way, way[:, k, None] + way[None, k], out=way)
+            for p, who in enumerate(members.T[1:], start=1):
+                latest[:, p, r] = np.where(who >= 0, self.upper[who, r] - way[np.arange(self.nodes), who], none)
+        return latest
+
+    def begin(self, cost: Floats, unit: float) -> None:
+        """Take reduced costs of moves, (nodes, nodes), and put the label of the depot in place."""
+        self.cost = np.floor(cost[self.tails, self.heads] * unit).astype(np.int64)
+        self.rows[0] = 0
+        self.rows[0, 1 : 1 + len(self.start)] = self.start
+
+    @property
+    def moves(self) -> tuple[NDArray[Any], ...]:
+        return self.arcs, self.heads, self.cost, self.arc_weight, self.keep, self.place
+
+    def walk(self, label: int) -> list[int]:
+        """Customers of a label, the last one first."""
+        visits = []
+        while label > 0:
+            visits.append(int(self.node[label]))
+            label = int(self.parent[label])
+        return visits
 
 
 class Pricer:
@@ -65,13 +121,14 @@ class Pricer:
         whole = [self._whole(weight[r], start[r], lower[r], upper[r], usable) for r in range(self.levels)]
         w, first, low, high = (np.array(part, dtype=np.int64) for part in zip(*whole, strict=True))
         self.top = high.max(axis=1)
-        self.room, self.labels = room, 0
-        ahead = _End(w, low.T.copy(), high.T.copy(), first, np.empty((0, 0), np.int64))
-        back_low = np.ascontiguousarray((self.top[:, None] - high).T)
-        back_high = np.ascontiguousarray((self.top[:, None] - low).T)
+        self.labels = 0
+        back_low, back_high = (np.ascontiguousarray((self.top[:, None] - ends).T) for ends in (high, low))
         back_high[0] = self.top - first
-        back = _End(np.ascontiguousarray(w.transpose(0, 2, 1)), back_low, back_high, back_low[0].copy(), np.empty((0, 0), np.int64))
-        self.ends = ahead, back
+        mirrored = np.ascontiguousarray(w.transpose(0, 2, 1))
+        self.ends = _End(w, low.T.copy(), high.T.copy(), first, room), _End(mirrored, back_low, back_high, back_low[0].copy(), room)
+        self.cuts: Sequence[SubsetRow] = ()
+        self.members, self.position = np.zeros((0, 0), np.int32), np.zeros((0, 0), np.int8)
+        self.toggle = np.zeros((self.nodes, 0), np.int64)
         self.halfway = int((max(first[0], 0) + high[0].max()) // 2)
         self.bidirectional = True
 
@@ -100,44 +157,12 @@ class Pricer:
             own = np.concatenate([[i], np.nonzero(near[i] & (np.arange(n) != i))[0]])
             self.members[i, : len(own)] = own
             self.position[i, own] = np.arange(len(own))
-        words = -(-len(cuts) // WORD)
         self.cuts = cuts
-        self.toggle = np.zeros((n, words), np.int64)
+        self.toggle = np.zeros((n, -(-len(cuts) // WORD)), np.int64)
         for c, cut in enumerate(cuts):
             self.toggle[list(cut.customers), c // WORD] |= 1 << (c % WORD)
         for end, mask in zip(self.ends, (usable, usable.T), strict=True):
-            tails, heads = np.nonzero(mask)
-            end.arcs = np.searchsorted(tails, np.arange(n + 1)).astype(np.int32)
-            end.tails, end.heads = tails, heads.astype(np.int32)
-            end.arc_weight = np.ascontiguousarray(end.weight[:, tails, heads].T)
-            end.place = self.position[tails, heads]
-            end.keep = np.zeros((len(tails), words), np.int64)
-            for c, cut in enumerate(cuts):
-                end.keep[cut.memory[tails] & cut.memory[heads], c // WORD] |= 1 << (c % WORD)
-            end.latest = self._latest(end, mask)
-        self.words = words
-        width = self.levels + 3 + words
-        for end in self.ends:
-            if end.rows.shape[1] != width:
-                end.rows = np.empty((self.room + 1, width), np.int64)
-            if not hasattr(end, "node"):
-                end.node, end.parent, end.after, end.waiting = (np.empty(self.room, np.int32) for _ in range(4))
-                end.gone = np.empty(self.room, np.bool_)
-                end.queue = np.empty(QUEUE, np.int32)
-                end.chains, end.cheapest = np.empty((n, BUCKETS), np.int32), np.empty((n, BUCKETS), np.int64)
-
-    def _latest(self, end: _End, usable: Flags) -> NDArray[np.int64]:
-        """Levels at each node above which those whom it remembers are out of reach."""
-        latest = np.full((*self.members.shape, self.levels), 1 << 60, np.int64)
-        far = np.int64(1 << 50)
-        for r in range(self.levels):
-            way = np.where(usable, end.weight[r], far)
-            for k in range(1, self.nodes):
-                np.minimum(way, way[:, k, None] + way[None, k], out=way)
-            for p in range(1, self.members.shape[1]):
-                who = self.members[:, p]
-                latest[:, p, r] = np.where(who >= 0, end.upper[who, r] - way[np.arange(self.nodes), who], 1 << 60)
-        return latest
+            end.restrict(mask, cuts, self.members, self.position)
 
     # -- one search ----------------------------------------------------------------------------------------------------------
 
@@ -154,13 +179,9 @@ class Pricer:
         status = self._grow(stop, reduced, fines, how, halves)
         if status != DONE:
             return status, -np.inf, np.zeros(0), []
-        ahead, back = self.ends
-        pairs, totals = np.empty((ahead.count, 2), np.int32), np.empty(ahead.count, np.int64)
-        least, number = join(
-            stop.flag, ahead.arcs, ahead.heads, ahead.cost, ahead.arc_weight, ahead.keep, ahead.place, fines, self.members, self.position,
-            ahead.rows, ahead.node, ahead.gone, ahead.count, back.rows, back.after, back.chains, back.cheapest, back.lower, back.upper,
-            self.top, least_bar, pairs, totals,
-        )  # fmt: skip
+        most_pairs = self.ends[0].count
+        pairs, totals = np.empty((most_pairs, 2), np.int32), np.empty(most_pairs, np.int64)
+        least, number = join(stop.flag, *self._meeting(fines), least_bar, pairs, totals)
         if number < 0:
             return STOPPED, -np.inf, np.zeros(0), []
         if self.bidirectional:
@@ -177,14 +198,9 @@ class Pricer:
         fines, full = self._fines(duals), int(self.top[0])
         if self._grow(stop, reduced, fines, EXACT, (full, full)) != DONE:
             return None
-        ahead, back = self.ends
+        ahead = self.ends[0]
         least = np.full(len(ahead.heads), int(np.floor(below * self.unit)), np.int64)
-        status = arc_costs(
-            stop.flag, ahead.arcs, ahead.heads, ahead.cost, ahead.arc_weight, ahead.keep, ahead.place, fines, self.members, self.position,
-            ahead.rows, ahead.node, ahead.gone, ahead.count, back.rows, back.after, back.chains, back.cheapest, back.lower, back.upper,
-            self.top, least,
-        )  # fmt: skip
-        if status != DONE:
+        if arc_costs(stop.flag, *self._meeting(fines), least) != DONE:
             return None
         costs = np.full(reduced.shape, np.inf)
         costs[ahead.tails, ahead.heads] = least / self.unit
@@ -195,19 +211,25 @@ class Pricer:
         from .label_kernels import DONE, grow
 
         for end, grid, half in zip(self.ends, (reduced, reduced.T), halves, strict=True):
-            end.cost = np.floor(grid[end.tails, end.heads] * self.unit).astype(np.int64)
-            end.rows[0] = 0
-            end.rows[0, 1 : 1 + self.levels] = end.start
+            end.begin(grid, self.unit)
             status, end.count = grow(
-                stop.flag, end.arcs, end.heads, end.cost, end.arc_weight, end.keep, end.place, self.toggle, fines, end.lower, end.upper,
-                self.members, self.position, end.latest, end.rows, end.node, end.parent, end.after, end.gone, end.queue, end.waiting,
-                end.chains, end.cheapest, max(half, int(end.start[0])), how,
+                stop.flag, *end.moves, self.toggle, fines, end.lower, end.upper, self.members, self.position, end.latest,
+                end.rows, end.node, end.parent, end.after, end.gone, end.queue, end.waiting, end.chains, end.cheapest,
+                max(half, int(end.start[0])), how,
             )  # fmt: skip
             self.labels += end.count
             if status != DONE:
                 return int(status)
             end.chains[0, 0], end.cheapest[0, 0], end.after[0] = 0, 0, -1  # the label of the depot stands in its bucket too
         return DONE
+
+    def _meeting(self, fines: Longs) -> tuple[Any, ...]:
+        """Labels from both ends, as the kernels that put them together take them."""
+        ahead, back = self.ends
+        return (
+            *ahead.moves, fines, self.members, self.position, ahead.rows, ahead.node, ahead.gone, ahead.count,
+            back.rows, back.after, back.chains, back.cheapest, back.lower, back.upper, self.top,
+        )  # fmt: skip
 
     def _balance(self) -> None:
         ahead, back = (end.count for end in self.ends)
@@ -220,21 +242,13 @@ class Pricer:
 
     def _route(self, label: int, partner: int) -> Longs:
         ahead, back = self.ends
-        visits = []
-        while label > 0:
-            visits.append(int(ahead.node[label]))
-            label = int(ahead.parent[label])
-        visits.reverse()
-        while partner > 0:
-            visits.append(int(back.node[partner]))
-            partner = int(back.parent[partner])
-        return np.array(visits, dtype=np.int64)
+        return np.array(ahead.walk(label)[::-1] + back.walk(partner), dtype=np.int64)
 
     def _fines(self, duals: Floats) -> NDArray[np.int64]:
         """What open bits of each byte cost together, rounded down."""
         from .label_kernels import WORD
 
-        owed = np.zeros((self.words, WORD // 8, 8), np.int64)
+        owed = np.zeros((self.toggle.shape[1], WORD // 8, 8), np.int64)
         for c, dual in enumerate(duals.tolist()):
             owed[c // WORD, c % WORD // 8, c % 8] = max(0, int(np.floor(-dual * self.unit)))
         bits = (np.arange(256)[:, None] >> np.arange(8)) & 1

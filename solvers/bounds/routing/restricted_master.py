@@ -113,7 +113,7 @@ class Prices:
     def mixed(self, other: Prices, share: float, cuts: Sequence[Cut]) -> Prices:
         """These prices and ``share`` of others, those of no other ``cuts``."""
         both = {cut: (1 - share) * self.cuts.get(cut, 0.0) + share * other.cuts.get(cut, 0.0) for cut in cuts}
-        routes, visits = ((1 - share) * own + share * its for own, its in ((self.routes, other.routes), (self.visits, other.visits)))
+        routes, visits = (1 - share) * self.routes + share * other.routes, (1 - share) * self.visits + share * other.visits
         return Prices(routes, visits, {cut: price for cut, price in both.items() if price})
 
     def of(self, cuts: Sequence[Cut]) -> Floats:
@@ -220,4 +220,6 @@ class Master:
         visits = result.duals[: self.nodes].copy()
         visits[0] = 0.0
         prices = Prices(float(result.duals[0]), visits, {cut: max(0.0, dual) * cut.sign for cut, dual in duals if dual > 0.0})
-        return Point("optimal", result.value, result.x[self.own :], result.reduced[self.own :], float(result.x[: self.own - 1].sum()), prices)
+        return Point(
+            "optimal", result.value, result.x[self.own :], result.reduced[self.own :], float(result.x[: self.own - 1].sum()), prices
+        )

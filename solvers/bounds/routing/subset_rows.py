@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -87,7 +88,7 @@ def _memory(pool: Pool, used: Longs, row: list[int], nodes: int) -> Flags:
         places = [p for p, node in enumerate(route.tolist()) if node in inside]
         if len(places) < 2:
             continue
-        spans = [route[a + 1 : b] for a, b in zip(places, places[1:], strict=False)]
+        spans = [route[a + 1 : b] for a, b in pairwise(places)]
         if len(places) % 2:
             least = min(spans, key=lambda span: int((~memory[span]).sum()))
             spans = [least] if len(places) == 3 else spans

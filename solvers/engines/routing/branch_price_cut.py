@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from types import MappingProxyType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ....formulations.programs.exactness import Exactness
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
+from ....instances.errors import InputError
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...bounds.routing import branch_price_cut
 from ...bounds.routing.arcs import ARC_TERMS, LIMITS, arc_costs
@@ -15,6 +17,9 @@ from ...bounds.routing.arcs import ARC_TERMS, LIMITS, arc_costs
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
+
+NOTHING = "no answer was found that visits every required site"
+
 
 @BACKENDS.register("branch-price-cut")
 class BranchPriceCut(Engine):
@@ -29,20 +34,24 @@ class BranchPriceCut(Engine):
     modules = ("numba", "highspy")
     summary = "branch, price and cut over routes, with a proof at every leaf"
     family: ClassVar[str] = "routing"
-    options = MappingProxyType({"columns": branch_price_cut.MOST_COLUMNS, "labels": branch_price_cut.LABELS, "memory": branch_price_cut.MEMORY})
+    options = MappingProxyType(
+        {"columns": branch_price_cut.MOST_COLUMNS, "labels": branch_price_cut.LABELS, "memory": branch_price_cut.MEMORY}
+    )
     order = 90
     honours = frozenset({"gap"})
     one_thread = True
     bounds_itself = True
     features = (
-        LIMITS
+        (LIMITS - {"shifts"})
         | {f"objective:{term}" for term in ARC_TERMS}
-        | {"service-times", "separate-durations", "fixed-cost", "limited-fleet", "min-vehicles", "open-routes", "multiple-depots", "forbidden-moves"}
+        | {"service-times", "separate-durations", "fixed-cost", "limited-fleet", "min-vehicles", "open-routes", "forbidden-moves"}
         | {"objective:weights"}
     )
 
     def missing(self, problem: Problem) -> frozenset[str]:
         lacking = super().missing(problem)
+        if lacking <= {"multiple-depots", "shifts"} and len(problem.fleet) == 1:  # type: ignore[attr-defined]
+            lacking = frozenset()  # one type of vehicle has one depot at each end, and one shift
         if lacking:
             return lacking
         many = {f"more than {branch_price_cut.CUSTOMERS} customers"} if len(problem.customers) > branch_price_cut.CUSTOMERS else set()  # type: ignore[attr-defined]
@@ -55,30 +64,44 @@ class BranchPriceCut(Engine):
     def _search(self, problem: RoutingProblem, options: Options, control: Control, stop: Stop) -> RawResult:
         if not len(problem.customers):
             return RawResult("optimal", answer=Routes(()), objective=0.0, bound=0.0, message="there are no customers")
-        answer = options.start
+        statistics: dict[str, Any] = {}
+        answer = value = None
+        if options.start is not None:
+            answer, value = _judged(problem, options.start)
+            statistics["start"] = "refused" if answer is None else "used"
         if answer is None:
-            answer = branch_price_cut.first_answer(problem, branch_price_cut.OPENING * stop.seconds_left, options.seed, stop, compiled=False)
-        value = None
+            seconds = branch_price_cut.OPENING * stop.seconds_left
+            first = branch_price_cut.first_answer(problem, seconds, options.seed, stop, compiled=False)
+            answer, value = (None, None) if first is None else _judged(problem, first)
         if answer is not None:
-            judged = problem.evaluate(answer)
-            value = judged.values[0] if judged.feasible else None
-            answer = answer if judged.feasible else None
             control.publish(answer, value)
         arcs = arc_costs(problem, stop)
         if arcs is None:
-            return RawResult("unknown" if answer is None else "feasible", "time", answer, value)
+            return RawResult("unknown" if answer is None else "feasible", "time", answer, value, statistics=statistics, message=NOTHING)
         tree = branch_price_cut.Tree(problem, arcs, value, stop, options.seed, answer=answer, most=options.extra, on_answer=control.publish)
         tree.grow()
         evidence = tree.evidence("routes")
         bound, answer = tree.bound, tree.answer
         found = () if evidence is None else (evidence,)
-        statistics = {"nodes": len(tree.nodes), **tree.counts()}
+        statistics |= {"nodes": len(tree.nodes), **tree.counts()}
+        message = ""
         if answer is None:
-            status = "infeasible" if bound == float("inf") else "unknown"
+            status = "infeasible" if bound == math.inf else "unknown"
+            message = "no choice of routes visits all sites within the limits" if status == "infeasible" else NOTHING
         else:
             value = problem.evaluate(answer).values[0]
             status = "optimal" if tree.reached(bound) else "feasible"
         limit = "none" if status in ("optimal", "infeasible") else "interrupt" if control.stopped else "time"
         return RawResult(
-            status, limit, answer, value, bound if found else None, statistics=statistics, evidence=found, holds=Exactness.EXACT
-        )
+            status, limit, answer, value, bound if found else None, statistics=statistics, message=message, evidence=found,
+            holds=Exactness.EXACT,
+        )  # fmt: skip
+
+
+def _judged(problem: RoutingProblem, answer: Routes) -> tuple[Routes | None, float | None]:
+    """An answer and its value, if it is one of the problem."""
+    try:
+        judged = problem.evaluate(answer)
+    except InputError:
+        return None, None
+    return (answer, judged.values[0]) if judged.feasible else (None, None)

@@ -28,9 +28,7 @@ def test_what_is_found_is_verified_and_more_than_the_means_prove() -> None:
     problem, found = risky(240.0, 0.05), deviation_chord_bound(risky(240.0, 0.05), Stop(60.0))
     assert found is not None and found.value == verified_bound(problem, found)
     certain = replace(problem, team_risk=None)
-    means = [
-        e for name in ("state-space", "branch-price-cut") if (e := BOUNDS[name].evidence(certain, Stop(60.0), None, None)) is not None
-    ]
+    means = [e for name in ("state-space", "branch-price-cut") if (e := BOUNDS[name].evidence(certain, Stop(60.0), None, None)) is not None]
     assert found.value > max(verified_bound(certain, e) for e in means)
     assert "with the chord of the deviation" in found.source
 

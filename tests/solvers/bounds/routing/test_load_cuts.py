@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from small_routing import plane
@@ -25,7 +27,7 @@ def test_sets_that_are_entered_too_seldom_are_found_once(seed: int) -> None:
     demand = problem.sites.demand[problem.customers]
     flow = np.zeros((13, 13))  # one tour of all: it carries far too much
     tour = [0, *range(1, 13), 0]
-    for i, j in zip(tour, tour[1:], strict=False):
+    for i, j in itertools.pairwise(tour):
         flow[i, j] = 1.0
     known = set[bytes]()
     cuts = overloaded(problem, flow, known, NEVER)
