@@ -38,6 +38,12 @@ if TYPE_CHECKING:
 RUINS, OPENING = 1000, 0.1
 """Ruins for each customer of the search for a first answer, where none is given, and its part of the time at most."""
 
+SPEED = 60_000
+"""Ruins a second that it can be relied on for."""
+
+AGAIN, DOUBTFUL = 10, 0.006
+"""How many times as many for another search where so large a part of the answer is still open after some rounds of cuts."""
+
 CUSTOMERS = 400
 """Most customers that the checker looks at."""
 
@@ -198,11 +204,9 @@ class Tree(ProofTree[_Node]):
         self.pricer = Pricer(weight, start, lower, upper, self.usable, self.dearest, most.get("labels", LABELS))
         self.pool, self.cuts, self.loads = Pool(), dict[tuple[int, ...], SubsetRow](), set[bytes]()
         self.finite = np.where(self.usable, arcs.cost, self.dearest)
+        self.rounds = 0
         if answer is not None:
-            known = {site: node for node, site in enumerate(arcs.customers.tolist(), start=1)}
-            self.pool.add(
-                self.pool.new([np.array([known[site] for site in route.visits], dtype=np.int64) for route in answer if route.visits])
-            )
+            self._learn(answer, self.target)
         self.dear = 1.0
         self.master = self._new_master()
         self.phase_one: Master | None = None
@@ -337,8 +341,7 @@ class Tree(ProofTree[_Node]):
         if not judged.feasible:
             return False
         if judged.values[0] < self.target:
-            self.target, self.answer = judged.values[0], Routes.of(chosen)
-            self.on_answer(self.answer, self.target)
+            self._learn(Routes.of(chosen), judged.values[0])
         return same(node.bound, judged.values[0], judged.size, judged.precision)
 
     def _evidence(self, solved: _Solved) -> Evidence:
@@ -394,6 +397,9 @@ class Tree(ProofTree[_Node]):
                 return replace(solved, status="fixed")
             self._purge(solved, best)
             bounds.append(solved.bound)
+            self.rounds += node.first
+            if self.rounds == ROUNDS and node.first:
+                self._look_again(solved.bound)
             goal = self.target / self.unit if math.isfinite(self.target) else 2.0 * bounds[-1] - bounds[0]
             rounds = ROUNDS if node.first else 1
             slow = len(bounds) > rounds and bounds[-1] - bounds[-1 - rounds] < WORTH * (goal - bounds[-1])
@@ -440,6 +446,25 @@ class Tree(ProofTree[_Node]):
         hopeless = np.isfinite(part.cost) & (costs >= least - 1e-9 * self.dearest)
         np.fill_diagonal(hopeless, False)
         return hopeless if hopeless.sum() > MANY * np.isfinite(part.cost).sum() else None
+
+    def _look_again(self, bound: float) -> None:
+        """Look for a better answer where the one at hand is far from a bound."""
+        problem: Any = self.problem
+        doubtful = self.target / self.unit - bound > DOUBTFUL * abs(self.target / self.unit)
+        if self.answer is None or not doubtful:
+            return
+        answer = first_answer(problem, 2.0 * OPENING * self.whole.seconds_left, self.seed + 1, self.stop, ruins=AGAIN * RUINS)
+        if answer is not None:
+            self._learn(answer, problem.evaluate(answer).values[0])
+
+    def _learn(self, answer: Routes, value: float) -> None:
+        """Take an answer, if it is better than the one at hand, and its routes."""
+        if value < self.target:
+            self.target, self.answer = value, answer
+            self.on_answer(answer, value)
+        known = {site: node for node, site in enumerate(self.arcs.customers.tolist(), start=1)}
+        routes = [np.array([known[site] for site in route.visits], dtype=np.int64) for route in answer if route.visits]
+        self.pool.add(self.pool.new(routes))
 
     def _remember(self, values: Floats) -> bool:
         """Have customers remembered on routes that visit them twice; whether there were any."""
@@ -685,7 +710,9 @@ def branch_price_cut_bound(
     return tree.evidence("routes")
 
 
-def first_answer(problem: RoutingProblem, seconds: float, seed: int, stop: Stop, *, compiled: bool = True) -> Routes | None:
+def first_answer(
+    problem: RoutingProblem, seconds: float, seed: int, stop: Stop, *, compiled: bool = True, ruins: int = RUINS
+) -> Routes | None:
     """A good answer soon, by ruin and recreate; None where there is none, or where its loops were never ``compiled`` and should be."""
     from ...backend import Control, Options
     from ...engines.routing.ruin_recreate import RuinRecreate
@@ -695,7 +722,9 @@ def first_answer(problem: RoutingProblem, seconds: float, seed: int, stop: Stop,
     if engine.missing(problem) or (compiled and not (near_kernels.nearest.kept() and search_kernels.anneal.kept())):
         return None
     with stop.telling(control.stop):
-        answer = engine.run(problem, Options(seconds, iterations=RUINS * len(problem.customers), seed=seed), control).answer
+        # It cools down by its ruins: cut short by the time it would still be hot.
+        most = max(1, min(ruins * len(problem.customers), int(SPEED * seconds)))
+        answer = engine.run(problem, Options(seconds, iterations=most, seed=seed), control).answer
     return answer if answer is not None and problem.evaluate(answer).feasible else None
 
 
