@@ -202,16 +202,18 @@ def skipping_branch(data: Data, rng: random.Random) -> bool:
 
 def forgotten_nobody(data: Data, rng: random.Random) -> bool:
     """Memories that are no numbers of neighbours."""
-    chosen = [leaf for leaf in leaves(data) if "memory" in leaf.get("data", {})]
-    for leaf in chosen:
-        leaf["data"]["memory"] = rng.choice([-1, 0.5, "8", None, True])
+    chosen = priced(data)
+    for held in chosen:
+        held.pop("remembered")
+        held["memory"] = rng.choice([-1, 0.5, "8", None, True])
     return bool(chosen)
 
 
 def fewer_remembered(data: Data, rng: random.Random) -> bool:
-    chosen = [leaf for leaf in leaves(data) if "memory" in leaf.get("data", {})]
-    for leaf in chosen:
-        leaf["data"]["memory"] = rng.choice([0, 1, 10**9])
+    chosen = priced(data)
+    for held in chosen:
+        held.pop("remembered")
+        held["memory"] = rng.choice([0, 1, 10**9])
     return bool(chosen)
 
 
@@ -257,20 +259,29 @@ def claimed_least(data: Data, rng: random.Random) -> bool:
     return bool(priced(data))
 
 
+def branched(data: Data) -> list[tuple[Data, str, str]]:
+    """Nodes of trees of routes that branch on moves, and a move of each."""
+    found = []
+    for node in nodes(data) if priced(data) else []:
+        branch = node.get("branch", {})
+        tail, head = branch.get("arc") or next(((t, h[0]) for t, h in branch.get("moves", {}).items()), ("", ""))
+        if tail:
+            found.append((node, tail, head))
+    return found
+
+
 def sets_of_moves(data: Data, rng: random.Random) -> bool:
     """Statements on one move are turned into such on many, with the evidence as it was."""
     ids = [str(k) for k in range(8)]
-    told = [node for node in nodes(data) if "arc" in node.get("branch", {})] if priced(data) else []
-    for node in told:
-        tail, head = node["branch"]["arc"]
+    told = branched(data)
+    for node, tail, head in told:
         node["branch"] = {"moves": {tail: [head], **{a: [b for b in ids if b != a] for a in rng.sample(ids, 3) if a != tail}}}
     return bool(told)
 
 
 def half_a_set(data: Data, rng: random.Random) -> bool:
-    told = [node for node in nodes(data) if "arc" in node.get("branch", {})] if priced(data) else []
-    for node in told:
-        tail, head = node["branch"]["arc"]
+    told = branched(data)
+    for node, tail, head in told:
         node["branch"] = {
             "moves": rng.choice([{}, {tail: head}, {tail: []}, {tail: [head, head]}, {tail: [tail]}, [tail, head], {tail: ["?"]}])
         }

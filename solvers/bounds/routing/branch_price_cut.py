@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 RUINS, OPENING = 1000, 0.1
 """Ruins for each customer of the search for a first answer, where none is given, and its part of the time at most."""
 
+MERGED = 0.4
+"""Share of the time for several types of vehicle, after which other methods have their turn."""
+
 SPEED = 60_000
 """Ruins a second that it can be relied on for."""
 
@@ -702,6 +705,8 @@ def branch_price_cut_bound(
     if arcs is None or len(arcs.customers) == 0:
         return None
     seed = 1 if linear is None else linear.seed
+    if len(problem.fleet) > 1:  # merged into one type, they are seldom proved to the end
+        stop = stop.within(MERGED * stop.seconds_left)
     if target is None:
         answer = first_answer(problem, OPENING * stop.seconds_left, seed, stop)
         target = None if answer is None else problem.evaluate(answer).values[0]
