@@ -306,7 +306,7 @@ class Backend(ABC):
 
     @classmethod
     def requirement(cls) -> str:
-        """What ``pip install`` needs."""
+        """The package as ``pip install`` takes it, with its version where only that one will do."""
         return f"{cls.package}=={cls.pinned}" if cls.pinned else cls.package
 
     @classmethod

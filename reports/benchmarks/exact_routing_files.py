@@ -42,7 +42,7 @@ AUTO = "auto"
 """Stands for no name: the default solver of each problem."""
 
 SEED = 12
-"""Of what is drawn."""
+"""Seed of the files that are drawn at random."""
 
 BEYOND = 1e-6
 """Part of the best value known by which a bound may exclude it, of values that were published rounded."""
@@ -149,7 +149,7 @@ def processor_seconds() -> float:
 
 
 def told(problem: Problem, solution: Solution) -> dict[str, Any]:
-    """What a solution says, and what checking its evidence takes."""
+    """Value, bound and status of a solution, and the CPU seconds of checking its evidence once more."""
     value, bound, verified = (first_level(v) for v in (solution.objective, solution.bound, solution.certificate.bound))
     evidence = solution.certificate.evidence
     leaves = sum(sum("branch" not in node for node in one.data["nodes"]) for one in evidence if "nodes" in one.data)

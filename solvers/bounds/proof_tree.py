@@ -245,4 +245,6 @@ def _size(data: Any) -> int:
     """How many numbers there are in evidence."""
     if isinstance(data, dict):
         return sum(map(_size, data.values()))
-    return len(data) if isinstance(data, list) else 1
+    if not isinstance(data, list):
+        return 1
+    return sum(map(_size, data)) if data and isinstance(data[0], dict | list) else len(data)

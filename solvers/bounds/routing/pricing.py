@@ -245,7 +245,7 @@ class Pricer:
         return np.array(ahead.walk(label)[::-1] + back.walk(partner), dtype=np.int64)
 
     def _fines(self, duals: Floats) -> NDArray[np.int64]:
-        """What open bits of each byte cost together, rounded down."""
+        """Sums of the prices of cuts for all values of each byte of a label's cuts, rounded down, shape (words, bytes, 256)."""
         from .label_kernels import WORD
 
         owed = np.zeros((self.toggle.shape[1], WORD // 8, 8), np.int64)

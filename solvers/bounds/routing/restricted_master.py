@@ -30,7 +30,7 @@ class Cut(Protocol):
 
     @staticmethod
     def coefficients(cuts: Sequence[Any], pool: Pool, first: int) -> Floats:
-        """Those of the routes from number ``first`` on in some cuts of this kind, shape (routes, cuts)."""
+        """Coefficients of routes in some cuts of this kind, shape (routes, cuts); routes before number ``first`` are left out."""
 
 
 def coefficients(cuts: Sequence[Cut], pool: Pool, first: int) -> Floats:

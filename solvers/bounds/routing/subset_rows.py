@@ -23,7 +23,7 @@ MOST, EACH = 60, 6
 
 @dataclass(frozen=True, eq=False)
 class SubsetRow:
-    """Of an odd number of customers, all routes together make half as many pairs of visits, rounded down.
+    """A cut for an odd number of customers: all routes together make at most half as many pairs of visits to them, rounded down.
 
     The first visit of a pair is remembered while the route stays at nodes of ``memory`` (nodes,) (Pecin, Pessoa, Poggi, Uchoa 2017).
     """

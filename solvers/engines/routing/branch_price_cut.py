@@ -9,14 +9,20 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from ....formulations.programs.exactness import Exactness
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
-from ....instances.errors import InputError
+from ....formulations.tolerance import same
+from ....instances.errors import InputError, UsageError
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
-from ...bounds.routing import branch_price_cut
 from ...bounds.routing.arcs import ARC_TERMS, LIMITS, arc_costs
+from ...bounds.routing.branch_price_cut import CUSTOMERS, OPENING, Tree
+from ...bounds.routing.column_generation import LABELS, MEMORY, MOST_COLUMNS
+from ...bounds.routing.first_answer import first_answer
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
+
+LEAST = {"columns": 1, "labels": 2, "memory": 0}
+"""Smallest values of its options."""
 
 NOTHING = "no answer was found that visits every required site"
 
@@ -34,9 +40,7 @@ class BranchPriceCut(Engine):
     modules = ("numba", "highspy")
     summary = "branch, price and cut over routes, with a proof at every leaf"
     family: ClassVar[str] = "routing"
-    options = MappingProxyType(
-        {"columns": branch_price_cut.MOST_COLUMNS, "labels": branch_price_cut.LABELS, "memory": branch_price_cut.MEMORY}
-    )
+    options = MappingProxyType({"columns": MOST_COLUMNS, "labels": LABELS, "memory": MEMORY})
     order = 90
     honours = frozenset({"gap"})
     one_thread = True
@@ -54,14 +58,17 @@ class BranchPriceCut(Engine):
             lacking = frozenset()  # one type of vehicle has one depot at each end, and one shift
         if lacking:
             return lacking
-        many = {f"more than {branch_price_cut.CUSTOMERS} customers"} if len(problem.customers) > branch_price_cut.CUSTOMERS else set()  # type: ignore[attr-defined]
-        return frozenset(many)
+        many = len(problem.customers) > CUSTOMERS  # type: ignore[attr-defined]
+        return frozenset({f"more than {CUSTOMERS} customers"} if many else ())
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         stop = self.begin(problem, options, control)
         return self._search(problem, self.converted(options), control, stop)  # type: ignore[arg-type]
 
     def _search(self, problem: RoutingProblem, options: Options, control: Control, stop: Stop) -> RawResult:
+        for name, least in LEAST.items():
+            if options.extra.get(name, least) < least:
+                raise UsageError(f"{self.name}: option {name} must be at least {least}, not {options.extra[name]}", "out-of-range")
         if not len(problem.customers):
             return RawResult("optimal", answer=Routes(()), objective=0.0, bound=0.0, message="there are no customers")
         statistics: dict[str, Any] = {}
@@ -70,15 +77,14 @@ class BranchPriceCut(Engine):
             answer, value = _judged(problem, options.start)
             statistics["start"] = "refused" if answer is None else "used"
         if answer is None:
-            seconds = branch_price_cut.OPENING * stop.seconds_left
-            first = branch_price_cut.first_answer(problem, seconds, options.seed, stop, compiled=False)
+            first = first_answer(problem, OPENING * stop.seconds_left, options.seed, stop, compiled=False)
             answer, value = (None, None) if first is None else _judged(problem, first)
         if answer is not None:
             control.publish(answer, value)
         arcs = arc_costs(problem, stop)
         if arcs is None:
             return RawResult("unknown" if answer is None else "feasible", "time", answer, value, statistics=statistics, message=NOTHING)
-        tree = branch_price_cut.Tree(problem, arcs, value, stop, options.seed, answer=answer, most=options.extra, on_answer=control.publish)
+        tree = Tree(problem, arcs, value, stop, options.seed, answer=answer, most=options.extra, on_answer=control.publish, gap=options.gap)
         tree.grow()
         evidence = tree.evidence("routes")
         bound, answer = tree.bound, tree.answer
@@ -89,9 +95,11 @@ class BranchPriceCut(Engine):
             status = "infeasible" if bound == math.inf else "unknown"
             message = "no choice of routes visits all sites within the limits" if status == "infeasible" else NOTHING
         else:
-            value = problem.evaluate(answer).values[0]
-            status = "optimal" if tree.reached(bound) else "feasible"
-        limit = "none" if status in ("optimal", "infeasible") else "interrupt" if control.stopped else "time"
+            judged = problem.evaluate(answer)
+            value = judged.values[0]
+            status = "optimal" if bound >= value or same(bound, value, judged.size, judged.precision) else "feasible"
+        closed = status in ("optimal", "infeasible")
+        limit = "none" if closed else "gap" if tree.reached(bound) else stop.reached() or "memory"
         return RawResult(
             status, limit, answer, value, bound if found else None, statistics=statistics, message=message, evidence=found,
             holds=Exactness.EXACT,

@@ -50,8 +50,9 @@ ANNEALS, AMPLE, FROM_NOTHING = 4, 12_000, 0.6
 """How many anneals there are from nothing where there is time for so many ruins for each customer, and their share of the time; with less,
 one long anneal is better."""
 
-COOLEST = 0.25
-"""With less time still the one anneal begins cooler, in proportion; down to this share."""
+COOLEST, LARGE = 0.25, 300
+"""With less time the one anneal begins cooler, in proportion down to this share, from this number of customers on: few customers need the
+warmth to get from one fleet to another."""
 
 RECOMBINED = 200
 """Ruins for each customer of an anneal that begins with an answer made of two."""
@@ -365,7 +366,8 @@ class _Search:
         k, ample = self.columns, AMPLE * len(self.held.customers)
         coupled = self.held.flags & (k.GROUPED | k.RELOADING | k.RECHARGING)  # routes of two answers do not go together then
         course.anneals = 1 if coupled or ruins < ample else ANNEALS
-        course.hot *= min(1.0, max(COOLEST, ruins / ample))
+        if len(self.held.customers) >= LARGE:
+            course.hot *= min(1.0, max(COOLEST, ruins / ample))
 
     def go_on(self, course: Course, share: float, done: int) -> None:
         """Keep the answer of an anneal, and begin the next one: from nothing, or from an answer made of two."""

@@ -48,7 +48,7 @@ FINE = (100_000, 10_000, 1_000, 100, 10)
 """Scales of data that three decimals cannot hold: the first that leaves room."""
 
 WRONG_BY = 0.1
-"""By which it may tell a value or a bound of whole numbers wrong."""
+"""Largest error of a value or a bound that it prints, where all costs are whole numbers."""
 
 TIMED = frozenset({"time-windows", "depot-windows", "shifts", "max-duration"})
 """Features for which it has to know how long moves take."""
@@ -151,7 +151,7 @@ class Proof:
 
     @property
     def modules(self) -> tuple[str, ...]:
-        """What is loaded before time is counted."""
+        """Modules that are loaded before time is counted."""
         return ("VRPSolverEasy.src.solver",)
 
     def __call__(self, control: Control) -> RawResult:
@@ -382,7 +382,7 @@ BRANCHES = b"Strong branching"
 """Begins what is printed of nodes below the root."""
 
 LONG, SIX_DIGITS = 1e6, 5e-6
-"""Where whole numbers are not printed in full, and by how much they may then be wrong."""
+"""Size from which numbers are printed with six digits, and the largest part by which they are wrong then."""
 
 
 @contextmanager

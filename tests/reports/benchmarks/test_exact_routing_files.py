@@ -1,4 +1,4 @@
-"""Who proves which benchmark files: what is run, what is kept, and what is told of it."""
+"""Benchmark files and their provers: each run, its result in a file, and the tables that are printed."""
 
 from __future__ import annotations
 

@@ -82,3 +82,7 @@ def test_evidence_that_no_leaf_can_need_is_dropped(monkeypatch: pytest.MonkeyPat
         evidence = branching_tree_bound(problem, Stop(30.0))
         if known is not None and evidence is not None:
             assert verified_bound(problem, evidence) == pytest.approx(float(known[0]), rel=1e-9, abs=1e-9)
+
+
+def test_the_size_of_evidence_counts_the_numbers_in_lists_of_lists_and_of_objects() -> None:
+    assert proof_tree._size({"visits": [1.0, 2.0], "remembered": [[], [1, 2], [3]], "rows": [{"sites": [1, 2, 3], "price": -1.0}]}) == 9

@@ -25,8 +25,9 @@ from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
-from waybound.solvers.bounds.routing import branch_price_cut
+from waybound.solvers.bounds.routing import branch_price_cut, column_generation
 from waybound.solvers.bounds.routing.branch_price_cut import branch_price_cut_bound
+from waybound.solvers.bounds.routing.column_generation import ColumnGeneration
 from waybound.solvers.linear_programs import LinearPrograms
 
 PROVED = (
@@ -84,7 +85,7 @@ def test_nothing_more_than_the_optimum_is_proved(problem: RoutingProblem) -> Non
 def test_the_root_is_the_linear_relaxation_of_set_partitioning(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     problem = small("time-windows", seed, "exact")
     monkeypatch.setattr(branch_price_cut.Tree, "branch", lambda self, node: False)
-    monkeypatch.setattr(branch_price_cut.Tree, "_cut", lambda self, solved, rows: False)
+    monkeypatch.setattr(ColumnGeneration, "cut", lambda self, solved, rows: False)
     monkeypatch.setattr(branch_price_cut, "first_answer", lambda *arguments: None)
     evidence = branch_price_cut_bound(problem, Stop(60.0))
     assert evidence is not None and evidence.kind == "set-partitioning-duals"
@@ -126,7 +127,7 @@ def test_capacities_alone_take_branchings(seed: int) -> None:
 
 def test_numbers_of_routes_and_moves_are_branched_on(monkeypatch: pytest.MonkeyPatch) -> None:
     seen = set[str]()
-    monkeypatch.setattr(branch_price_cut.Tree, "_cut", lambda self, solved, rows: False)
+    monkeypatch.setattr(ColumnGeneration, "cut", lambda self, solved, rows: False)
     for seed in range(12):
         evidence = branch_price_cut_bound(plane(seed, 9, 17.0), Stop(60.0))
         if evidence.kind == "branching-tree":
@@ -147,7 +148,7 @@ def test_a_fleet_that_is_too_small_for_the_packing_is_proved_so() -> None:
 
 @pytest.mark.slow
 def test_more_is_remembered_where_a_route_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(branch_price_cut, "MEMORY", 0)
+    monkeypatch.setattr(column_generation, "MEMORY", 0)
     for seed in range(4):
         problem = plane(seed, 6, 20.0)
         best, evidence = best_values(problem), branch_price_cut_bound(problem, Stop(60.0))
@@ -155,7 +156,7 @@ def test_more_is_remembered_where_a_route_comes_back(monkeypatch: pytest.MonkeyP
 
 
 def test_where_labels_are_too_many_it_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(branch_price_cut, "LABELS", 5)
+    monkeypatch.setattr(column_generation, "LABELS", 5)
     assert branch_price_cut_bound(plane(1, 10, 30.0), Stop(10.0)) is None
 
 

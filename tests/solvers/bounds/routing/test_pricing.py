@@ -13,7 +13,7 @@ from small_routing import small
 from waybound.formulations.stop import NEVER
 from waybound.solvers.bounds.routing import label_kernels
 from waybound.solvers.bounds.routing.arcs import arc_costs
-from waybound.solvers.bounds.routing.branch_price_cut import Tree
+from waybound.solvers.bounds.routing.column_generation import ColumnGeneration
 from waybound.solvers.bounds.routing.subset_rows import SubsetRow
 
 FEATURES = ("capacity", "time-windows", "service-times", "max-distance", "max-duration")
@@ -22,8 +22,8 @@ FEATURES = ("capacity", "time-windows", "service-times", "max-distance", "max-du
 class Truth:
     """All walks of a small problem that keep its levels and come back to nobody whom they remember, and what they cost."""
 
-    def __init__(self, tree: Tree, reduced: np.ndarray, near: np.ndarray, cuts: list[SubsetRow], fines: np.ndarray) -> None:
-        self.ahead, self.reduced, self.near, self.cuts, self.fines = tree.pricer.ends[0], reduced, near, cuts, fines
+    def __init__(self, columns: ColumnGeneration, reduced: np.ndarray, near: np.ndarray, cuts: list[SubsetRow], fines: np.ndarray) -> None:
+        self.ahead, self.reduced, self.near, self.cuts, self.fines = columns.pricer.ends[0], reduced, near, cuts, fines
         self.walks: dict[tuple[int, ...], float] = {}
         self._extend((), self.ahead.start, 0.0, frozenset(), (0,) * len(cuts))
 
@@ -59,8 +59,8 @@ def test_the_cheapest_routes_are_found_and_the_cheapest_over_each_move(feature: 
     problem = small(feature, seed, "exact")
     arcs = arc_costs(problem)
     assert arcs is not None
-    tree = Tree(problem, arcs, None, NEVER, 1)
-    n, pricer = len(arcs.cost), tree.pricer
+    columns = ColumnGeneration(problem, arcs, NEVER, lambda bound: False, 1)
+    n, pricer = len(arcs.cost), columns.pricer
     near = rng.random((n, n)) < 0.6
     near[1:, 1:] |= np.eye(n - 1, dtype=bool)
     cuts = []
@@ -70,12 +70,12 @@ def test_the_cheapest_routes_are_found_and_the_cheapest_over_each_move(feature: 
         memory[list(customers)] = True
         cuts.append(SubsetRow(customers, memory))
     fines = -rng.uniform(0.0, 10.0, len(cuts))
-    reduced = arcs.cost.copy()
-    reduced[:, 1:] -= np.where(rng.random(n - 1) < 0.8, rng.uniform(0.0, 1.2, n - 1), 0.0) * tree.dearest
+    reduced = columns.arcs.cost.copy()
+    reduced[:, 1:] -= np.where(rng.random(n - 1) < 0.8, rng.uniform(0.0, 1.2, n - 1), 0.0) * columns.dearest
     pricer.restrict(np.isfinite(reduced), near, cuts)
-    truth = Truth(tree, reduced, near, cuts, fines)
+    truth = Truth(columns, reduced, near, cuts, fines)
     least = min(truth.walks.values(), default=math.inf)
-    close = 1e-6 * tree.dearest
+    close = 1e-6 * columns.dearest
     for both, halfway in itertools.product((True, False), (0.2, 0.5, 0.9)):
         pricer.bidirectional, pricer.halfway = both, int(halfway * pricer.top[0])
         for below in (math.inf, 0.0):
@@ -89,7 +89,7 @@ def test_the_cheapest_routes_are_found_and_the_cheapest_over_each_move(feature: 
         _, value, totals, routes = pricer.search(NEVER, reduced, fines, how, 10, 0.0)
         assert value >= least - close
         assert all(truth.walks[tuple(r.tolist())] == pytest.approx(t, abs=close) for r, t in zip(routes, totals.tolist(), strict=True))
-    below = least + tree.dearest if math.isfinite(least) else 0.0
+    below = least + columns.dearest if math.isfinite(least) else 0.0
     costs = pricer.arc_costs(NEVER, reduced, fines, below)
     assert costs is not None
     for i, j in np.argwhere(np.isfinite(reduced)).tolist():

@@ -33,8 +33,18 @@ def test_options_are_checked_and_limits_are_kept_to() -> None:
     problem = plane(3, 12, 25.0)
     with pytest.raises(UsageError, match="columns"):
         wb.solve(problem, "branch-price-cut", no_such=1)
+    for name, value in (("columns", 0), ("labels", 1), ("memory", -1)):
+        with pytest.raises(UsageError, match=f"option {name} must be at least"):
+            wb.solve(problem, "branch-price-cut", **{name: value})
     few = wb.solve(problem, "branch-price-cut", labels=5, bound_time=0)
-    assert few.status == "feasible" and few.objective >= wb.solve(problem, "branch-price-cut").objective
+    assert (few.status, few.limit) == ("feasible", "memory") and few.objective >= wb.solve(problem, "branch-price-cut").objective
+
+
+def test_a_gap_ends_it_early_and_is_kept_to() -> None:
+    problem = plane(4, 14, 30.0)
+    whole, near = wb.solve(problem, "branch-price-cut"), wb.solve(problem, "branch-price-cut", gap=0.5)
+    assert whole.status == "optimal" and near.bound_kind == "verified"
+    assert near.bound <= whole.objective <= near.objective and near.objective - near.bound <= 0.5 * near.objective
 
 
 def test_what_it_cannot_price_it_refuses_by_name() -> None:

@@ -186,3 +186,17 @@ def test_a_course_cools_down_once_or_begins_again() -> None:
     assert not course.next(2 * each, 1000, 40)
     assert course.warmth(0.7, 1000) == pytest.approx(100.0 * ruin_recreate.REWARMED)
     assert not course.over(0.7, 1039) and course.over(0.7, 1040)
+
+
+def test_one_anneal_of_many_customers_begins_cooler_the_less_time_there_is() -> None:
+    from types import SimpleNamespace
+
+    def begun(customers: int, ruins_each: float) -> tuple[int, float]:
+        from waybound.solvers.engines.routing.ruin_recreate_steps import columns
+
+        course, held = ruin_recreate.Course(100.0, 1.0), SimpleNamespace(flags=0, customers=range(customers))
+        ruin_recreate._Search.plan(SimpleNamespace(columns=columns, held=held), course, ruins_each * customers)
+        return course.anneals, course.hot
+
+    assert begun(400, 12_000) == (ruin_recreate.ANNEALS, 100.0) and begun(400, 6_000) == (1, 50.0) and begun(400, 10) == (1, 25.0)
+    assert begun(299, 10) == (1, 100.0)

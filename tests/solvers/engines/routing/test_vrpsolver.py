@@ -138,7 +138,7 @@ def test_last_words_are_those_of_an_error(tmp_path: Path) -> None:
 
 
 def said(status: int, *, bound: float = 0.0, value: float = 0.0, routes=(), message: str = "said", start: Routes | None = None, nodes=1):
-    """What becomes of the words of a library that only says them."""
+    """A result of the wrapper for a solution of the library with this status and these figures."""
     asked = model(small("capacity", 0, "round"))
     if start is not None:
         assert asked.begin(start)

@@ -1,0 +1,73 @@
+"""The linear program of a node: its value is that of all routes, rays prove that there are none, and dropped routes are not missed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from draws import draws
+from oracles import set_partitioning_bound
+from patience import HANG
+from small_routing import plane, small
+from truth.routing import best_values
+
+from waybound import RoutingProblem, Sites, Travel, VehicleType
+from waybound.formulations.routing.checking.relaxation import relax
+from waybound.formulations.stop import Stop
+from waybound.solvers.bounds.routing.arcs import arc_costs
+from waybound.solvers.bounds.routing.column_generation import ColumnGeneration, Part
+
+
+def prepared(problem: RoutingProblem) -> tuple[ColumnGeneration, Part]:
+    arcs = arc_costs(problem)
+    assert arcs is not None
+    columns = ColumnGeneration(problem, arcs, Stop(HANG), lambda bound: False, 1)
+    return columns, Part(columns.arcs.cost, arcs.fewest, arcs.most)
+
+
+@pytest.mark.parametrize("seed", range(draws(20)))
+def test_the_bound_is_the_linear_relaxation_over_all_routes(seed: int) -> None:
+    problem = small("time-windows", seed, "exact")
+    relaxed = relax(problem)
+    assert relaxed is not None
+    if best_values(problem) is None:
+        return
+    columns, part = prepared(problem)
+    solved = columns.solve(part, None)
+    truth = set_partitioning_bound(problem, relaxed.fewest)
+    assert solved.status == "done" and solved.bound * columns.unit == pytest.approx(truth, rel=1e-7)
+    assert columns.value(part) * columns.unit == pytest.approx(truth, rel=1e-7)
+
+
+def test_too_few_vehicles_for_the_packing_end_in_a_ray_at_any_size_of_the_costs() -> None:
+    for size in (1e-3, 1.0, 1e6):
+        at = size * np.random.default_rng(1).integers(0, 50, (8, 2)).astype(float)
+        sites = Sites.of(range(8), demand=[0, 7, 7, 7, 7, 7, 1, 0])  # 36 of 36, but no three sevens fit into 18
+        columns, part = prepared(RoutingProblem(sites, Travel("euclidean", at), (VehicleType(2, 18.0),)))
+        solved = columns.solve(part, None)
+        assert (solved.status, solved.bound) == ("enough", math.inf) and solved.prices is not None
+
+
+def test_moves_are_hopeless_only_where_every_route_over_them_costs_too_much() -> None:
+    problem = plane(2, 8, 25.0)
+    columns, part = prepared(problem)
+    solved = columns.solve(part, None)
+    all_of_them, none = columns.hopeless(part, solved, -2.0 * columns.dearest), columns.hopeless(part, solved, 1e3 * columns.dearest)
+    assert all_of_them is not None and none is not None
+    inner = np.isfinite(part.cost)
+    assert all_of_them[inner].all() and not none.any()
+
+
+def test_routes_that_are_dropped_leave_the_value_as_it_is() -> None:
+    problem = plane(3, 14, 30.0)
+    columns, part = prepared(problem)
+    solved = columns.solve(part, None)
+    before, many = columns.value(part), len(columns.pool)
+    import waybound.solvers.bounds.routing.column_generation as module
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "FEW", 0)
+        columns.purge(solved, solved, 0.0)
+    assert len(columns.pool) < many and columns.value(part) == pytest.approx(before)
+    assert len(solved.values) == len(columns.pool)
