@@ -122,6 +122,7 @@ class ColumnGeneration:
         self.dear = 1.0
         self.master = self._new_master([])
         self.phase_one: Master | None = None
+        self.full = False  # whether labels or routes ever were too many
 
     def _nearest(self, far: Floats, memory: int) -> Flags:
         """The customers who are remembered at each node to begin with, each at his own too."""
@@ -196,6 +197,7 @@ class ColumnGeneration:
             point = master.solve(self.stop)
             if point.status != "optimal" or len(self.pool) > self.most_columns:
                 best.status = "stopped" if self.stop.reached() else "full"
+                self.full = self.full or best.status == "full"
                 return best
             prices = point.prices
             assert prices is not None
@@ -205,6 +207,7 @@ class ColumnGeneration:
                 status, least, routes = self._priced(part, at, how, step)
                 if status != 0:
                     best.status = "stopped" if status == STOPPED else "full"
+                    self.full = self.full or best.status == "full"
                     return best
                 bound = self._lagrangian(at, least, part)
                 if how != EXACT and bound > guess:  # no bound, but a good place to be near to

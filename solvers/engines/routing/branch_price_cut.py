@@ -99,7 +99,7 @@ class BranchPriceCut(Engine):
             value = judged.values[0]
             status = "optimal" if bound >= value or same(bound, value, judged.size, judged.precision) else "feasible"
         closed = status in ("optimal", "infeasible")
-        limit = "none" if closed else "gap" if tree.reached(bound) else stop.reached() or "memory"
+        limit = "none" if closed else "gap" if tree.reached(bound) else stop.reached() or ("memory" if tree.columns.full else "time")
         return RawResult(
             status, limit, answer, value, bound if found else None, statistics=statistics, message=message, evidence=found,
             holds=Exactness.EXACT,
