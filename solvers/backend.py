@@ -161,6 +161,7 @@ class Control:
         self.evidence: tuple[Evidence, ...] = ()
         self.goal: Callable[[Any, float | None], bool] | None = None
         self.nodes: int | None = None
+        self.counts: dict[str, int] = {}
         self.set_up: float | None = None
         self.setting_up = False
         self.on_set_up: Callable[[float], None] | None = None
@@ -192,11 +193,12 @@ class Control:
         with self._lock:
             self._closed = True
 
-    def count(self, nodes: int) -> None:
-        """Nodes of branch and bound that are done: told with what is published next, here and by whom this hands on to."""
-        self.nodes = nodes
+    def count(self, nodes: int, **further: int) -> None:
+        """Nodes of branch and bound that are done, and what else an engine counts: told with what is published next, here and by whom this
+        hands on to."""
+        self.nodes, self.counts = nodes, further
         if self._counts_for is not None:
-            self._counts_for.count(nodes)
+            self._counts_for.count(nodes, **further)
 
     def begin_set_up(self) -> None:
         """The engine begins to make its own model of what it was given, which counts against its limit and may take much of it."""
@@ -230,7 +232,7 @@ class Control:
             if evidence:
                 self.evidence = evidence
             seconds = time.perf_counter() - self.started
-            event = {"seconds": seconds, "objective": self.objective, "bound": self.bound, "nodes": self.nodes}
+            event = {"seconds": seconds, "objective": self.objective, "bound": self.bound, "nodes": self.nodes, "counts": self.counts}
         if self._progress is not None:
             self._progress(event)
         if answer is not None and self.goal is not None and not self.stopped and self.goal(answer, objective):

@@ -143,9 +143,9 @@ class _Child:
         elif message.kind == "off the clock":
             self._stands(*message.value)
         elif message.kind == "incumbent":
-            *found, nodes = message.value
+            *found, nodes, counts = message.value
             if nodes is not None:
-                self.control.count(nodes)
+                self.control.count(nodes, **counts)
             self.control.publish(*found)
         elif message.kind == "done":
             result = message.value
@@ -230,7 +230,7 @@ class _Relay(Control):
         self, answer: Any = None, objective: float | None = None, bound: float | None = None, evidence: tuple[Evidence, ...] = ()
     ) -> None:
         super().publish(answer, objective, bound, evidence)
-        self.send("incumbent", (answer, objective, bound, evidence, self.nodes))
+        self.send("incumbent", (answer, objective, bound, evidence, self.nodes, self.counts))
 
     def begin_set_up(self) -> None:
         super().begin_set_up()

@@ -83,7 +83,7 @@ class Progress:
     def line(self) -> str:
         """The live line: phase, seconds and limit, incumbent, bound, gap."""
         from ..formulations.rendering import number, percent
-        from ..solving.search_log import open_gap
+        from ..solving.search_log import counts_of, open_gap
 
         with self._lock:
             e, limit, now, compiling = self._event, self._limit, time.perf_counter(), self._compiling
@@ -97,9 +97,7 @@ class Progress:
         gap = open_gap(e["objective"], e["bound"])
         if gap is not None:
             parts.append(f"gap {percent(gap)}")
-        if e.get("nodes") and e["phase"] == "solve":
-            parts.append(f"{e['nodes']} node{'s' if e['nodes'] != 1 else ''}")
-        return ", ".join(parts)
+        return ", ".join([*parts, *(counts_of(e) if e["phase"] == "solve" else [])])
 
     def _rendered(self) -> Any:
         from rich.text import Text

@@ -64,7 +64,7 @@ class Recorder:
 
         def hear(event: dict[str, Any]) -> None:
             value, bound = (event.get("objective") if answers else None), (event.get("bound") if bounds else None)
-            self._take("solve", value, bound, "claimed", who, event.get("nodes"))
+            self._take("solve", value, bound, "claimed", who, {"nodes": event.get("nodes"), "counts": event.get("counts", {})})
 
         return hear
 
@@ -90,7 +90,7 @@ class Recorder:
             self.events.append(Event(self._seconds(), "check", values, bounds, solution.bound_kind, solution.solver))
             return tuple(self.events)
 
-    def _take(self, phase: str, value: Any, bound: Any, kind: str, who: str, nodes: int | None = None) -> None:
+    def _take(self, phase: str, value: Any, bound: Any, kind: str, who: str, counted: dict[str, Any] | None = None) -> None:
         news = False
         with self._lock:
             values = _levels(value)
@@ -108,7 +108,7 @@ class Recorder:
             shown = list(best) if isinstance(best, tuple) else best
             told = {
                 "phase": phase, "seconds": seconds, "objective": shown, "bound": known, "bound_kind": known_kind, "found_by": who,
-                "nodes": nodes,
+                **(counted or {"nodes": None, "counts": {}}),
             }  # fmt: skip
         if news or phase == "solve":
             for listener in self._listeners:

@@ -11,7 +11,7 @@ import math
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
 from types import TracebackType
@@ -37,6 +37,15 @@ _PHASES = {"solve": "searching", "bound": "bounding", "check": "checking"}
 _KINDS = {
     "claimed": "its own figure", "evidence": "its evidence is checked at the end", "verified": "checked",
 }  # fmt: skip
+
+
+def counts_of(event: Mapping[str, Any]) -> list[str]:
+    """Nodes of branch and bound, once there are any, and what else the engine counts, in words."""
+    nodes = event.get("nodes")
+    if nodes is None:
+        return []
+    further = [f"{count:,} {name}" for name, count in (event.get("counts") or {}).items()]
+    return [*([f"{nodes} node{'s' if nodes != 1 else ''}"] if nodes else []), *further]
 
 
 class SearchLog:
@@ -154,8 +163,8 @@ class SearchLog:
 
     def _nodes(self, between: str) -> str:
         """The nodes of branch and bound, once there are any and as long as they are searched."""
-        nodes = self._event.get("nodes") if self._phase == "solve" else None
-        return f"{between}{nodes} node{'s' if nodes != 1 else ''}" if nodes else ""
+        counted = counts_of(self._event) if self._phase == "solve" else []
+        return between + ", ".join(counted) if counted else ""
 
     def _run(self) -> None:
         while not self._done.wait(APART):

@@ -2,13 +2,13 @@
 
 The best prices of a node's linear program are its evidence; the checker goes through them with labels of its own. Subset-row and capacity
 cuts are added while they help. Moves that no better answer can make are left out by a branching of their own. Else branchings are on the
-number of routes, then on single moves. docs/branch-price-cut.md
+number of routes, then on visits, on the types of vehicle that make them, and on single moves. docs/branch-price-cut.md
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -23,11 +23,12 @@ from ....instances.errors import InputError
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from ..proof_tree import Node, ProofTree
-from .arcs import Arcs, Flags, Floats, arc_costs, by_site, lacks_arc_costs
+from .arcs import Flags, Floats, by_site
 from .column_generation import WHOLE, ColumnGeneration, Part, Solved
 from .first_answer import RUINS, first_answer
 from .load_cuts import LoadCut
 from .restricted_master import Prices
+from .set_partition import SetPartition, lacks_route_costs, set_partition
 from .subset_rows import SubsetRow
 
 if TYPE_CHECKING:
@@ -42,8 +43,8 @@ OPENING = 0.1
 AGAIN, DOUBTFUL = 10, 0.006
 """Factor on the ruins of another search for an answer, and the part of its value that must still be open for that after some cuts."""
 
-MERGED = 0.4
-"""Share of the time for several types of vehicle, after which other methods have their turn."""
+SHARED = 0.4
+"""Share of the time for several types of vehicle, or sites that may be left out, after which other methods have their turn."""
 
 ROUNDS, WORTH = 4, 0.03
 """Cuts are added until so many rounds together close less than this share of the gap; one round where something was branched on."""
@@ -53,7 +54,11 @@ SMALLER, MANY = 0.85, 0.02
 share of all."""
 
 CANDIDATES, PRICED = 20, 3
-"""Moves that are tried over the routes at hand before one is branched on, and those of them that are tried with further routes too."""
+"""Statements that are tried over the routes at hand before one is branched on, and those of them that are tried with further routes too."""
+
+CLAIM = 1e-8
+"""Part of the largest cost of a move by which more is claimed of the cheapest route than labels in rounded numbers found: whatever costs less
+is looked at by the checker."""
 
 LEAST_GAIN = 1e-6
 """Least gain of a branching in a product of two gains, as a part of the largest cost of a move."""
@@ -61,8 +66,9 @@ LEAST_GAIN = 1e-6
 
 @dataclass(eq=False)
 class _Node(Node):
-    """A node and its linear relaxation: ``prices`` of its best bound, where its children begin; ``flow``, shape (nodes, nodes), how often
-    its linear program makes each move, and its ``value``; the ``gap`` at which hopeless moves were last looked for."""
+    """A node and its linear relaxation: ``prices`` of its best bound, where its children begin; ``flow``, shape (types, nodes, nodes), how
+    often vehicles of each type make each move in its linear program, and its ``value``; the ``gap`` at which hopeless moves were last
+    looked for."""
 
     prices: Prices | None = None
     flow: Floats | None = None
@@ -78,27 +84,28 @@ class _Node(Node):
 class Tree(ProofTree[_Node]):
     """A tree over moves and numbers of routes.
 
-    ``answer`` is the best answer so far; ``most`` are those of ``ColumnGeneration``; ``on_answer`` hears of better answers, and ``gap`` is
-    the part of the target that may stay open.
+    ``answer`` is the best answer so far; ``most`` are those of ``ColumnGeneration``; ``on_answer`` hears of better answers, ``on_step``
+    of the bound after some work, and ``gap`` is the part of the target that may stay open.
     """
 
     def __init__(
-        self, problem: RoutingProblem, arcs: Arcs, target: float | None, stop: Stop, seed: int, *, answer: Routes | None = None,
-        most: Mapping[str, int] | None = None, on_answer: Callable[[Routes, float], None] = lambda answer, value: None, gap: float = 0.0,
+        self, problem: RoutingProblem, partition: SetPartition, target: float | None, stop: Stop, seed: int, *,
+        answer: Routes | None = None, most: Mapping[str, int] | None = None, gap: float = 0.0,
+        on_answer: Callable[[Routes, float], None] = lambda answer, value: None, on_step: Callable[[float], None] = lambda bound: None,
     ) -> None:  # fmt: skip
         super().__init__(problem, _Node(None), target, stop)
-        self.routing, self.customers, self.fewest, self.most, self.seed = problem, arcs.customers, arcs.fewest, arcs.most, seed
-        self.answer, self.on_answer, self.gap, self.whole = answer, on_answer, gap, stop
-        self.grain = grain(arcs.cost[np.isfinite(arcs.cost)])
-        self.columns = ColumnGeneration(problem, arcs, stop, self._enough, seed, most)
-        self.cost, self.unit = self.columns.arcs.cost, self.columns.unit
+        self.routing, self.partition, self.customers, self.seed = problem, partition, partition.customers, seed
+        self.answer, self.on_answer, self.on_step, self.gap, self.whole = answer, on_answer, on_step, gap, stop
+        costs = partition.cost
+        self.grain = grain(np.append(costs[np.isfinite(costs)], partition.constant))
+        self.columns = ColumnGeneration(problem, partition, stop, self._enough, seed, most)
+        self.cost, self.unit = self.columns.cost, self.columns.unit
         self.fixing, self.rounds = True, 0
         ids = problem.sites.ids
-        starts, ends = {v.start for v in problem.fleet}, {v.end for v in problem.fleet}
-        self.one_depot = len(starts) == len(ends) == 1
-        self.tails = [ids[min(starts)] if self.one_depot else "", *(ids[site] for site in arcs.customers.tolist())]
-        self.heads = [ids[min(ends)] if self.one_depot else "", *self.tails[1:]]
-        self.index = {ids[site]: k for k, site in enumerate(arcs.customers.tolist(), start=1)}
+        self.starts, self.ends = sorted({ids[v.start] for v in problem.fleet}), sorted({ids[v.end] for v in problem.fleet})
+        self.one_depot = len(self.starts) == len(self.ends) == 1
+        self.ids = ["", *(ids[site] for site in self.customers.tolist())]
+        self.index = {site: node for node, site in enumerate(self.ids) if node}
         if answer is not None:
             self.columns.add(answer)
 
@@ -110,31 +117,49 @@ class Tree(ProofTree[_Node]):
 
     def counts(self) -> dict[str, int]:
         """Routes, cuts and labels, for statistics."""
-        return {"columns": len(self.columns.pool), "cuts": len(self.columns.master.cuts), "labels": self.columns.pricer.labels}
+        return {"columns": len(self.columns.pool), "cuts": len(self.columns.master.cuts), "labels": self.columns.labels}
 
     # -- nodes -------------------------------------------------------------------------------------------------------
 
     def _part(self, node: _Node) -> Part:
-        cost, fewest, most = self.cost.copy(), self.fewest, self.most
+        cost, fewest, most = self.cost.copy(), self.partition.fewest, self.partition.most
+        row, left_out = self.partition.row, self.partition.optional.copy()
+
+        def visited(i: int) -> None:
+            left_out[row[i]] = False
+            others = (row == row[i]) & (np.arange(len(row)) != i)
+            cost[:, others] = cost[:, :, others] = math.inf
+
         for statement, holds in node.decisions():
             if "routes" in statement:
                 fewest, most = (fewest, min(most, statement["routes"])) if holds else (max(fewest, statement["routes"] + 1), most)
-                continue
-            if "moves" in statement:
+            elif "moves" in statement:  # what some route makes of them is proved without its linear program
                 for tail, heads in statement["moves"].items():
-                    cost[self.index.get(tail, 0), [self.index.get(head, 0) for head in heads]] = math.inf
-                continue
-            i, j = (self.index.get(site, 0) for site in statement["arc"])
-            if not holds:
-                cost[i, j] = math.inf
-                continue
-            kept = cost[i, j]
-            if i:
-                cost[i] = math.inf
-            if j:
-                cost[:, j] = math.inf
-            cost[i, j] = kept
-        return Part(cost, fewest, most)
+                    cost[:, self.index.get(tail, 0), [self.index.get(head, 0) for head in heads]] = math.inf
+            elif "visited" in statement:
+                i, by = self.index[statement["visited"]], statement.get("by")
+                if holds:
+                    visited(i)
+                if by is not None or not holds:
+                    named = np.array([by is None or any(vehicle in by for vehicle, _ in one.vehicles) for one in self.partition.types])
+                    barred = named != holds
+                    cost[barred, i] = math.inf
+                    cost[barred, :, i] = math.inf
+            else:
+                i, j = (self.index.get(site, 0) for site in statement["arc"])
+                if not holds:
+                    cost[:, i, j] = math.inf
+                    continue
+                kept = cost[:, i, j].copy()
+                for k in (i, j):
+                    if k:
+                        visited(k)
+                if i:
+                    cost[:, i] = math.inf
+                if j:
+                    cost[:, :, j] = math.inf
+                cost[:, i, j] = kept
+        return Part(cost, fewest, most, left_out)
 
     def look(self, node: _Node) -> bool:
         part, parent, first = self._part(node), node.parent, node.first
@@ -147,7 +172,7 @@ class Tree(ProofTree[_Node]):
         if hopeless is not None:
             if node is self.root:
                 self._prove(node, solved)
-            left_out = self._without(node, solved, hopeless)
+            left_out = self._without(node, solved, *hopeless)
             if left_out or (left_out is None and not first):
                 return bool(left_out)
             # The checker did not follow, or there was no time for the rest: then what was proved of all moves counts.
@@ -165,10 +190,10 @@ class Tree(ProofTree[_Node]):
             self._keep(node, part, solved)
         return True
 
-    def _solved(self, node: _Node, part: Part) -> tuple[Solved, Flags | None]:
+    def _solved(self, node: _Node, part: Part) -> tuple[Solved, tuple[Flags, float] | None]:
         """The linear program of a node with its cuts, or its end before them with moves that no better answer makes."""
-        if part.fewest > part.most or len(part.cost) < 2:
-            return Solved("enough", math.inf, Prices(0.0, np.zeros(len(part.cost)), {})), None
+        if part.fewest > part.most:
+            return Solved("enough", math.inf, Prices(np.zeros(len(part.cost)), np.zeros(part.cost.shape[1]), {})), None
         columns = self.columns
         columns.stop = self.stop
         best, bounds, rows = Solved("stopped"), list[float](), not node.first
@@ -183,6 +208,7 @@ class Tree(ProofTree[_Node]):
                 return solved, hopeless
             columns.purge(solved, best, self.target / self.unit - solved.bound)
             bounds.append(solved.bound)
+            self.on_step(-math.inf)
             self.rounds += node.first
             if self.rounds == ROUNDS and node.first:
                 self._look_again(solved.bound)
@@ -198,23 +224,31 @@ class Tree(ProofTree[_Node]):
                 return solved, None
             rows = rows or not found
 
-    def _hopeless(self, node: _Node, part: Part, solved: Solved) -> Flags | None:
-        """Moves that no better answer makes, if there are many since the gap was last so much larger."""
+    def _hopeless(self, node: _Node, part: Part, solved: Solved) -> tuple[Flags, float] | None:
+        """Moves that no better answer makes, if there are many since the gap was last so much larger, and by how much more than the
+        cheapest route one over them costs."""
         gap = self.target / self.unit - solved.bound
-        if not self.fixing or not self.one_depot or not gap < SMALLER * node.gap:
+        if not self.fixing or not gap < SMALLER * node.gap:
             return None
         node.gap = gap
         if self.grain is not None:  # what is above the last multiple before the target is lifted to it
             gap -= self.grain.size / self.unit * (1.0 - 1e-4)
         hopeless = self.columns.hopeless(part, solved, gap)
-        return hopeless if hopeless is not None and hopeless.sum() > MANY * np.isfinite(part.cost).sum() else None
+        many = MANY * np.isfinite(part.cost).any(axis=0).sum()
+        return (hopeless, gap + 0.5 * self.columns.step) if hopeless is not None and hopeless.sum() > many else None
 
-    def _without(self, node: _Node, solved: Solved, hopeless: Flags) -> bool | None:
-        """Leave moves out: a branching of which one side is proved at once; whether it was, None where there was no time for the other."""
-        moves = {self.tails[i]: [self.heads[j] for j in np.nonzero(row)[0]] for i, row in enumerate(hopeless) if row.any()}
+    def _without(self, node: _Node, solved: Solved, hopeless: Flags, more: float) -> bool | None:
+        """Leave moves out over which routes cost ``more`` than the cheapest: a branching of which one side is proved at once.
+
+        Whether it was; None where there was no time for the other side.
+        """
+        moves = {}
+        for i, row in enumerate(hopeless):
+            heads = [site for j in np.nonzero(row)[0].tolist() for site in (self.ids[j : j + 1] if j else self.ends)]
+            moves.update({site: heads for site in (self.ids[i : i + 1] if i else self.starts) if heads})
         used, rest = _Node(node, ({"moves": moves}, True)), _Node(node, ({"moves": moves}, False))
         self.begin(used)
-        self._prove(used, solved)
+        self._prove(used, solved, more)
         if not self.reached(used.bound):
             self.nodes.remove(used)
             return False
@@ -226,7 +260,7 @@ class Tree(ProofTree[_Node]):
 
     def _keep(self, node: _Node, part: Part, solved: Solved) -> None:
         """Let a node wait for its branching, unless an answer proves it or nothing is left to branch on."""
-        node.flow, node.value = self.columns.pool.flow(solved.values, len(part.cost)), solved.bound
+        node.flow, node.value = self.columns.pool.flow(solved.values, part.cost.shape), solved.bound
         whole = np.abs(solved.values - np.round(solved.values)) <= WHOLE
         if (whole.all() and self._is_best(node, solved.values)) or self._statement(node, part) is None:
             self.close(node)
@@ -240,9 +274,8 @@ class Tree(ProofTree[_Node]):
 
     def _is_best(self, node: _Node, values: Floats) -> bool:
         """Whether whole routes are an answer that meets the node's bound; an answer better than known moves the target."""
-        if len(self.routing.fleet) > 1:
-            return False
-        chosen = Routes.of([self.customers[self.columns.pool.routes[k] - 1].tolist() for k in np.nonzero(values > 0.5)[0]])
+        pool = self.columns.pool
+        chosen = self.partition.routes([(kind, walk.tolist()) for kind, walk in pool.drives(np.nonzero(values > 0.5)[0])])
         try:
             judged = self.routing.evaluate(chosen)
         except InputError:
@@ -250,7 +283,7 @@ class Tree(ProofTree[_Node]):
         if not judged.feasible:
             return False
         self._learn(chosen, judged.values[0])
-        return same(node.bound, judged.values[0], judged.size, judged.precision)
+        return same(node.bound, self.sign * judged.values[0], judged.size, judged.precision)
 
     def _look_again(self, bound: float) -> None:
         """Look for a better answer where the one at hand is far from a bound."""
@@ -264,19 +297,20 @@ class Tree(ProofTree[_Node]):
 
     def _learn(self, answer: Routes, value: float) -> None:
         """Take an answer if it is better than the one at hand."""
-        if value < self.target:
-            self.target, self.answer = value, answer
+        if self.sign * value < self.target:
+            self.target, self.answer = self.sign * value, answer
             self.on_answer(answer, value)
 
     # -- evidence ----------------------------------------------------------------------------------------------------
 
-    def _prove(self, node: _Node, solved: Solved) -> None:
+    def _prove(self, node: _Node, solved: Solved, more: float | None = None) -> None:
         """Prove a node by the prices of its best bound, in what is left of all the time."""
         stop, self.stop = self.stop, self.whole
-        self.prove(node, self.restricted(node), [self._evidence(solved)])
+        self.prove(node, self.restricted(node), [self._evidence(solved, more)])
         self.stop = stop
 
-    def _evidence(self, solved: Solved) -> Evidence:
+    def _evidence(self, solved: Solved, more: float | None) -> Evidence:
+        """The prices, and what they are said to prove of the cheapest route, and of those that make a needed move and cost ``more``."""
         prices, sites = solved.prices, self.customers
         assert prices is not None
         remembered: list[list[int]] = [[] for _ in self.routing.sites.ids]
@@ -292,12 +326,19 @@ class Tree(ProofTree[_Node]):
                 loads.append({"sites": sites[np.nonzero(cut.inside)[0] - 1].tolist(), "price": price * self.unit})
         ray = solved.bound == math.inf
         data |= ({"rows": rows} if rows else {}) | ({"loads": loads} if loads else {}) | ({"ray": True} if ray else {})
+        if not self.partition.merged:
+            data["apart"] = True
+        elif not ray and math.isfinite(least := float(solved.least.min(initial=math.inf))):
+            data["least"] = (least + CLAIM * self.columns.dearest) * self.unit
+            if more is not None:
+                data["least_needed"] = (least + more) * self.unit
         source = f"column generation, {len(rows) + len(loads)} cuts"
-        return Evidence("set-partitioning-duals", source, solved.bound * self.unit, data)
+        return Evidence("set-partitioning-duals", source, self.sign * solved.bound * self.unit, data)
 
     # -- branching ---------------------------------------------------------------------------------------------------
 
     def branch(self, node: _Node) -> bool:
+        self.on_step(min(self.closed, node.bound))
         statement = self._statement(node, self._part(node), try_them=True)
         assert statement is not None
         children = _Node(node, (statement, True)), _Node(node, (statement, False))
@@ -309,42 +350,62 @@ class Tree(ProofTree[_Node]):
     def _statement(self, node: _Node, part: Part, *, try_them: bool = False) -> dict[str, Any] | None:
         """The statement to branch on; None if nothing is left."""
         assert node.flow is not None
-        number = float(node.flow[0].sum())
-        if part.fewest < part.most and number > 1.0 and abs(number - round(number)) > WHOLE:
+        number = float(node.flow[:, 0].sum())
+        # With several types, each keeps its own number.
+        if len(part.cost) == 1 and part.fewest < part.most and number > 1.0 and abs(number - round(number)) > WHOLE:
             return {"routes": math.floor(number)}
-        usable = np.isfinite(part.cost)
+        undecided = [*self._visits(node.flow, part), *self._types(node.flow, part), *self._moves(node.flow, part)]
+        fractional = [(abs(value % 1.0 - 0.5), k) for k, (value, _) in enumerate(undecided) if WHOLE < value % 1.0 < 1.0 - WHOLE]
+        if not fractional:
+            used = (statement for value, statement in undecided if value > WHOLE)
+            return next(used, undecided[0][1] if undecided else None)
+        statements = [undecided[k][1] for _, k in sorted(fractional)[:CANDIDATES]]
+        if not try_them or len(statements) == 1:
+            return statements[0]
+        gains = [self._gain(node, statement) for statement in statements]
+        best = [statements[k] for k in np.argsort(gains, kind="stable")[::-1][:PRICED].tolist()]
+        gains = [self._gain(node, statement, priced=True) for statement in best] if len(best) > 1 else [1.0]
+        return best[int(np.argmax(gains))]
+
+    def _visits(self, flow: Floats, part: Part) -> Iterator[tuple[float, dict[str, Any]]]:
+        """Visits that need not be made, with how often they are, and the statements on them."""
+        row, can_be = self.partition.row, np.isfinite(part.cost).any(axis=(0, 1))
+        several = np.bincount(row, weights=can_be)[row] > 1.5
+        for i in np.nonzero(can_be & (several | part.left_out[row]))[0].tolist():
+            if i:
+                yield float(flow[:, :, i].sum()), {"visited": self.ids[i]}
+
+    def _types(self, flow: Floats, part: Part) -> Iterator[tuple[float, dict[str, Any]]]:
+        """Types of vehicle that more than one can visit a customer, with how often the first of them does, and the statements on them."""
+        can = np.isfinite(part.cost).any(axis=1)
+        visits = flow.sum(axis=1)
+        for i in np.nonzero(can.sum(axis=0) > 1)[0].tolist():
+            if i:
+                kind = int(np.argmax(np.where(can[:, i], visits[:, i], -1.0)))
+                by = [vehicle for vehicle, _ in self.partition.types[kind].vehicles]
+                yield float(visits[kind, i]), {"visited": self.ids[i], "by": by}
+
+    def _moves(self, flow: Floats, part: Part) -> Iterator[tuple[float, dict[str, Any]]]:
+        """Moves that are neither made nor left out for certain, with how often they are made, and the statements on them."""
+        usable, merged = np.isfinite(part.cost).any(axis=0), flow.sum(axis=0)
         more_out, more_in = usable.sum(axis=1) > 1, usable.sum(axis=0) > 1  # of customers, who are left and entered by one move
         more_out[0] = more_in[0] = True
         undecided = usable & more_out[:, None] & more_in[None, :]
         if not self.one_depot:  # a statement names one depot of several
             undecided[0] = undecided[:, 0] = False
-        middle = np.where(undecided, np.abs(node.flow - np.floor(node.flow) - 0.5), math.inf)
-        order = np.argsort(middle, axis=None, kind="stable")[:CANDIDATES]
-        pairs = [divmod(int(k), len(part.cost)) for k in order if math.isfinite(middle.flat[k])]
-        fractional = [pair for pair in pairs if middle[pair] < 0.5 - WHOLE]
-        if not fractional:
-            used = [(int(i), int(j)) for i, j in np.argwhere(undecided & (node.flow > WHOLE))]
-            pair = next(iter(used or pairs), None)
-            return None if pair is None else self._move(*pair)
-        if not try_them or len(fractional) == 1:
-            return self._move(*fractional[0])
-        gains = [self._gain(node, pair) for pair in fractional]
-        best = [fractional[k] for k in np.argsort(gains, kind="stable")[::-1][:PRICED].tolist()]
-        gains = [self._gain(node, pair, priced=True) for pair in best] if len(best) > 1 else [1.0]
-        return self._move(*best[int(np.argmax(gains))])
+        chosen = np.argwhere(undecided & (merged > WHOLE))
+        for i, j in (chosen if len(chosen) else np.argwhere(undecided)[:1]).tolist():
+            yield float(merged[i, j]), {"arc": [self.ids[i] if i else self.starts[0], self.ids[j] if j else self.ends[0]]}
 
-    def _gain(self, node: _Node, pair: tuple[int, int], *, priced: bool = False) -> float:
-        """Product of what the linear program gains on both sides of a move."""
+    def _gain(self, node: _Node, statement: dict[str, Any], *, priced: bool = False) -> float:
+        """Product of what the linear program gains on both sides of a statement."""
         product = 1.0
         for holds in (True, False):
             if self.stop.reached():
                 return 0.0
-            value = self.columns.value(self._part(_Node(node, (self._move(*pair), holds))), priced=priced)
+            value = self.columns.value(self._part(_Node(node, (statement, holds))), priced=priced)
             product *= max(LEAST_GAIN * self.columns.dearest, 0.0 if math.isnan(value) else value - node.value)
         return product
-
-    def _move(self, i: int, j: int) -> dict[str, Any]:
-        return {"arc": [self.tails[i], self.heads[j]]}
 
 
 def branch_price_cut_bound(
@@ -362,16 +423,16 @@ def branch_price_cut_bound(
     """
     if stop.reached() or not 0 < len(problem.customers) <= CUSTOMERS:
         return None
-    arcs = arc_costs(problem, stop)
-    if arcs is None or len(arcs.customers) == 0:
+    partition = set_partition(problem, stop)
+    if partition is None:
         return None
     seed = 1 if linear is None else linear.seed
-    if len(problem.fleet) > 1:  # merged into one type, they are seldom proved to the end
-        stop = stop.within(MERGED * stop.seconds_left)
+    if not partition.merged:
+        stop = stop.within(SHARED * stop.seconds_left)
     if target is None:
         answer = first_answer(problem, OPENING * stop.seconds_left, seed, stop)
         target = None if answer is None else problem.evaluate(answer).values[0]
-    tree = Tree(problem, arcs, target, stop, seed, answer=answer)
+    tree = Tree(problem, partition, target, stop, seed, answer=answer)
     tree.grow()
     return tree.evidence("routes")
 
@@ -384,6 +445,6 @@ KERNELS = (
 BOUNDS.add(
     "branch-price-cut",
     BoundMethod(
-        "branch-price-cut", of_family("routing", lacks_arc_costs), branch_price_cut_bound, order=1, aims=True, starts=True, kernels=KERNELS
+        "branch-price-cut", of_family("routing", lacks_route_costs), branch_price_cut_bound, 1, aims=True, starts=True, kernels=KERNELS
     ),
 )

@@ -16,18 +16,18 @@ import numpy as np
 
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
-from .arcs import Arcs, Flags, Floats, Longs
+from .arcs import Flags, Floats, Longs
 from .load_cuts import LoadCut, overloaded
 from .pricing import Pricer
-from .restricted_master import Cut, Master, Pool, Prices, coefficients
-from .route_levels import route_levels
+from .restricted_master import Cut, Drive, Master, Pool, Prices, coefficients
+from .set_partition import SetPartition
 from .subset_rows import SubsetRow, violated
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
 
 LABELS = 2_000_000
-"""Most labels from one end in one search for routes, some 120 bytes each."""
+"""Most labels from one end in one search for routes, of all types of vehicle together, some 120 bytes each."""
 
 FOUND, COLUMNS, EACH = 300, 50, 5
 """Most routes that are looked at and added at once, and those of one customer among them."""
@@ -59,11 +59,13 @@ WHOLE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Costs of the moves that a node of a tree allows, and its limits on the number of routes."""
+    """Costs of the moves that a node of a tree allows, shape (types, nodes, nodes), its limits on the number of routes, and the visits,
+    shape (1 + rows,), that may be ``left_out``."""
 
     cost: Floats
     fewest: int
     most: int
+    left_out: Flags
 
 
 @dataclass(eq=False)
@@ -71,14 +73,14 @@ class Solved:
     """The end of column generation, its ``status``: ``done``, ``enough`` (the prices prove enough), ``stopped`` or
     ``full``, of labels or of routes.
 
-    ``bound`` and ``prices`` are the best Lagrangian bound by the labels here, ``least`` the least reduced cost there; ``values`` and
-    ``reduced`` costs are those of the routes in the linear program; ``lacking`` is how many visits no route makes.
+    ``bound`` and ``prices`` are the best Lagrangian bound by the labels here, ``least`` the least reduced cost of each type there;
+    ``values`` and ``reduced`` costs are those of the routes in the linear program; ``lacking`` is how many visits no route makes.
     """
 
     status: str
     bound: float = -math.inf
     prices: Prices | None = None
-    least: float = 0.0
+    least: Floats = field(default_factory=lambda: np.zeros(0))
     values: Floats = field(default_factory=lambda: np.zeros(0))
     lacking: float = 0.0
     reduced: Floats = field(default_factory=lambda: np.zeros(0))
@@ -90,7 +92,7 @@ class ColumnGeneration:
     Parameters
     ----------
     problem : RoutingProblem
-    arcs : Arcs
+    partition : SetPartition
         Costs are counted in ``unit`` of them from here on, so that they are about a thousand, as tolerances of linear programs ask for.
     stop : Stop
     enough : callable
@@ -101,47 +103,62 @@ class ColumnGeneration:
     """
 
     def __init__(
-        self, problem: RoutingProblem, arcs: Arcs, stop: Stop, enough: Callable[[float], bool], seed: int,
+        self, problem: RoutingProblem, partition: SetPartition, stop: Stop, enough: Callable[[float], bool], seed: int,
         most: Mapping[str, int] | None = None,
     ) -> None:  # fmt: skip
         most = most or {}
         self.problem, self.stop, self.enough, self.seed = problem, stop, enough, seed
         self.most_columns = most.get("columns", MOST_COLUMNS)
-        self.usable = np.isfinite(arcs.cost)
-        self.unit = 2.0 ** (math.frexp(float(np.abs(arcs.cost[self.usable]).max(initial=1e-300)))[1] - 10)
-        self.arcs = arcs = replace(arcs, cost=arcs.cost / self.unit)
-        self.dearest = float(np.abs(arcs.cost[self.usable]).max(initial=0.0))
+        cost = partition.cost
+        self.usable = np.isfinite(cost)
+        self.unit = 2.0 ** (math.frexp(float(np.abs(cost[self.usable]).max(initial=1e-300)))[1] - 10)
+        self.partition, self.cost, self.constant = partition, cost / self.unit, partition.constant / self.unit
+        self.dearest = float(np.abs(self.cost[self.usable]).max(initial=0.0))
         self.step = REDUCED * self.dearest
-        far = problem.travel.distances[np.ix_(arcs.customers, arcs.customers)]
+        far = problem.travel.distances[np.ix_(partition.customers, partition.customers)]
         self.near = self._nearest(np.minimum(far, far.T), most.get("memory", MEMORY))
-        levels = route_levels(problem, arcs, self.usable)
-        weight, start, lower, upper = (np.array([getattr(one, name) for one in levels]) for name in ("weight", "start", "lower", "upper"))
-        self.pricer = Pricer(weight, start, lower, upper, self.usable, self.dearest, most.get("labels", LABELS))
+        room = max(2, most.get("labels", LABELS) // len(partition.types))
+        self.pricers = [
+            Pricer(one.levels, usable, self.dearest, room) for one, usable in zip(partition.types, self.usable, strict=True)
+        ]  # fmt: skip
+        self.counts = np.array([one.most for one in partition.types])
+        self.row_cuts: Sequence[SubsetRow] = ()
         self.pool, self.cuts, self.loads = Pool(), dict[tuple[int, ...], SubsetRow](), set[bytes]()
-        self.finite = np.where(self.usable, arcs.cost, self.dearest)
+        self.finite = np.where(self.usable, self.cost, self.dearest)
+        _, self.one_each = np.unique(partition.row, return_index=True)  # a node of each row
         self.dear = 1.0
         self.master = self._new_master([])
         self.phase_one: Master | None = None
         self.full = False  # whether labels or routes ever were too many
 
+    @property
+    def labels(self) -> int:
+        """Labels so far."""
+        return sum(pricer.labels for pricer in self.pricers)
+
     def _nearest(self, far: Floats, memory: int) -> Flags:
         """The customers who are remembered at each node to begin with, each at his own too."""
-        inner = self.usable[1:, 1:]
+        inner = self.usable.any(axis=0)[1:, 1:]
         far = np.where(inner | inner.T, far, math.inf)
         np.fill_diagonal(far, -math.inf)
-        near = np.zeros(self.usable.shape, dtype=bool)
+        near = np.zeros(self.usable.shape[1:], dtype=bool)
         np.put_along_axis(near[1:, 1:], np.argsort(far, axis=1, kind="stable")[:, : memory + 1], True, axis=1)
         return near
 
     def _new_master(self, cuts: Sequence[Cut]) -> Master:
-        lacking = self.dear * np.append(self.dearest, self.finite[0, 1:] + self.finite[1:, 0])
-        return Master(self.pool, self.finite, np.maximum(lacking, 1e-3 * self.dear * self.dearest), self.seed, cuts)
+        there_and_back = np.abs(self.finite[:, 0, :]).max(axis=0) + np.abs(self.finite[:, :, 0]).max(axis=0)
+        lacking = self.dear * np.append(self.dearest, there_and_back[self.one_each[1:]])
+        return self._master(self.finite, np.maximum(lacking, 1e-3 * self.dear * self.dearest), cuts)
+
+    def _master(self, cost: Floats, lacking: Floats, cuts: Sequence[Cut] = ()) -> Master:
+        return Master(self.pool, cost, self.partition.row, lacking, self.counts.tolist(), self.seed, cuts)
 
     def add(self, answer: Routes) -> None:
         """Take the routes of an answer."""
-        node = {site: node for node, site in enumerate(self.arcs.customers.tolist(), start=1)}
-        routes = [np.array([node[site] for site in route.visits], dtype=np.int64) for route in answer if route.visits]
-        self.pool.add(self.pool.new(routes))
+        node = {site: node for node, site in enumerate(self.partition.customers.tolist(), start=1)}
+        kind = {vehicle: k for k, one in enumerate(self.partition.types) for vehicle, _ in one.vehicles}
+        walks = [(kind[route.vehicle], np.array([node[site] for site in route.visits], dtype=np.int64)) for route in answer if route.visits]
+        self.pool.add(self.pool.new(walks))
 
     # -- the linear program of a node --------------------------------------------------------------------------------
 
@@ -156,7 +173,7 @@ class ColumnGeneration:
             if solved.lacking > WHOLE:
                 zero = np.where(np.isfinite(part.cost), 0.0, math.inf)
                 if self.phase_one is None:
-                    self.phase_one = Master(self.pool, np.zeros(self.usable.shape), np.ones(len(self.usable)), self.seed)
+                    self.phase_one = self._master(np.zeros(self.usable.shape), np.ones(1 + int(self.partition.row.max())))
                 ray = self._generated(self.phase_one, replace(part, cost=zero), None)
                 if ray.bound > WHOLE:
                     return Solved("enough", math.inf, ray.prices)
@@ -188,9 +205,8 @@ class ColumnGeneration:
         """Add routes until there are none of negative reduced cost, or enough is proved."""
         from .label_kernels import EXACT, SINGLE, STOPPED
 
-        rows = [cut for cut in master.cuts if isinstance(cut, SubsetRow)]
         self._restrict(master, part)
-        self.pricer.restrict(np.isfinite(part.cost), self.near, rows)
+        self._restrict_pricers(master, part)
         best, how, guess = Solved("stopped"), SINGLE, -math.inf
         step = self.step if master is self.master else REDUCED
         while True:
@@ -201,7 +217,7 @@ class ColumnGeneration:
                 return best
             prices = point.prices
             assert prices is not None
-            fresh: list[Longs] = []
+            fresh: list[Drive] = []
             for mixed in (True, False) if centre is not None else (False,):
                 at = prices.mixed(centre, SMOOTHING, master.cuts) if mixed and centre is not None else prices
                 status, least, routes = self._priced(part, at, how, step)
@@ -209,7 +225,7 @@ class ColumnGeneration:
                     best.status = "stopped" if status == STOPPED else "full"
                     self.full = self.full or best.status == "full"
                     return best
-                bound = self._lagrangian(at, least, part)
+                bound = self._lagrangian(at, least, part, 0.0 if master is not self.master else self.constant)
                 if how != EXACT and bound > guess:  # no bound, but a good place to be near to
                     guess, centre = bound, at
                 elif how == EXACT:
@@ -233,43 +249,65 @@ class ColumnGeneration:
                 best.status, best.values, best.reduced, best.lacking = "done", point.values, point.reduced, point.lacking
                 return best
 
-    def _priced(self, part: Part, at: Prices, how: int, step: float) -> tuple[int, float, list[Longs]]:
-        reduced, fines = self._reduced(part, at)
-        # Each route pays for being one of so many.
-        status, least, _, routes = self.pricer.search(self.stop, reduced, fines, how, FOUND, at.routes - step)
-        return status, least, routes
+    def _restrict_pricers(self, master: Master, part: Part) -> None:
+        self.row_cuts = [cut for cut in master.cuts if isinstance(cut, SubsetRow)]
+        for pricer, cost in zip(self.pricers, part.cost, strict=True):
+            pricer.restrict(np.isfinite(cost), self.near, self.row_cuts)
 
-    def _reduced(self, part: Part, at: Prices) -> tuple[Floats, Floats]:
-        """Reduced costs of moves, and the prices of the cuts that they do not tell."""
+    def _priced(self, part: Part, at: Prices, how: int, step: float) -> tuple[int, Floats, list[Drive]]:
+        """Status, least reduced costs, and routes of all types."""
+        reduced, fines = self._reduced(part, at), at.of(self.row_cuts)
+        least, found = np.full(len(reduced), math.inf), list[Drive]()
+        for kind, (pricer, costs, price) in enumerate(zip(self.pricers, reduced, at.routes.tolist(), strict=True)):
+            # Each route pays for being one of so many.
+            status, least[kind], _, routes = pricer.search(self.stop, costs, fines, how, FOUND, price - step)
+            if status != 0:
+                return status, least, []
+            found += [(kind, route) for route in routes]
+        return 0, least, found
+
+    def _reduced(self, part: Part, at: Prices) -> Floats:
+        """Reduced costs of moves, but for the prices of subset rows."""
         reduced = part.cost.copy()
-        reduced[:, 1:] -= at.visits[1:]
+        reduced[:, :, 1:] -= at.visits[1:]
         for cut, price in at.cuts.items():
             if isinstance(cut, LoadCut):
-                reduced[cut.entering] -= price
-        return reduced, at.of(self.pricer.cuts)
+                reduced[:, cut.entering] -= price
+        return reduced
 
-    def _chosen(self, part: Part, prices: Prices, routes: Sequence[Longs], step: float) -> list[Longs]:
+    def _chosen(self, part: Part, prices: Prices, drives: Sequence[Drive], step: float) -> list[Drive]:
         """New routes of negative reduced cost, the cheapest first, of each customer a few."""
-        fresh = self.pool.new(routes)
+        fresh = self.pool.new(drives)
         if not fresh:
             return []
         some = Pool()
         some.add(fresh)
-        reduced, fines = self._reduced(part, prices)
-        cost = some.sums(reduced) - prices.routes - coefficients(self.pricer.cuts, some, 0) @ fines
-        chosen, counts = list[Longs](), np.zeros(len(part.cost), np.int64)
+        cost = some.sums(self._reduced(part, prices)) - prices.routes[some.kind]
+        cost -= coefficients(self.row_cuts, some, 0) @ prices.of(self.row_cuts)
+        chosen, counts = list[Drive](), np.zeros(part.cost.shape[1], np.int64)
         for k in np.argsort(cost, kind="stable").tolist():
             if cost[k] > -step or len(chosen) == COLUMNS:
                 break
-            if counts[fresh[k]].min() < EACH:
-                counts[fresh[k]] += 1
+            route = fresh[k][1]
+            if counts[route].min() < EACH:
+                counts[route] += 1
                 chosen.append(fresh[k])
         return chosen
 
-    def _lagrangian(self, at: Prices, least: float, part: Part) -> float:
-        return math.fsum([*at.visits[1:], *(price * cut.right for cut, price in at.cuts.items())]) + min(
-            part.fewest * least, part.most * least
-        )
+    def _lagrangian(self, at: Prices, least: Floats, part: Part, constant: float) -> float:
+        visits = at.visits[self.one_each]
+        visits = np.where(part.left_out, np.minimum(visits, 0.0), visits)
+        cuts = (price * cut.right for cut, price in at.cuts.items())
+        return math.fsum([constant, *visits[1:], *cuts]) + self._of_fleet(least, part)
+
+    def _of_fleet(self, least: Floats, part: Part) -> float:
+        """The least sum of as many of the least reduced costs as there may be routes."""
+        total, count = 0.0, 0
+        for kind in np.argsort(least, kind="stable").tolist():
+            room = part.most if least[kind] < 0.0 else part.fewest
+            taken = max(0, min(int(self.counts[kind]), room - count))
+            total, count = total + (taken * float(least[kind]) if taken else 0.0), count + taken
+        return total if count >= part.fewest else math.inf
 
     def _restrict(self, master: Master, part: Part) -> None:
         """Have a master program choose among the routes that a node allows."""
@@ -277,7 +315,7 @@ class ColumnGeneration:
         master.refresh()
         twice = np.nonzero(self.pool.twice & ~shut)[0]
         shut[twice] = [_comes_back(self.pool.routes[k], self.near) for k in twice.tolist()]
-        master.restrict(shut, part.fewest, part.most)
+        master.restrict(shut, part.fewest, part.most, part.left_out)
 
     # -- between two solutions ---------------------------------------------------------------------------------------
 
@@ -286,11 +324,12 @@ class ColumnGeneration:
         any."""
         used = np.nonzero(solved.values > WHOLE)[0]
         some = Pool()
-        some.add([self.pool.routes[k] for k in used.tolist()])
+        some.add(self.pool.drives(used))
         sums = solved.values[used] @ coefficients(self.master.cuts, some, 0)
         idle = [cut for cut, total in zip(self.master.cuts, sums.tolist(), strict=True) if abs(total - cut.right) > SLACK]
-        cuts: list[Cut] = list(overloaded(self.problem, self.pool.flow(solved.values, len(self.usable)), self.loads, self.stop))
-        triples = violated(self.pool, solved.values, len(self.usable), self.cuts) if rows else []
+        flow = self.pool.flow(solved.values, self.usable.shape).sum(axis=0)
+        cuts: list[Cut] = list(overloaded(self.problem, flow, self.loads, self.stop))
+        triples = violated(self.pool, solved.values, len(self.near), self.cuts) if rows else []
         replaced = [self.cuts[cut.customers] for cut in triples if cut.customers in self.cuts]
         gone = list({id(cut): cut for cut in [*idle, *replaced]}.values())
         self.master.drop(gone)
@@ -321,14 +360,20 @@ class ColumnGeneration:
             solved.reduced = solved.reduced[kept]
 
     def hopeless(self, part: Part, solved: Solved, gap: float) -> Flags | None:
-        """Moves that no route makes whose reduced cost is less than ``gap`` above the least; None where there was no time or no room."""
+        """Moves that no route makes whose reduced cost is less than ``gap`` above the least of its type, shape (nodes, nodes); None where
+        there was no time or no room."""
         assert solved.prices is not None
-        reduced, fines = self._reduced(part, solved.prices)
-        least = solved.least + gap + self.step
-        costs = self.pricer.arc_costs(self.stop, reduced, fines, least)
-        if costs is None:
-            return None
-        hopeless = np.isfinite(part.cost) & (costs >= least - 1e-9 * self.dearest)
+        reduced, fines = self._reduced(part, solved.prices), solved.prices.of(self.row_cuts)
+        usable = np.isfinite(part.cost)
+        needed = np.zeros(usable.shape[1:], dtype=bool)
+        for kind, (pricer, costs, least) in enumerate(zip(self.pricers, reduced, solved.least.tolist(), strict=True)):
+            if not math.isfinite(least):  # no route at all
+                continue
+            over = pricer.arc_costs(self.stop, costs, fines, least + gap + self.step)
+            if over is None:
+                return None
+            needed |= usable[kind] & (over < least + gap + self.step - 1e-9 * self.dearest)
+        hopeless = usable.any(axis=0) & ~needed
         np.fill_diagonal(hopeless, False)
         return hopeless
 
@@ -340,7 +385,7 @@ class ColumnGeneration:
         self._restrict(self.master, part)
         point = self.master.solve(self.stop)
         if priced:
-            self.pricer.restrict(np.isfinite(part.cost), self.near, [cut for cut in self.master.cuts if isinstance(cut, SubsetRow)])
+            self._restrict_pricers(self.master, part)
         for _ in range(QUICK if priced else 0):
             if point.prices is None:
                 break
@@ -351,7 +396,7 @@ class ColumnGeneration:
             self.pool.add(fresh)
             self.master.refresh()
             point = self.master.solve(self.stop)
-        return point.value if point.status == "optimal" else math.nan
+        return point.value + self.constant if point.status == "optimal" else math.nan
 
 
 def _comes_back(route: Longs, near: Flags) -> bool:

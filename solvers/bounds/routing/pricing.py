@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ....formulations.stop import Stop
 from .arcs import Flags, Floats, Longs
+from .route_levels import Level
 from .subset_rows import SubsetRow
 
 Ints = NDArray[np.int32]
@@ -102,12 +103,8 @@ class Pricer:
 
     Parameters
     ----------
-    weight : array of shape (levels, nodes, nodes)
-        What moves add to the levels; those from the depot are in row 0, those to it in column 0.
-    start : array of shape (levels,)
-        Levels on leaving the depot.
-    lower, upper : arrays of shape (levels, nodes)
-        Ranges of the levels; in entry 0 on return.
+    levels : sequence of Level
+        At least one.
     usable : array of shape (nodes, nodes)
     dearest : float
         The largest cost of a move.
@@ -115,10 +112,10 @@ class Pricer:
         Most labels from each end.
     """
 
-    def __init__(self, weight: Floats, start: Floats, lower: Floats, upper: Floats, usable: Flags, dearest: float, room: int) -> None:
-        self.levels, self.nodes = len(start), len(usable)
+    def __init__(self, levels: Sequence[Level], usable: Flags, dearest: float, room: int) -> None:
+        self.levels, self.nodes = len(levels), len(usable)
         self.unit = 2.0**COST_BITS / dearest if dearest > 0.0 else 1.0
-        whole = [self._whole(weight[r], start[r], lower[r], upper[r], usable) for r in range(self.levels)]
+        whole = [self._whole(level, usable) for level in levels]
         w, first, low, high = (np.array(part, dtype=np.int64) for part in zip(*whole, strict=True))
         self.top = high.max(axis=1)
         self.labels = 0
@@ -126,15 +123,15 @@ class Pricer:
         back_high[0] = self.top - first
         mirrored = np.ascontiguousarray(w.transpose(0, 2, 1))
         self.ends = _End(w, low.T.copy(), high.T.copy(), first, room), _End(mirrored, back_low, back_high, back_low[0].copy(), room)
-        self.cuts: Sequence[SubsetRow] = ()
         self.members, self.position = np.zeros((0, 0), np.int32), np.zeros((0, 0), np.int8)
         self.toggle = np.zeros((self.nodes, 0), np.int64)
         self.halfway = int((max(first[0], 0) + high[0].max()) // 2)
         self.bidirectional = True
 
     @staticmethod
-    def _whole(weight: Floats, start: float, lower: Floats, upper: Floats, usable: Flags) -> tuple[Longs, int, Longs, Longs]:
-        """A resource in whole numbers, which allow all that it allows."""
+    def _whole(level: Level, usable: Flags) -> tuple[Longs, int, Longs, Longs]:
+        """A level in whole numbers, which allow all that it allows."""
+        weight, start, lower, upper = level.weight, level.start, level.lower, level.upper
         size = max(float(np.abs(upper).max()), float(np.abs(lower).max()), abs(start))
         shift = LEVEL_BITS - math.frexp(size)[1]
         moves = np.floor(np.ldexp(np.where(usable, np.minimum(weight, 4.0 * size), 0.0), shift)).astype(np.int64)
@@ -157,7 +154,6 @@ class Pricer:
             own = np.concatenate([[i], np.nonzero(near[i] & (np.arange(n) != i))[0]])
             self.members[i, : len(own)] = own
             self.position[i, own] = np.arange(len(own))
-        self.cuts = cuts
         self.toggle = np.zeros((n, -(-len(cuts) // WORD)), np.int64)
         for c, cut in enumerate(cuts):
             self.toggle[list(cut.customers), c // WORD] |= 1 << (c % WORD)

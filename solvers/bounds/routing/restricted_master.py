@@ -9,11 +9,15 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from ....formulations.programs.program import Program, Rows, Variables
 from ....formulations.stop import Stop
 from ...linear_session import LinearResult, LinearSession
 from .arcs import Flags, Floats, Longs
+
+Drive = tuple[int, Longs]
+"""The number of a type of vehicle, and the nodes that one of them visits."""
 
 
 class Cut(Protocol):
@@ -43,30 +47,31 @@ def coefficients(cuts: Sequence[Cut], pool: Pool, first: int) -> Floats:
 
 
 class Pool:
-    """Routes as walks over nodes, the depot being node 0 at both ends."""
+    """Routes as walks over nodes, the depot being node 0 at both ends, each of the vehicles of one ``kind``, a number of a type."""
 
     def __init__(self) -> None:
         self.routes: list[Longs] = []
-        self.known: dict[bytes, int] = {}
-        self.tail, self.head, self.owner = (np.zeros(0, np.int64) for _ in range(3))
+        self.known: set[bytes] = set()
+        self.tail, self.head, self.owner, self.kind = (np.zeros(0, np.int64) for _ in range(4))
         self.begin = np.zeros(1, np.int64)
         self.twice = np.zeros(0, bool)
 
     def __len__(self) -> int:
         return len(self.routes)
 
-    def new(self, routes: Sequence[Longs]) -> list[Longs]:
+    def new(self, drives: Sequence[Drive]) -> list[Drive]:
         """The routes that are not in the pool, each once."""
-        fresh: dict[bytes, Longs] = {}
-        for route in routes:
-            key = route.tobytes()
+        fresh: dict[bytes, Drive] = {}
+        for drive in drives:
+            key = _key(*drive)
             if key not in self.known:
-                fresh.setdefault(key, route)
+                fresh.setdefault(key, drive)
         return list(fresh.values())
 
-    def add(self, routes: Sequence[Longs]) -> None:
-        if not routes:
+    def add(self, drives: Sequence[Drive]) -> None:
+        if not drives:
             return
+        kinds, routes = zip(*drives, strict=True)
         sizes = np.array([len(route) + 1 for route in routes])
         ends = np.cumsum(sizes)
         visits = np.concatenate(routes)
@@ -75,38 +80,49 @@ class Pool:
         inner[ends - 1] = False
         heads[inner] = visits
         tails[1:][inner[:-1]] = visits
-        for k, route in enumerate(routes, start=len(self.routes)):
-            self.known[route.tobytes()] = k
+        self.known.update(_key(*drive) for drive in drives)
         self.begin = np.concatenate([self.begin, self.begin[-1] + ends])
         self.tail, self.head = np.concatenate([self.tail, tails]), np.concatenate([self.head, heads])
         self.owner = np.concatenate([self.owner, np.repeat(np.arange(len(self.routes), len(self.routes) + len(routes)), sizes)])
+        self.kind = np.concatenate([self.kind, np.array(kinds, np.int64)])
         self.twice = np.concatenate([self.twice, [len(set(route.tolist())) < len(route) for route in routes]])
         self.routes.extend(routes)
 
+    def drives(self, chosen: Longs) -> list[Drive]:
+        """Some of the routes, by their numbers."""
+        return [(int(self.kind[k]), self.routes[k]) for k in chosen.tolist()]
+
     def keep(self, kept: Flags) -> None:
         """Drop all other routes."""
-        routes = [route for route, flag in zip(self.routes, kept.tolist(), strict=True) if flag]
+        drives = self.drives(np.nonzero(kept)[0])
         Pool.__init__(self)
-        self.add(routes)
+        self.add(drives)
 
     def sums(self, matrix: NDArray[np.generic], first: int = 0) -> Floats:
-        """Sum of a matrix (nodes, nodes) over the moves of each route from number ``first`` on."""
+        """Sum of a matrix, of shape (nodes, nodes) or (types, nodes, nodes), over the moves of each route from number ``first`` on."""
         at = self.begin[first]
-        values = matrix[self.tail[at:], self.head[at:]]
+        moves = self.tail[at:], self.head[at:]
+        values = matrix[moves] if matrix.ndim == 2 else matrix[self.kind[self.owner[at:]], *moves]
         return np.bincount(self.owner[at:] - first, values, minlength=len(self.routes) - first).astype(np.float64)
 
-    def flow(self, values: Floats, nodes: int) -> Floats:
-        """How often each move is made where each route has a value; later routes have none."""
-        flow, values = np.zeros((nodes, nodes)), np.append(values, np.zeros(len(self.routes) - len(values)))
-        np.add.at(flow, (self.tail, self.head), values[self.owner])
+    def flow(self, values: Floats, shape: tuple[int, ...]) -> Floats:
+        """How often vehicles of each type make each move where each route has a value, of ``shape`` (types, nodes, nodes); later routes
+        have none."""
+        flow, values = np.zeros(shape), np.append(values, np.zeros(len(self.routes) - len(values)))
+        np.add.at(flow, (self.kind[self.owner], self.tail, self.head), values[self.owner])
         return flow
+
+
+def _key(kind: int, route: Longs) -> bytes:
+    return kind.to_bytes(4, "little") + route.tobytes()
 
 
 @dataclass(eq=False)
 class Prices:
-    """Dual values: of the number of routes, of ``visits`` (nodes,), entry 0 for the depot being 0, and of cuts, where they are not 0."""
+    """Dual values: of the number of ``routes`` of each type, of ``visits`` (nodes,), entry 0 for the depot being 0, and of cuts, where they
+    are not 0."""
 
-    routes: float
+    routes: Floats
     visits: Floats
     cuts: dict[Cut, float]
 
@@ -137,23 +153,37 @@ class Point:
 class Master:
     """The linear program over the routes of a pool: visits, the number of routes, cuts, and columns for what no route makes up for.
 
-    ``cost``, shape (nodes, nodes), is that of moves, finite; ``lacking``, shape (nodes,), the price of a visit that no route makes, in
-    entry 0 that of a route too few or too many.
+    ``cost``, shape (types, nodes, nodes), is that of moves, finite, and ``row``, shape (nodes,), has the row of each node's visits;
+    ``lacking``, shape (1 + rows,), is the price of a visit that no route makes, in entry 0 that of a route too few or too many; ``most``
+    has the largest number of routes of each type.
     """
 
-    def __init__(self, pool: Pool, cost: Floats, lacking: Floats, seed: int, cuts: Sequence[Cut] = ()) -> None:
-        n = len(lacking)
-        self.pool, self.cost, self.lacking, self.seed, self.known, self.nodes = pool, cost, lacking, seed, 0, n
-        # Row 0 counts routes against the column before the last ones; columns: missing visits, routes too few, too many, their number.
-        columns = Variables(
-            "missing", lower=np.zeros(n + 2), upper=np.append(np.full(n + 1, math.inf), n), cost=np.append(lacking, [lacking[0], 0.0])
-        )
-        indptr = np.append([0, 3], np.arange(4, n + 3)).astype(np.int32)
-        indices = np.concatenate([[0, n, n + 1], np.arange(1, n)]).astype(np.int32)
-        right = np.append(0.0, np.ones(n - 1))
-        rows = Rows("visits", indptr=indptr, indices=indices, data=np.append([1.0, -1.0, -1.0], np.ones(n - 1)), lower=right, upper=right)
+    def __init__(
+        self, pool: Pool, cost: Floats, row: Longs, lacking: Floats, most: Sequence[int], seed: int, cuts: Sequence[Cut] = ()
+    ) -> None:  # fmt: skip
+        self.pool, self.cost, self.row, self.lacking, self.seed, self.known = pool, cost, row, lacking, seed, 0
+        visits, self.types = len(lacking) - 1, len(most) if len(most) > 1 else 0
+        # Columns: missing visits, routes too few, too many, their number, visits that need not be made, and the number of each type.
+        self.number, self.own = visits + 2, 2 * visits + 3 + self.types
+        self.own_rows = 1 + visits + self.types
+        upper = np.full(self.own, math.inf)
+        upper[self.number], upper[self.number + 1 : self.number + 1 + visits] = len(row), 0.0
+        price = np.zeros(self.own)
+        price[:visits], price[visits : visits + 2] = lacking[1:], lacking[0]
+        table = sparse.lil_array((self.own_rows, self.own))
+        table[0, visits], table[0, visits + 1], table[0, self.number] = 1.0, -1.0, -1.0
+        for v in range(visits):
+            table[1 + v, v] = table[1 + v, self.number + 1 + v] = 1.0
+        for t in range(self.types):
+            table[0, self.own - self.types + t], table[1 + visits + t, self.own - self.types + t] = 1.0, -1.0
+            upper[self.own - self.types + t] = most[t]
+        table = table.tocsr()
+        right = np.append(0.0, np.ones(visits))
+        right = np.append(right, np.zeros(self.types))
+        columns = Variables("columns", lower=np.zeros(self.own), upper=upper, cost=price)
+        indptr, indices = table.indptr.astype(np.int32), table.indices.astype(np.int32)
+        rows = Rows("rows", indptr=indptr, indices=indices, data=table.data, lower=right, upper=right)
         self.session = LinearSession(Program("routes", "min", (columns,), (rows,)), seed)
-        self.own = n + 2
         self.cuts: list[Cut] = []
         self.refresh()
         self.cut(cuts)
@@ -165,11 +195,12 @@ class Master:
         if not size:
             return
         at = pool.begin[first]
-        owner, head = pool.owner[at:] - first, pool.head[at:]
-        entries = np.zeros((size, self.nodes + len(self.cuts)))
-        entries[:, : self.nodes] = np.bincount(owner * self.nodes + head, minlength=size * self.nodes).reshape(size, self.nodes)
-        entries[:, 0] = 1.0
-        entries[:, self.nodes :] = coefficients(self.cuts, pool, first) * [cut.sign for cut in self.cuts]
+        owner, width = pool.owner[at:] - first, self.own_rows
+        entries = np.zeros((size, width + len(self.cuts)))
+        entries[:, :width] = np.bincount(owner * width + self.row[pool.head[at:]], minlength=size * width).reshape(size, width)
+        entries[:, 0] = 0.0
+        entries[np.arange(size), width - self.types + pool.kind[first:] if self.types else 0] = 1.0
+        entries[:, width:] = coefficients(self.cuts, pool, first) * [cut.sign for cut in self.cuts]
         columns, rows = np.nonzero(entries)
         starts = np.searchsorted(columns, np.arange(size))
         self.session.primal(True)
@@ -182,7 +213,7 @@ class Master:
             return
         signs = np.array([cut.sign for cut in cuts])
         entries = np.zeros((len(cuts), self.own + self.known))
-        entries[:, 1 : self.nodes] = [cut.missing(self.nodes) for cut in cuts]
+        entries[:, self.row[1:] - 1] = [cut.missing(len(self.row)) for cut in cuts]
         entries[:, self.own :] = coefficients(cuts, self.pool, 0)[: self.known].T
         rows, columns = np.nonzero(entries)
         starts = np.searchsorted(rows, np.arange(len(cuts)))
@@ -195,7 +226,7 @@ class Master:
         """Remove rows."""
         gone = {id(cut) for cut in dropped}
         at = [c for c, cut in enumerate(self.cuts) if id(cut) in gone]
-        self.session.remove_rows(np.array(at, dtype=np.int64) + self.nodes)
+        self.session.remove_rows(np.array(at, dtype=np.int64) + self.own_rows)
         self.cuts = [cut for cut in self.cuts if id(cut) not in gone]
 
     def keep(self, kept: Flags) -> None:
@@ -204,10 +235,11 @@ class Master:
         self.pool.keep(kept)
         self.known = len(self.pool)
 
-    def restrict(self, shut: Flags, fewest: int, most: int) -> None:
-        """Shut some routes, and limit their number."""
+    def restrict(self, shut: Flags, fewest: int, most: int, left_out: Flags) -> None:
+        """Shut some routes, limit their number, and have the visits ``left_out``, shape (1 + rows,), be left out at no cost."""
         lower, upper = self.session.lower.copy(), self.session.upper.copy()
-        lower[self.own - 1], upper[self.own - 1] = fewest, most
+        lower[self.number], upper[self.number] = fewest, most
+        upper[self.number + 1 : self.number + len(left_out)] = np.where(left_out[1:], 1.0, 0.0)
         upper[self.own :] = np.where(shut, 0.0, math.inf)
         self.session.primal(False)
         self.session.bound(lower, upper)
@@ -216,10 +248,10 @@ class Master:
         result: LinearResult = self.session.solve(stop)
         if result.status != "optimal":
             return Point(result.status)
-        duals = zip(self.cuts, result.duals[self.nodes :].tolist(), strict=True)
-        visits = result.duals[: self.nodes].copy()
+        duals = zip(self.cuts, result.duals[self.own_rows :].tolist(), strict=True)
+        routes = result.duals[self.own_rows - self.types : self.own_rows] if self.types else result.duals[:1]
+        visits = result.duals[self.row]
         visits[0] = 0.0
-        prices = Prices(float(result.duals[0]), visits, {cut: max(0.0, dual) * cut.sign for cut, dual in duals if dual > 0.0})
-        return Point(
-            "optimal", result.value, result.x[self.own :], result.reduced[self.own :], float(result.x[: self.own - 1].sum()), prices
-        )
+        prices = Prices(routes.copy(), visits, {cut: max(0.0, dual) * cut.sign for cut, dual in duals if dual > 0.0})
+        lacking = float(result.x[: self.number].sum())
+        return Point("optimal", result.value, result.x[self.own :], result.reduced[self.own :], lacking, prices)

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .arcs import Arcs, Flags, Floats
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
+from .arcs import Flags, Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,24 +37,9 @@ class Level:
         return Level(self.weight, self.start, lower, np.where(np.isfinite(self.upper), self.upper, beyond))
 
 
-def route_levels(problem: RoutingProblem, arcs: Arcs, usable: Flags) -> list[Level]:
-    """The levels that limit routes, time first; the number of visits too where some cycle adds to none of them, so that walks end."""
-    due = problem.sites.due[[*arcs.customers, *(v.end for v in problem.fleet)]]
-    # Where nothing limits time, its level only keeps labels apart that are alike.
-    kept = [r for name, r in arcs.resources.items() if name != "time" or np.isfinite(due).any()] or [arcs.resources["time"]]
-    kept.sort(key=lambda r: r is not arcs.resources["time"])
-
-    def grid(weight: Floats) -> Floats:
-        square = weight[:-1, :-1].copy()
-        square[:, 0] = weight[:-1, -1]
-        return np.where(usable, square, 0.0)
-
-    levels = [
-        Level(grid(r.weight), float(r.lower[0]), r.lower[:-1], np.append(r.upper[-1], r.upper[1:-1]) + r.tolerance)
-        for r in kept
-        if np.isfinite(r.upper).any()
-    ]
+def levels_of(levels: list[Level], usable: Flags) -> list[Level]:
+    """Levels as they limit routes; the number of visits too where some cycle adds to none of them, so that walks end."""
     if not any(level.grows(usable) for level in levels):
         nodes = len(usable)
-        levels.append(Level(usable.astype(np.float64), 0.0, np.zeros(nodes), np.full(nodes, float(nodes))))
+        levels = [*levels, Level(usable.astype(np.float64), 0.0, np.zeros(nodes), np.full(nodes, float(nodes)))]
     return [level.finite(usable) for level in levels]

@@ -12,10 +12,11 @@ from ....formulations.stop import Stop
 from ....formulations.tolerance import same
 from ....instances.errors import InputError, UsageError
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
-from ...bounds.routing.arcs import ARC_TERMS, LIMITS, arc_costs
+from ...bounds.routing.arcs import ARC_TERMS, LIMITS
 from ...bounds.routing.branch_price_cut import CUSTOMERS, OPENING, Tree
 from ...bounds.routing.column_generation import LABELS, MEMORY, MOST_COLUMNS
 from ...bounds.routing.first_answer import first_answer
+from ...bounds.routing.set_partition import set_partition
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
@@ -46,20 +47,15 @@ class BranchPriceCut(Engine):
     one_thread = True
     bounds_itself = True
     features = (
-        (LIMITS - {"shifts"})
-        | {f"objective:{term}" for term in ARC_TERMS}
+        LIMITS
+        | {f"objective:{term}" for term in (*ARC_TERMS, "reward", "penalties", "weights")}
         | {"service-times", "separate-durations", "fixed-cost", "limited-fleet", "min-vehicles", "open-routes", "forbidden-moves"}
-        | {"objective:weights"}
+        | {"heterogeneous-fleet", "multiple-depots", "unit-cost", "optional-sites", "rewards", "penalties", "groups", "skills"}
     )
 
     def missing(self, problem: Problem) -> frozenset[str]:
-        lacking = super().missing(problem)
-        if lacking <= {"multiple-depots", "shifts"} and len(problem.fleet) == 1:  # type: ignore[attr-defined]
-            lacking = frozenset()  # one type of vehicle has one depot at each end, and one shift
-        if lacking:
-            return lacking
         many = len(problem.customers) > CUSTOMERS  # type: ignore[attr-defined]
-        return frozenset({f"more than {CUSTOMERS} customers"} if many else ())
+        return super().missing(problem) or frozenset({f"more than {CUSTOMERS} customers"} if many else ())
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         stop = self.begin(problem, options, control)
@@ -70,7 +66,8 @@ class BranchPriceCut(Engine):
             if options.extra.get(name, least) < least:
                 raise UsageError(f"{self.name}: option {name} must be at least {least}, not {options.extra[name]}", "out-of-range")
         if not len(problem.customers):
-            return RawResult("optimal", answer=Routes(()), objective=0.0, bound=0.0, message="there are no customers")
+            value = problem.evaluate(Routes(())).values[0]
+            return RawResult("optimal", answer=Routes(()), objective=value, bound=value, message="there are no customers")
         statistics: dict[str, Any] = {}
         answer = value = None
         if options.start is not None:
@@ -81,10 +78,18 @@ class BranchPriceCut(Engine):
             answer, value = (None, None) if first is None else _judged(problem, first)
         if answer is not None:
             control.publish(answer, value)
-        arcs = arc_costs(problem, stop)
-        if arcs is None:
+        partition = set_partition(problem, stop)
+        if partition is None:
             return RawResult("unknown" if answer is None else "feasible", "time", answer, value, statistics=statistics, message=NOTHING)
-        tree = Tree(problem, arcs, value, stop, options.seed, answer=answer, most=options.extra, on_answer=control.publish, gap=options.gap)
+
+        def tell(bound: float) -> None:
+            control.count(len(tree.nodes), **tree.counts())
+            control.publish(bound=tree.sign * bound if math.isfinite(bound) else None)
+
+        tree = Tree(
+            problem, partition, value, stop, options.seed, answer=answer, most=options.extra, on_answer=control.publish, on_step=tell,
+            gap=options.gap,
+        )  # fmt: skip
         tree.grow()
         evidence = tree.evidence("routes")
         bound, answer = tree.bound, tree.answer
@@ -97,11 +102,12 @@ class BranchPriceCut(Engine):
         else:
             judged = problem.evaluate(answer)
             value = judged.values[0]
-            status = "optimal" if bound >= value or same(bound, value, judged.size, judged.precision) else "feasible"
+            reached = bound >= tree.sign * value or same(bound, tree.sign * value, judged.size, judged.precision)
+            status = "optimal" if reached else "feasible"
         closed = status in ("optimal", "infeasible")
         limit = "none" if closed else "gap" if tree.reached(bound) else stop.reached() or ("memory" if tree.columns.full else "time")
         return RawResult(
-            status, limit, answer, value, bound if found else None, statistics=statistics, message=message, evidence=found,
+            status, limit, answer, value, tree.sign * bound if found else None, statistics=statistics, message=message, evidence=found,
             holds=Exactness.EXACT,
         )  # fmt: skip
 

@@ -15,15 +15,15 @@ from truth.routing import best_values
 from waybound import RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.routing.checking.relaxation import relax
 from waybound.formulations.stop import Stop
-from waybound.solvers.bounds.routing.arcs import arc_costs
 from waybound.solvers.bounds.routing.column_generation import ColumnGeneration, Part
+from waybound.solvers.bounds.routing.set_partition import set_partition
 
 
 def prepared(problem: RoutingProblem) -> tuple[ColumnGeneration, Part]:
-    arcs = arc_costs(problem)
-    assert arcs is not None
-    columns = ColumnGeneration(problem, arcs, Stop(HANG), lambda bound: False, 1)
-    return columns, Part(columns.arcs.cost, arcs.fewest, arcs.most)
+    partition = set_partition(problem)
+    assert partition is not None
+    columns = ColumnGeneration(problem, partition, Stop(HANG), lambda bound: False, 1)
+    return columns, Part(columns.cost, partition.fewest, partition.most, partition.optional)
 
 
 @pytest.mark.parametrize("seed", range(draws(20)))
@@ -55,7 +55,7 @@ def test_moves_are_hopeless_only_where_every_route_over_them_costs_too_much() ->
     solved = columns.solve(part, None)
     all_of_them, none = columns.hopeless(part, solved, -2.0 * columns.dearest), columns.hopeless(part, solved, 1e3 * columns.dearest)
     assert all_of_them is not None and none is not None
-    inner = np.isfinite(part.cost)
+    inner = np.isfinite(part.cost[0])
     assert all_of_them[inner].all() and not none.any()
 
 

@@ -12,8 +12,9 @@ from small_routing import small
 
 from waybound.formulations.stop import NEVER
 from waybound.solvers.bounds.routing import label_kernels
-from waybound.solvers.bounds.routing.arcs import arc_costs
 from waybound.solvers.bounds.routing.column_generation import ColumnGeneration
+from waybound.solvers.bounds.routing.pricing import Pricer
+from waybound.solvers.bounds.routing.set_partition import set_partition
 from waybound.solvers.bounds.routing.subset_rows import SubsetRow
 
 FEATURES = ("capacity", "time-windows", "service-times", "max-distance", "max-duration")
@@ -22,8 +23,8 @@ FEATURES = ("capacity", "time-windows", "service-times", "max-distance", "max-du
 class Truth:
     """All walks of a small problem that keep its levels and come back to nobody whom they remember, and what they cost."""
 
-    def __init__(self, columns: ColumnGeneration, reduced: np.ndarray, near: np.ndarray, cuts: list[SubsetRow], fines: np.ndarray) -> None:
-        self.ahead, self.reduced, self.near, self.cuts, self.fines = columns.pricer.ends[0], reduced, near, cuts, fines
+    def __init__(self, pricer: Pricer, reduced: np.ndarray, near: np.ndarray, cuts: list[SubsetRow], fines: np.ndarray) -> None:
+        self.ahead, self.reduced, self.near, self.cuts, self.fines = pricer.ends[0], reduced, near, cuts, fines
         self.walks: dict[tuple[int, ...], float] = {}
         self._extend((), self.ahead.start, 0.0, frozenset(), (0,) * len(cuts))
 
@@ -57,10 +58,10 @@ class Truth:
 def test_the_cheapest_routes_are_found_and_the_cheapest_over_each_move(feature: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
     problem = small(feature, seed, "exact")
-    arcs = arc_costs(problem)
-    assert arcs is not None
-    columns = ColumnGeneration(problem, arcs, NEVER, lambda bound: False, 1)
-    n, pricer = len(arcs.cost), columns.pricer
+    partition = set_partition(problem)
+    assert partition is not None
+    columns = ColumnGeneration(problem, partition, NEVER, lambda bound: False, 1)
+    n, pricer = len(partition.row), columns.pricers[0]
     near = rng.random((n, n)) < 0.6
     near[1:, 1:] |= np.eye(n - 1, dtype=bool)
     cuts = []
@@ -70,10 +71,10 @@ def test_the_cheapest_routes_are_found_and_the_cheapest_over_each_move(feature: 
         memory[list(customers)] = True
         cuts.append(SubsetRow(customers, memory))
     fines = -rng.uniform(0.0, 10.0, len(cuts))
-    reduced = columns.arcs.cost.copy()
+    reduced = columns.cost[0].copy()
     reduced[:, 1:] -= np.where(rng.random(n - 1) < 0.8, rng.uniform(0.0, 1.2, n - 1), 0.0) * columns.dearest
     pricer.restrict(np.isfinite(reduced), near, cuts)
-    truth = Truth(columns, reduced, near, cuts, fines)
+    truth = Truth(pricer, reduced, near, cuts, fines)
     least = min(truth.walks.values(), default=math.inf)
     close = 1e-6 * columns.dearest
     for both, halfway in itertools.product((True, False), (0.2, 0.5, 0.9)):

@@ -6,11 +6,8 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from small_routing import small
 
-from waybound import RoutingProblem, Sites, Travel, VehicleType
-from waybound.solvers.bounds.routing.arcs import arc_costs
-from waybound.solvers.bounds.routing.route_levels import Level, route_levels
+from waybound.solvers.bounds.routing.route_levels import Level, levels_of
 
 USABLE = ~np.eye(4, dtype=bool)
 
@@ -39,17 +36,9 @@ def test_ranges_without_an_end_get_one_that_no_walk_comes_to() -> None:
     assert finite.lower.tolist() == [0.0, 0.0, 2.0, 0.0]
 
 
-def test_time_comes_first_and_visits_are_counted_where_nothing_else_ends_a_walk() -> None:
-    timed = small("time-windows", 1, "exact")
-    arcs = arc_costs(timed)
-    assert arcs is not None
-    levels = route_levels(timed, arcs, np.isfinite(arcs.cost))
-    assert np.allclose(levels[0].upper[1:], arcs.resources["time"].upper[1:-1] + arcs.resources["time"].tolerance)
-    free = RoutingProblem(
-        Sites.of(range(5), demand=[0, 0, 0, 1, 1]), Travel("EUC_2D", np.arange(10.0).reshape(5, 2)), (VehicleType(2, 2.0),)
-    )
-    arcs = arc_costs(free)
-    assert arcs is not None
-    usable = np.isfinite(arcs.cost)
-    *_, visits = route_levels(free, arcs, usable)  # customers 1 and 2 bring nothing: loads let walks go back and forth between them
-    assert visits.weight[usable].tolist() == [1.0] * int(usable.sum()) and visits.upper.tolist() == [5.0] * 5
+def test_visits_are_counted_where_nothing_else_ends_a_walk() -> None:
+    idle = level(np.zeros((4, 4)))
+    (kept,) = levels_of([level(np.ones((4, 4)))], USABLE)
+    assert kept.weight.all()
+    *_, visits = levels_of([idle], USABLE)
+    assert visits.weight[USABLE].tolist() == [1.0] * int(USABLE.sum()) and visits.upper.tolist() == [4.0] * 4

@@ -1,0 +1,132 @@
+"""The set partitioning program of a problem: routes of each type of vehicle, and the rows by which customers are visited.
+
+What routes cost is less what the visits on them are worth, so that a customer who may be left out costs nothing where he is.
+docs/branch-price-cut.md
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....formulations.routing.checking.known_features import unknown_features
+from ....formulations.routing.preparation import Preparation, offset, prepare
+from ....formulations.routing.reachability import minimum_vehicles
+from ....formulations.routing.routes import Route, Routes
+from ....formulations.stop import NEVER, Stop
+from .arcs import ARC_TERMS, Floats, Longs, too_many_arcs
+from .route_levels import Level, levels_of
+
+if TYPE_CHECKING:
+    from ....formulations.routing.problem import RoutingProblem
+
+RESOURCES = ("time", "load", "distance", "duration", "energy")
+"""Resources that the checker of set partitioning knows, too."""
+
+
+@dataclass(frozen=True, eq=False)
+class RouteType:
+    """Routes of vehicles that are alike: the ``cost`` of moves, shape (nodes, nodes), infinite for those that no route makes, the
+    ``levels`` that limit them, and how many there are at ``most``; ``vehicles`` are positions in the fleet, with the number of each."""
+
+    cost: Floats
+    levels: tuple[Level, ...]
+    most: int
+    vehicles: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class SetPartition:
+    """Which routes there are to choose from, and what is asked of a choice; of a minimisation.
+
+    Node 0 is the depot, the others are ``customers``, site indices. ``row``, shape (nodes,), has the row of each one's visits, from 1 on,
+    that of all members of a group being the same; ``optional``, shape (1 + rows,), marks those that no route need visit. There are
+    ``fewest`` to ``most`` routes, and ``constant`` is what an answer without any costs. ``merged``: one type of vehicle, and nobody is
+    optional.
+    """
+
+    customers: Longs
+    types: tuple[RouteType, ...]
+    row: Longs
+    optional: np.ndarray[tuple[int], np.dtype[np.bool_]]
+    fewest: int
+    most: int
+    constant: float
+    merged: bool
+
+    @property
+    def cost(self) -> Floats:
+        """Costs of moves, shape (types, nodes, nodes)."""
+        return np.array([one.cost for one in self.types])
+
+    def routes(self, walks: list[tuple[int, list[int]]]) -> Routes:
+        """The answer of some walks, each with the number of its type."""
+        left = [[[vehicle, count] for vehicle, count in one.vehicles] for one in self.types]
+        found = []
+        for kind, walk in walks:
+            entry = next((entry for entry in left[kind] if entry[1] > 0), left[kind][0])
+            entry[1] -= 1
+            found.append(Route(tuple(self.customers[np.array(walk) - 1].tolist()), entry[0]))
+        return Routes(tuple(found))
+
+
+def lacks_route_costs(problem: RoutingProblem) -> frozenset[str]:
+    """Objectives that are not sums over moves and visits, and features that the checker does not know."""
+    missing, sign = unknown_features(problem), 1.0 if problem.sense == "min" else -1.0
+    for weight, term in problem.objective.levels()[0].terms:
+        if term.name not in ("reward", "penalties") and (term.name not in ARC_TERMS or sign * weight < 0):
+            missing = missing | {f"objective:{term.name}"}
+    return missing
+
+
+def set_partition(problem: RoutingProblem, stop: Stop = NEVER) -> SetPartition | None:
+    """The program of a problem for which ``lacks_route_costs`` is empty; None where its moves are too many for the time."""
+    alike: dict[object, list[int]] = {}
+    for k, vehicle in enumerate(problem.fleet):
+        alike.setdefault(replace(vehicle, count=1, name=""), []).append(k)
+    if too_many_arcs(problem, stop.seconds_left / len(alike)):
+        return None
+    sites, customers = problem.sites, problem.customers
+    n, sign = len(customers), 1.0 if problem.sense == "min" else -1.0
+    types = []
+    for listed in alike.values():
+        counts = [n if (count := problem.fleet[k].count) is None else min(n, count) for k in listed]
+        types.append(_route_type(problem, prepare(problem, listed[0]), sign, tuple(zip(listed, counts, strict=True))))
+    node = {site: k for k, site in enumerate(customers.tolist(), start=1)}
+    first = np.arange(n + 1)
+    needs_no_visit = np.append(True, ~sites.required[customers])
+    for group in sites.groups:
+        members = [node[site] for site in group.sites]
+        first[members], needs_no_visit[members] = min(members), not group.required
+    rows, row = np.unique(first, return_inverse=True)
+    most = min(n, sum(one.most for one in types))
+    optional = needs_no_visit[rows]
+    rewarded = {term.name for _, term in problem.objective.levels()[0].terms} & {"reward", "penalties"}
+    merged = len(types) == 1 and sign > 0 and not rewarded and len(rows) == n + 1 and not optional[1:].any()
+    return SetPartition(
+        customers, tuple(types), row.astype(np.int64), optional, minimum_vehicles(problem), most, sign * offset(problem), merged
+    )
+
+
+def _route_type(problem: RoutingProblem, prep: Preparation, sign: float, vehicles: tuple[tuple[int, int], ...]) -> RouteType:
+    nodes, kind = prep.nodes - 1, problem.fleet[prep.vehicle]
+    head = np.where(prep.head == prep.end, 0, prep.head)
+    cost = np.full((nodes, nodes), math.inf)
+    cost[prep.tail, head] = sign * prep.cost
+    usable = np.isfinite(cost)
+    due = problem.sites.due[[*problem.customers, kind.end]]
+    timed = bool(np.isfinite(due).any()) or math.isfinite(kind.shift[1])
+    timed = timed or (kind.energy is not None and kind.energy.charge == "elapsed-fixed-start")
+
+    def level(name: str) -> Level:
+        resource, weight = prep.resources[name], np.zeros((nodes, nodes))
+        weight[prep.tail, head] = resource.weight
+        lower, upper = resource.lower[:-1], np.append(resource.upper[-1], resource.upper[1:-1]) + resource.tolerance
+        return Level(weight, float(resource.lower[0]), lower, upper)
+
+    limited = [name for name in RESOURCES if name in prep.resources and (timed or name != "time")] or ["time"]
+    most = min(nodes - 1, sum(count for _, count in vehicles))
+    return RouteType(cost, tuple(levels_of([level(name) for name in limited], usable)), most, vehicles)
