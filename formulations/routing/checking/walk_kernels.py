@@ -101,8 +101,8 @@ def completions(flag, network, layers):  # type: ignore[no-untyped-def] # pragma
     return rest
 
 
-@kernel(f"UniTuple(i8, 4)(i8[::1], {NETWORK}, i8[:, :, :, ::1], i8, b1, b1, i8, i8)")
-def least_walk(flag, network, rest, least, wanted, careful, room, work):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+@kernel(f"UniTuple(i8, 4)(i8[::1], {NETWORK}, i8[:, :, :, ::1], i8, b1, b1, i8[:, :, ::1], i8, i8)")
+def least_walk(flag, network, rest, least, wanted, careful, seen, room, work):  # type: ignore[no-untyped-def] # pragma: no cover
     """Least cost of the walks that cost less than ``least``, keep their levels, and come back to nobody whom they remember.
 
     Labels are gone through as their first level grows. One gives way to another that was gone through at its node before, costs no more,
@@ -111,9 +111,11 @@ def least_walk(flag, network, rest, least, wanted, careful, room, work):  # type
     ``completions``, are ``least`` or more are dropped.
 
     With ``wanted`` a walk makes a needed move. Unless ``careful``, labels give way whatever is remembered, in whichever rows, and by their
-    first level alone: then the cost of a walk is found, and may not be the least. ``room`` and ``work`` are the most labels at a time, and
-    the most moves and comparisons. Returns whether it was done, stopped or had no room, the least cost (FAR without a walk), the visits of
-    that walk, and the moves and comparisons.
+    first level alone: then the cost of a walk is found, and may not be the least. ``seen``, of shape (layers, nodes, cells), takes the
+    least cost of coming to a node in each cell, before what is paid there, of all labels that can be part of a walk below ``least``:
+    layer 0 of all, layer 1 of those that have made a needed move. Then no walk that is found lowers ``least``; an empty one takes nothing.
+    ``room`` and ``work`` are the most labels at a time, and the most moves and comparisons. Returns whether it was done, stopped or had no
+    room, the least cost (FAR without a walk), the visits of that walk, and the moves and comparisons.
     """
     first, moves, start, lower, upper, grid, listed, place, reach, rows_at, row_place, turned, prices = network
     nodes, levels, rows = len(first) - 1, len(start), turned.shape[1]
@@ -199,8 +201,12 @@ def least_walk(flag, network, rest, least, wanted, careful, room, work):  # type
                 if not inside:
                     continue
                 if head == 0:
-                    least, found, length = total, total, visits[one]
+                    if len(seen) == 0:
+                        least, found, length = total, total, visits[one]
                     continue
+                for layer in range(len(seen)):
+                    if layer == 0 or still == 0:
+                        seen[layer, head, to] = min(seen[layer, head, to], total)
 
                 for w in range(known, width):
                     new[w] = 0

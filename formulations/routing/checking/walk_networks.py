@@ -87,6 +87,12 @@ class Levels:
     upper: Longs
     most: int
 
+    def backwards(self) -> Levels:
+        """Those of the walks from their ends: what is left of each level, negated."""
+        lower, upper = -self.upper, -self.lower
+        upper[0] = -self.start
+        return Levels(np.ascontiguousarray(self.weight.transpose(0, 2, 1)), lower[0].copy(), lower, upper, self.most)
+
 
 def network_of(reduced: Longs, usable: Flags, levels: Levels, listed: Ints, rows: Sequence[tuple[Row, int]]) -> Network:
     """The network of whole reduced costs, shape (nodes, nodes); of rows with what each costs, in whole numbers too.

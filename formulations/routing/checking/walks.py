@@ -15,10 +15,18 @@ import numpy as np
 from ...stop import Stop
 from .known_features import Flags, Floats, Longs
 from .relaxation import Resource
-from .walk_networks import BITS, FAR, Ints, Row, network_of, whole_levels, with_needed
+from .walk_networks import BITS, FAR, Ints, Levels, Network, Row, network_of, whole_levels, with_needed
+
+QUICK = 30_000_000
+"""Moves and comparisons after which walks are gone through backwards, too, before anything else is tried; some 0.3 s."""
+
+FEW = 6
+"""Customers who are remembered at each one on walks that go backwards."""
 
 WORDS = 40_000_000
 """Whole numbers in all labels together, of 8 bytes each; those that are kept take as much again."""
+
+_NOTHING = np.zeros((0, 0, 0), np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +83,7 @@ class Walks:
         work: int,
     ) -> None:
         self.multipliers, self.needed, self.stop, self.room, self.work = multipliers, needed, stop, room, work
-        self.usable, self.resources = np.isfinite(cost), resources
+        self.cost, self.usable, self.resources = cost, np.isfinite(cost), resources
         levels, many = whole_levels(resources, self.usable, counted=False), multipliers
         sizes = [np.abs(cost[self.usable]).max(initial=0.0), np.abs(many.visits).max(initial=0.0)]
         size = math.fsum([*sizes, *(load.price for load in many.loads), *(-row.price for row in many.rows)])
@@ -97,7 +105,8 @@ class Walks:
         self.rows = [(row, price) for row in many.rows if (price := -int(self._whole(row.price))) > 0]
         self.constant -= sum(row.most * price for row, price in self.rows)
         self.reduced = reduced
-        self._networks = {False: network_of(reduced, self.usable, levels, many.listed, self.rows)}
+        self._levels = {False: levels}
+        self._networks: dict[bool, Network] = {}
         self._rest: dict[tuple[bool, int | None], Longs] = {}
 
     def _whole(self, values: Floats | float) -> Longs:
@@ -125,25 +134,68 @@ class Walks:
 
     def _searched(self, which: int | None, limit: int, *, counted: bool) -> tuple[int | None, int]:
         """The least cost that was found, and the visits of the walk that has it, 0 without."""
-        from .walk_kernels import DONE, completions, least_walk
+        from .walk_kernels import DONE, FULL, STOPPED, completions
 
         if counted not in self._networks:
-            levels = whole_levels(self.resources, self.usable, counted=counted)
+            levels = self._levels.setdefault(counted, whole_levels(self.resources, self.usable, counted=counted))
             self._networks[counted] = network_of(self.reduced, self.usable, levels, self.multipliers.listed, self.rows)
-        network, flag, visits = self._networks[counted], self.stop.flag, 0
+        network, visits = self._networks[counted], 0
         marked = which if which is not None or not self.needed else 0
         if marked is not None:
             network = with_needed(network, self.needed[marked][self.usable].astype(np.int64))
         if (counted, marked) not in self._rest:
-            self._rest[counted, marked] = completions(flag, network, 1 if marked is None else 2)
+            self._rest[counted, marked] = completions(self.stop.flag, network, 1 if marked is None else 2)
             self.work -= int(network.grid[2]) * len(network.moves)
-        rest = self._rest[counted, marked]
+        rest, wanted = self._rest[counted, marked], which is not None
+
+        status, found, length = self._run(network, rest, limit, wanted, QUICK, careful=False)
+        if status == DONE and found < limit:
+            limit, visits = found, length
+        if status != STOPPED:
+            status, found, length = self._run(network, rest, limit, wanted, QUICK)
+        if status == FULL and self.work > 0:
+            rest = self._sharpened(network, rest, limit, wanted, self._levels[counted])
+            status, found, length = self._run(network, rest, limit, wanted, self.work)
+        if status != DONE:
+            return None, 0
+        return (found, length) if found < limit else (limit, visits)
+
+    def _run(
+        self, network: Network, rest: Longs, limit: int, wanted: bool, work: int, seen: Longs = _NOTHING, *, careful: bool = True
+    ) -> tuple[int, int, int]:
+        """Status, least cost and visits, as of ``least_walk``."""
+        from .walk_kernels import least_walk
+
         room = min(self.room, WORDS // (1 + len(network.start) + network.listed.shape[1] // BITS + network.turned.shape[1]))
-        for careful in (False, True):
-            arguments = limit, which is not None, careful, room, self.work
-            status, found, length, looked = least_walk(flag, network, rest, *arguments)
-            self.work -= looked
-            if status != DONE:
-                return None, 0
-            limit, visits = (found, length) if found < limit else (limit, visits)
-        return limit, visits
+        work = min(work, self.work)
+        status, found, length, looked = least_walk(self.stop.flag, network, rest, limit, wanted, careful, seen, room, work)
+        self.work -= looked
+        return status, found, length
+
+    def _sharpened(self, network: Network, rest: Longs, limit: int, wanted: bool, levels: Levels) -> Longs:
+        """``rest``, or more by what walks cost that go backwards from the depot, on which fewer are remembered."""
+        from .walk_kernels import DONE, completions
+
+        turned = network_of(self.reduced.T.copy(), self.usable.T, levels.backwards(), self._fewer_listed(), self.rows)
+        if wanted:
+            marks = np.zeros(self.usable.shape, np.int64)
+            marks[self.usable] = network.moves[:, 1]
+            turned = with_needed(turned, marks.T[self.usable.T])
+        seen = np.full((1 + wanted, len(self.usable), int(turned.grid[2])), FAR)
+        if self._run(turned, completions(self.stop.flag, turned, 1 + wanted), limit, wanted, self.work // 2, seen)[0] != DONE:
+            return rest
+        # Whoever stands at a level can still be met by those who come backwards to no more than it, negated.
+        begins = network.grid[0] + (np.arange(network.grid[2]) << network.grid[1])
+        last = (-begins - turned.grid[0]) >> turned.grid[1]
+        least = np.minimum.accumulate(seen, axis=2)[:, :, np.clip(last, 0, None)]
+        least[:, :, last < 0] = FAR
+        sharper = rest.copy()
+        sharper[: 1 + wanted, 1:, :, :2] = np.maximum(sharper[: 1 + wanted, 1:, :, :2], least[:, 1:, :, None])
+        return sharper
+
+    def _fewer_listed(self) -> Ints:
+        """The few nearest of those who are remembered at each customer, by what it costs to go there or to come back."""
+        listed = self.multipliers.listed
+        near = np.minimum(self.cost, self.cost.T)[np.arange(len(listed))[:, None], listed]
+        order = np.argsort(np.where(listed < 0, math.inf, near), axis=1, kind="stable")
+        return np.take_along_axis(listed, order[:, :FEW], axis=1)

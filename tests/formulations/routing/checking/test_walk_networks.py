@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from waybound.formulations.routing.checking import walk_networks
 from waybound.formulations.routing.checking.relaxation import Resource
-from waybound.formulations.routing.checking.walk_networks import BITS, FAR, Network, Row, network_of, whole_levels, with_needed
+from waybound.formulations.routing.checking.walk_networks import BITS, FAR, Levels, Network, Row, network_of, whole_levels, with_needed
 
 
 def resource(rng: np.random.Generator, n: int, scale: float) -> Resource:
@@ -40,6 +40,26 @@ def test_walks_that_keep_their_levels_keep_the_whole_ones_too(seed: int, scale: 
             if level > one.upper[head]:
                 break
             assert whole <= levels.upper[head, 0]
+
+
+def keeps(levels: Levels, walk: tuple[int, ...]) -> bool:
+    """Whether a walk from the depot and back keeps its first level."""
+    level = int(levels.start[0])
+    for tail, head in itertools.pairwise([0, *walk, 0]):
+        level = max(int(levels.lower[head, 0]), level + int(levels.weight[0, tail, head]))
+        if level > levels.upper[head, 0]:
+            return False
+    return True
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_can_be_gone_can_be_gone_backwards(seed: int) -> None:
+    n, rng = 5, np.random.default_rng(seed)
+    one = resource(rng, n, 1.0)
+    levels = whole_levels([replace(one, upper=np.append(5.0, one.upper[1:]))], everywhere(n), counted=False)
+    walks = [walk for k in range(1, n) for walk in itertools.permutations(range(1, n), k)]
+    kept = [keeps(levels, walk) for walk in walks]
+    assert kept == [keeps(levels.backwards(), walk[::-1]) for walk in walks] and 0 < sum(kept) < len(kept)
 
 
 def test_the_level_that_the_fewest_visits_use_up_comes_first() -> None:

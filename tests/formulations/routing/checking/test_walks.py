@@ -14,7 +14,7 @@ from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from waybound.formulations.routing.checking import walk_networks
+from waybound.formulations.routing.checking import walk_networks, walks
 from waybound.formulations.routing.checking.relaxation import Resource
 from waybound.formulations.routing.checking.walk_networks import BITS, FAR, Row
 from waybound.formulations.routing.checking.walks import Load, Multipliers, Walks
@@ -155,6 +155,46 @@ def test_neither_cells_nor_counted_visits_change_what_is_found(seed: int, cells:
         patch.setattr(walk_networks, "CELLS", cells)
         patch.setattr(walk_networks, "LONGEST", longest)
         assert given_case.least() == least
+
+
+@settings(max_examples=draws(100), deadline=None)
+@given(seed=SEEDS, few=st.sampled_from([0, 1, 6]), cells=st.sampled_from([3, 256]))
+def test_walks_that_go_backwards_first_change_nothing(seed: int, few: int, cells: int) -> None:
+    given_case = case(seed)
+    kinds = [None, *range(len(given_case.needed))]
+    least = [given_case.least(which) for which in kinds]
+    with pytest.MonkeyPatch.context() as patch:
+        for module, name, value in ((walks, "QUICK", -1), (walks, "FEW", few), (walk_networks, "CELLS", cells)):
+            patch.setattr(module, name, value)
+        assert [given_case.least(which) for which in kinds] == least
+
+
+def test_after_walks_that_go_backwards_fewer_labels_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    n, rng = 60, np.random.default_rng(1)
+    xy = rng.uniform(0.0, 100.0, (n + 1, 2))
+    cost = np.hypot(*(xy[:, None] - xy[None, :]).transpose(2, 0, 1))
+    np.fill_diagonal(cost, math.inf)
+    load = Resource(np.tile(np.append(0.0, rng.integers(1, 9, n)), (n + 1, 1)), 0.0, np.zeros(n + 1), np.full(n + 1, 60.0), 0.0, 99.0)
+    near = np.argsort(cost[1:, 1:], axis=1)[:, :10] + 1
+    listed = np.vstack([np.full((1, 10), -1), near]).astype(np.int32)
+    given_case = Case(cost, [load], Multipliers(np.full(n, 16.0), [], [], listed), [])
+    found, work = [], [[10**8]]
+    for _ in range(2):
+        monkeypatch.setattr(walks, "QUICK", work[-1][0])  # enough for a first walk
+        one = given_case.walks()
+        run, steps = one._run, list[int]()
+
+        def counted(*given, one=one, run=run, steps=steps, **more):
+            before = one.work
+            result = run(*given, **more)
+            steps.append(before - one.work)
+            return result
+
+        monkeypatch.setattr(one, "_run", counted)
+        found.append(one.least())
+        work.append(steps)
+    assert found[0] == found[1] and [len(steps) for steps in work[1:]] == [2, 4]
+    assert work[2][-1] < work[1][-1] / 2
 
 
 def test_the_constant_is_what_all_rows_are_worth() -> None:
