@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -30,8 +31,13 @@ SETS = 1 << 20
 
 def check_statement(problem: RoutingProblem, statement: Any) -> None:
     """``{"arc": [id, id]}``: some route goes from the one site to the other without a stop between; ``{"routes": k}``: at most k routes;
-    ``{"moves": {id: [id, ...], ...}}``: some route goes from one of the sites straight to one of those in its list."""
-    parts = statement if isinstance(statement, Mapping) and len(statement) == 1 else {}
+    ``{"moves": {id: [id, ...], ...}}``: some route goes from one of the sites straight to one of those in its list; ``{"visited": id}``:
+    the site is visited, and with ``"by": [k, ...]`` by a vehicle of one of these types, as they are numbered in the fleet."""
+    parts = statement if isinstance(statement, Mapping) else {}
+    if "visited" in parts and len(parts) == 1 + ("by" in parts):
+        _check_visit(problem, parts)
+        return
+    parts = parts if len(parts) == 1 else {}
     arc, routes, moves = parts.get("arc"), parts.get("routes"), parts.get("moves")
     if type(routes) is int and 1 <= routes <= len(problem.sites):
         return
@@ -40,8 +46,19 @@ def check_statement(problem: RoutingProblem, statement: Any) -> None:
         return
     index = problem.site_index
     if not isinstance(arc, list) or len(arc) != 2 or not all(isinstance(site, str) and site in index for site in arc):
-        expected = '{"arc": [the id of a site, the id of a site]}, {"moves": {id: [ids]}}, or {"routes": a number of them}'
-        raise InputError("not a statement on moves or on the number of routes", expected=expected, found=printable(statement, 80))
+        expected = '{"arc": [the id of a site, the id of a site]}, {"moves": {id: [ids]}}, {"visited": id}, or {"routes": a number of them}'
+        raise InputError("not a statement on moves, visits or the number of routes", expected=expected, found=printable(statement, 80))
+
+
+def _check_visit(problem: RoutingProblem, statement: Mapping[str, Any]) -> None:
+    site, kinds, most = statement["visited"], statement.get("by", [0]), len(problem.fleet) - 1
+    if not isinstance(site, str) or site not in problem.site_index or problem.sites.depot[problem.site_index[site]]:
+        raise InputError("a statement on a visit names no customer", "unknown-name", found=printable(site, 80))
+    known = isinstance(kinds, list) and all(type(kind) is int and 0 <= kind <= most for kind in kinds)
+    if not known or not kinds or len(set(kinds)) < len(kinds):
+        expected = f"different numbers from 0 to {most}, of one type at least"
+        message = "a statement on a visit does not say by which types of vehicle"
+        raise InputError(message, "unknown-name", expected=expected, found=printable(kinds, 80))
 
 
 def moves_of(problem: RoutingProblem, moves: Any) -> NDArray[np.int64]:
@@ -82,6 +99,9 @@ def in_words(problem: RoutingProblem, statement: Any, holds: bool) -> str:
     if "routes" in statement:
         routes = statement["routes"] if holds else statement["routes"] + 1
         return f"there {'is' if routes == 1 else 'are'} at {'most' if holds else 'least'} {routes} route{'' if routes == 1 else 's'}"
+    if "visited" in statement:
+        by = " or ".join(problem.fleet[kind].name for kind in statement.get("by", ()))
+        return f"{statement['visited']} is {'' if holds else 'not '}visited{by and f' by {by}'}"
     if "moves" in statement:
         count = sum(map(len, statement["moves"].values()))
         if count > 1:
@@ -95,11 +115,13 @@ def in_words(problem: RoutingProblem, statement: Any, holds: bool) -> str:
 def restricted(problem: RoutingProblem, decisions: Sequence[Decision]) -> RoutingProblem:
     """The same problem without moves: those that are not made, and those beside one that is, for a customer is left and entered once.
 
-    Sets of which some move is made are kept with the problem. Of each type of vehicle there are as many as there are routes at most.
+    Sets of which some move is made are kept with the problem; whoever is visited is so by one of those that come to him. Types of vehicle
+    that do not visit a site lack a skill. Of each type there are as many as there are routes at most.
     """
     sites, needed = problem.sites, list(problem.needed)
     moves = np.zeros((len(sites),) * 2, dtype=bool) if problem.forbidden is None else problem.forbidden.copy()
     least, most = problem.min_vehicles, len(sites)
+    able: list[tuple[int, set[int]]] = []
     for statement, holds in decisions:
         problem.check_statement(statement)
         if "routes" in statement:
@@ -113,10 +135,24 @@ def restricted(problem: RoutingProblem, decisions: Sequence[Decision]) -> Routin
             else:
                 moves.flat[among] = True
             continue
+        if "visited" in statement:
+            site, every = problem.site_index[statement["visited"]], set(range(len(problem.fleet)))
+            by = set(statement.get("by", every))
+            if holds and not sites.required[site]:
+                needed.append(np.zeros_like(moves))
+                needed[-1][:, site] = np.arange(len(sites)) != site
+            if not holds and by == every:
+                moves[site] = moves[:, site] = True
+            elif by < every:
+                able.append((site, by if holds else every - by))
+            continue
         i, j = (problem.site_index[site] for site in statement["arc"])
         if not holds:
             moves[i, j] = True
             continue
+        if any(not sites.depot[site] and not sites.required[site] for site in (i, j)):
+            needed.append(np.zeros_like(moves))
+            needed[-1][i, j] = True
         kept = moves[i, j]
         if not sites.depot[i]:
             moves[i] = True
@@ -124,7 +160,21 @@ def restricted(problem: RoutingProblem, decisions: Sequence[Decision]) -> Routin
             moves[:, j] = True
         moves[i, j] = kept
     fleet = _at_most(problem.fleet, most) if most < len(sites) else problem.fleet
-    return problem.altered(forbidden=moves, needed=tuple(needed), min_vehicles=least, fleet=fleet)
+    sites, fleet = _skilled(sites, fleet, able) if able else (sites, fleet)
+    return problem.altered(forbidden=moves, needed=tuple(needed), min_vehicles=least, fleet=fleet, sites=sites)
+
+
+def _skilled(
+    sites: Sites, fleet: tuple[VehicleType, ...], able: Sequence[tuple[int, set[int]]]
+) -> tuple[Sites, tuple[VehicleType, ...]]:
+    """Sites that ask for one skill more each, which the types of vehicle have that are named with them, and no others."""
+    asked, has = list(sites.skills or [frozenset[str]()] * len(sites)), [v.skills for v in fleet]
+    taken = frozenset[str]().union(*asked, *has)
+    words = (word for k in itertools.count(1) if (word := f"statement {k}") not in taken)
+    for (site, kinds), word in zip(able, words, strict=False):
+        asked[site] |= {word}
+        has = [skills | {word} if kind in kinds else skills for kind, skills in enumerate(has)]
+    return replace(sites, skills=tuple(asked)), tuple(replace(v, skills=skills) for v, skills in zip(fleet, has, strict=True))
 
 
 def later_levels(problem: RoutingProblem, values: Sequence[float]) -> RoutingProblem | None:

@@ -115,23 +115,34 @@ def moves_left(problem: RoutingProblem) -> Flags:
 
 
 def needed_moves(problem: RoutingProblem) -> list[Flags]:
-    """Sets of moves between the merged nodes, shape (nodes, nodes), of each of which some route makes at least one.
-
-    One that another is part of says nothing. A move from depot to depot may be that of a vehicle that serves nobody, so that a set with
-    one says nothing either.
-    """
+    """Sets of moves between the merged nodes, shape (nodes, nodes), of each of which some route makes at least one."""
     problem = without_stops(problem)
-    sites, customers = problem.sites, problem.sites.customers
+    return smallest([merged_moves(problem, moves) for moves in customers_moves(problem)])
+
+
+def customers_moves(problem: RoutingProblem) -> list[Flags]:
+    """Sets of needed moves, shape (sites, sites), that someone makes who serves somebody: one with a move from depot to depot may be kept
+    by a vehicle that does not."""
+    depots = np.ix_(problem.sites.depots, problem.sites.depots)
+    return [moves for moves in problem.needed if not moves[depots].any()]
+
+
+def merged_moves(problem: RoutingProblem, moves: Flags) -> Flags:
+    """A set of moves between the merged nodes."""
+    customers = problem.sites.customers
+    joined = np.zeros((len(customers) + 1,) * 2, dtype=bool)
+    joined[1:, 1:] = moves[np.ix_(customers, customers)]
+    joined[0, 1:] = np.any([moves[v.start, customers] for v in problem.fleet], axis=0)
+    joined[1:, 0] = np.any([moves[customers, v.end] for v in problem.fleet], axis=0)
+    return joined
+
+
+def smallest(sets: Sequence[Flags]) -> list[Flags]:
+    """Those of which no other one is part, which says more."""
     found: list[Flags] = []
-    for moves in problem.needed:
-        if moves[np.ix_(sites.depots, sites.depots)].any():
-            continue
-        joined = np.zeros((len(customers) + 1,) * 2, dtype=bool)
-        joined[1:, 1:] = moves[np.ix_(customers, customers)]
-        joined[0, 1:] = np.any([moves[v.start, customers] for v in problem.fleet], axis=0)
-        joined[1:, 0] = np.any([moves[customers, v.end] for v in problem.fleet], axis=0)
-        if not any((known <= joined).all() for known in found):
-            found = [*(known for known in found if not (joined <= known).all()), joined]
+    for moves in sets:
+        if not any((known <= moves).all() for known in found):
+            found = [*(known for known in found if not (moves <= known).all()), moves]
     return found
 
 

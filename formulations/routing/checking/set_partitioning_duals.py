@@ -2,8 +2,8 @@
 
 Further rows may have prices too: those of subsets of customers, and of the vehicles that a set of customers needs. Routes are relaxed to
 walks that may come back to a customer whom they forgot: at each customer some others are remembered, all others are forgotten there
-(ng-routes). The least reduced cost of all such walks whose levels keep every limit is found here by labels. The bound is derived in
-docs/proofs.md#routes.
+(ng-routes). The least reduced cost of all such walks whose levels keep every limit is found here by labels: of all vehicles together, or
+of each type apart, where sites may be left out too. The bounds are derived in docs/proofs.md#routes.
 """
 
 from __future__ import annotations
@@ -20,8 +20,11 @@ from ....instances.printable import printable
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
 from ...stop import current_stop
-from .known_features import Longs, routing_evidence
-from .relaxation import Relaxation, Resource, fewest_carriers, needed_moves, relax
+from .fleet_walks import FleetMoves, Rows, limiting, remembered
+from .known_features import EPS, Floats, Longs, routing_evidence
+from .relaxation import Relaxation, fewest_carriers, needed_moves, relax
+from .told_visits import told_visits
+from .vehicle_moves import Terms, constants, relaxed_terms, value_grain
 from .walk_networks import FAR, Row
 from .walks import Load, Multipliers, Walks
 
@@ -52,8 +55,9 @@ def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any
     data : dict
         ``visits``: one number a site (entries of depots are ignored). ``memory``: how many of the nearest customers are remembered at each
         one, of those next to whom he can be visited; or, in its place, ``remembered``: one list a site of the indices of sites that are
-        remembered there, an empty one for a depot; a customer always remembers himself. All else is optional. ``ray``: true for prices
-        alone, as if no arc cost anything. ``rows``: subset rows of multiplier 1/2, each with the indices of its ``sites``, an odd number
+        remembered there, an empty one for a depot; a customer always remembers himself. All else is optional. ``apart``: true for walks
+        of each type of vehicle by itself; then sites may be left out, and visits may be worth something. ``ray``: true for prices alone,
+        as if no arc cost anything. ``rows``: subset rows of multiplier 1/2, each with the indices of its ``sites``, an odd number
         of customers, its ``memory``, customers with those among them, and its ``price``, 0 or less. ``loads``: sets of customers that as
         many moves enter at least as vehicles are needed to carry their demands, each with its ``sites`` and its ``price``, 0 or more.
         ``least`` and ``least_needed``: numbers below which no walk, and none that makes a needed move, is said to cost; of walks that cost
@@ -75,13 +79,13 @@ def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any
     Feillet, Dejax, Gendreau, Gueguen (2004) for customers out of reach; Jepsen, Petersen, Spoorendonk, Pisinger (2008) for subset rows,
     and Pecin, Pessoa, Poggi, Uchoa (2017) for their memories; docs/proofs.md#routes.
     """
-    prices, ray = numbers(data, "visits", len(problem.sites)), data.get("ray", False)
-    if not isinstance(ray, bool):
-        raise InputError("evidence 'ray' must be true or false", found=printable(ray, 80))
+    prices, ray, apart = numbers(data, "visits", len(problem.sites)), _flag(data, "ray"), _flag(data, "apart")
     given = _given(problem, data)
     claimed = [number(data, key) if key in data else None for key in ("least", "least_needed")]
     if len(problem.sites.customers) > CUSTOMERS:
         return -math.inf
+    if apart:
+        return _apart(problem, prices[problem.sites.customers], given, claimed, ray=ray)
     relaxed = relax(problem)
     if relaxed is None:
         return -math.inf
@@ -91,12 +95,12 @@ def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any
     needed = [moves & usable for moves in needed_moves(problem)]
     if not all(moves.any() for moves in needed):
         return math.inf
-    near = _nearest(problem, relaxed, given.memory) if isinstance(given.memory, int) else given.memory
+    near = remembered(problem, usable, given.memory)
     loads = [Load(s, k, p) for (s, p), k in zip(given.loads, fewest_carriers(problem, [s for s, _ in given.loads]), strict=True)]
     multipliers = Multipliers(prices[relaxed.customers], loads, given.rows, near)
     cost = np.where(usable, 0.0, math.inf) if ray else relaxed.cost
     try:
-        walks = Walks(cost, _limited(problem, relaxed), multipliers, needed, current_stop(), LABELS, WORK)
+        walks = Walks(cost, limiting(problem, relaxed.resources), multipliers, needed, current_stop(), LABELS, WORK)
         bound = _whole_bound(walks, relaxed, *claimed)
     except OverflowError:
         return -math.inf
@@ -126,22 +130,28 @@ def _whole_bound(walks: Walks, relaxed: Relaxation, claimed: float | None, claim
     return math.ldexp(walks.constant + bound, -walks.exponent)
 
 
-def _limited(problem: RoutingProblem, relaxed: Relaxation) -> list[Resource]:
-    """Resources that limit walks; at least one, for the length of a walk is limited all the same."""
-    ends = [v.end for v in problem.fleet]
-    timed = any(v.energy is not None and v.energy.charge == "elapsed-fixed-start" for v in problem.fleet)
-    timed = timed or bool(np.isfinite(problem.sites.due[[*problem.sites.customers, *ends]]).any())
-    return [r for name, r in relaxed.resources.items() if name != "time" or timed] or [relaxed.resources["time"]]
-
-
-def _nearest(problem: RoutingProblem, relaxed: Relaxation, memory: int) -> NDArray[np.int32]:
-    """The ``memory`` nearest of those next to whom each customer can be visited, as nodes; none for the depot."""
-    usable = np.isfinite(relaxed.cost[1:, 1:])
-    far = problem.travel.distances[np.ix_(relaxed.customers, relaxed.customers)]
-    far = np.where(usable | usable.T, np.minimum(far, far.T), math.inf)
-    np.fill_diagonal(far, -math.inf)
-    near = np.argsort(far, axis=1, kind="stable")[:, 1 : memory + 1] + 1
-    return np.vstack([np.full((1, near.shape[1]), -1), near]).astype(np.int32)
+def _apart(problem: RoutingProblem, prices: Floats, given: _Given, claimed: Sequence[float | None], *, ray: bool) -> float:
+    relaxed, terms = relaxed_terms(problem)
+    if terms is None or (terms.peaks and not ray):
+        return -math.inf
+    terms = Terms(0.0, 0.0, 0.0, 0.0, 0.0, {}) if ray else terms
+    parts = constants(relaxed, terms)
+    try:
+        fleet = FleetMoves.of(relaxed, terms, *told_visits(problem))
+        if fleet is None:
+            return math.inf
+        rows = Rows(prices, given.loads, given.rows, given.memory)
+        found = fleet.least(rows, *claimed, LABELS, WORK)
+    except OverflowError:
+        return -math.inf
+    if not math.isfinite(found):
+        return found
+    if ray:
+        return math.inf if found > 0.0 else -math.inf
+    # Each route is added up from its first move on, so that no sum is larger than nodes sizes; there are n routes at most.
+    sizes = (len(prices) + 2) ** 2 * fleet.size + math.fsum(abs(part) for part in parts) + abs(found)
+    bound = math.fsum([found, *parts, -16.0 * EPS * sizes])
+    return lift(bound, "min", value_grain(problem, terms)) if math.isfinite(bound) else -math.inf
 
 
 # -- reading -----------------------------------------------------------------------------------------------------------------------------
@@ -153,6 +163,13 @@ class _Given(NamedTuple):
     memory: int | NDArray[np.int32]
     rows: list[Row]
     loads: list[tuple[Longs, float]]
+
+
+def _flag(data: Mapping[str, Any], key: str) -> bool:
+    value = data.get(key, False)
+    if not isinstance(value, bool):
+        raise InputError(f"evidence {key!r} must be true or false", found=printable(value, 80))
+    return value
 
 
 def _given(problem: RoutingProblem, data: Mapping[str, Any]) -> _Given:

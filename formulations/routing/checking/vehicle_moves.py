@@ -70,16 +70,22 @@ def constants(problem: RoutingProblem, terms: Terms) -> list[float]:
     return parts + (terms.reward * sites.reward[sites.depots]).tolist()  # type: ignore[no-any-return]
 
 
-def worth_of_visits(problem: RoutingProblem, prices: Floats) -> Floats:
-    """Least sum of the prices of an answer's visits, site by site; of a group with one visit the least price, at its first site."""
+def worth_of_visits(problem: RoutingProblem, prices: Floats, surely: Flags | None = None, never: Flags | None = None) -> Floats:
+    """Least sum of the prices of an answer's visits, site by site; of a group with one visit the least price, at its first site.
+
+    More may be known of who is visited in each answer, or in none, as of ``told_visits``.
+    """
     sites = problem.sites
-    worth = np.where(sites.required[sites.customers], prices, np.minimum(prices, 0.0))
+    if surely is None or never is None:
+        surely, never = sites.required[sites.customers], np.zeros(len(prices), dtype=bool)
+    worth = np.where(surely, prices, np.where(never, 0.0, np.minimum(prices, 0.0)))
     node = {site: k for k, site in enumerate(sites.customers.tolist())}
     for group in sites.groups:
-        members = [node[site] for site in group.sites]
-        least = float(prices[members].min())
-        worth[members] = 0.0
-        worth[members[0]] = least if group.required else min(0.0, least)
+        members = [k for site in group.sites if not never[k := node[site]]]
+        if members and not surely[members].any():
+            least = float(prices[members].min())
+            worth[members] = 0.0
+            worth[members[0]] = least if group.required else min(0.0, least)
     return worth
 
 

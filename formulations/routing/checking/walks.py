@@ -65,6 +65,8 @@ class Walks:
     stop : Stop
     room, work : int
         Labels at a time, and comparisons, at most.
+    finest : int
+        The exponent is no larger.
 
     Raises
     ------
@@ -81,6 +83,7 @@ class Walks:
         stop: Stop,
         room: int,
         work: int,
+        finest: int = 1000,
     ) -> None:
         self.multipliers, self.needed, self.stop, self.room, self.work = multipliers, needed, stop, room, work
         self.cost, self.usable, self.resources = cost, np.isfinite(cost), resources
@@ -89,10 +92,11 @@ class Walks:
         size = math.fsum([*sizes, *(load.price for load in many.loads), *(-row.price for row in many.rows)])
         if not math.isfinite(64.0 * size * len(cost) ** 2):
             raise OverflowError
-        self.exponent = min(59 - math.frexp(size * (levels.most + 2))[1], 1000) if size > 0 else 0
-        self.constant = sum(self._whole(many.visits).tolist())
+        self.exponent = min(59 - math.frexp(size * (levels.most + 2))[1] if size > 0 else finest, finest)
+        self.visits = self._whole(many.visits)
+        self.constant = sum(self.visits.tolist())
         reduced = np.floor(np.ldexp(np.where(self.usable, cost, 0.0), self.exponent)).astype(np.int64)
-        reduced[:, 1:] -= self._whole(many.visits)
+        reduced[:, 1:] -= self.visits
         for load in many.loads:
             self.work -= len(load.sites) * len(cost)
             if self.work < 0:

@@ -1,0 +1,190 @@
+"""Walks of each type of vehicle by itself, and the least that visits and routes of an answer are worth at prices of rows.
+
+docs/proofs.md#each-type-of-vehicle-apart.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...stop import current_stop
+from .known_features import Flags, Floats, Longs, with_fleet
+from .relaxation import Resource, customers_moves, fewest_carriers, merged_moves, smallest
+from .told_visits import says_more
+from .vehicle_moves import Terms, VehicleMoves, alike, worth_of_visits
+from .walk_networks import FAR, Ints, Row
+from .walks import Load, Multipliers, Walks
+
+if TYPE_CHECKING:
+    from ..problem import RoutingProblem
+
+
+class Rows(NamedTuple):
+    """Prices of visits, of sets that loads enter and of subset rows; customers are nodes but in ``visits``.
+
+    ``memory`` is who is remembered: so many of the nearest, or a list a node.
+    """
+
+    visits: Floats
+    loads: Sequence[tuple[Longs, float]]
+    subsets: Sequence[Row]
+    memory: int | Ints
+
+
+class Slot(NamedTuple):
+    """So many routes at most of a type of vehicle, each of this least reduced cost; ``through`` is that with a move of a needed set."""
+
+    least: int
+    count: int
+    through: Mapping[int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class KindMoves:
+    """Costs of a type's moves between depot and customers, its resources that limit walks, its needed moves by their set, and how many
+    of it can be on a route."""
+
+    cost: Floats
+    resources: Sequence[Resource]
+    needed: Mapping[int, Flags]
+    count: int
+
+    def walks(self, multipliers: Multipliers, room: int, work: int, finest: int = 1000) -> Walks:
+        return Walks(self.cost, self.resources, multipliers, list(self.needed.values()), current_stop(), room, work, finest)
+
+
+@dataclass(frozen=True, eq=False)
+class FleetMoves:
+    """Moves of all types of vehicle on a problem without stops, who is visited in each answer and in none, and how many routes there are.
+
+    There are ``sets`` of needed moves; no cost of a move is a sum of more than ``size``.
+    """
+
+    problem: RoutingProblem
+    kinds: Sequence[KindMoves]
+    surely: Flags
+    never: Flags
+    fewest: int
+    most: int
+    sets: int
+    size: float
+
+    @classmethod
+    def of(cls, problem: RoutingProblem, terms: Terms, surely: Flags, never: Flags) -> FleetMoves | None:
+        """None where there is no answer; raises OverflowError where costs are too large to be added up."""
+        n, kinds, size = len(surely), list[KindMoves](), 0.0
+        sets = smallest([moves for moves in customers_moves(problem) if says_more(problem, moves, surely)])
+        entered, left, inner = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool), np.zeros((n, n), dtype=bool)
+        for vehicle, count in alike(problem).items():
+            alone = with_fleet(problem, (vehicle,))
+            with np.errstate(over="ignore", invalid="ignore"):
+                moves = VehicleMoves.of(problem, vehicle, terms, np.zeros(n), {})
+            size = max(size, moves.size)
+            if not math.isfinite(64.0 * (n + 2) ** 2 * moves.size):
+                raise OverflowError
+            usable = np.isfinite(moves.cost)
+            usable[1:] &= ~never[:, None]
+            usable[:, 1:] &= ~never
+            entered, left, inner = entered | usable[:, 1:].any(axis=0), left | usable[1:].any(axis=1), inner | usable[1:, 1:]
+            needed = {k: through for k, of in enumerate(sets) if (through := merged_moves(alone, of) & usable).any()}
+            limits = limiting(alone, moves.resources, shifts=True)
+            if usable[0].any() and usable[:, 0].any():
+                kinds.append(KindMoves(np.where(usable, moves.cost, math.inf), limits, needed, min(n, count)))
+        never = never | ~entered | ~left
+        node = {site: k for k, site in enumerate(problem.sites.customers.tolist())}
+        asked = [[node[site] for site in group.sites] for group in problem.sites.groups if group.required]
+        if (surely & never).any() or any(never[members].all() for members in asked):
+            return None
+        fewest = max(problem.min_vehicles, int(bool(asked or customers_moves(problem))))
+        fewest = max(fewest, *(int((surely & ~inner.any(axis=axis)).sum()) for axis in (0, 1)))
+        if surely.any():
+            fewest = max(fewest, *fewest_carriers(problem, [np.flatnonzero(surely) + 1]))
+        most = min(n, sum(kind.count for kind in kinds))
+        if fewest > most or not all(any(k in kind.needed for kind in kinds) for k in range(len(sets))):
+            return None
+        return cls(problem, kinds, surely, never, fewest, most, len(sets), size)
+
+    def least(self, rows: Rows, claimed: float | None, claimed_needed: float | None, room: int, work: int) -> float:
+        """The least that visits and routes are worth, each set of needed moves by itself; infinite where there is no answer, and minus
+        infinity where walks are not all gone through within ``room`` and ``work``, or in time.
+
+        Raises OverflowError where numbers are too large to be added up.
+        """
+        visited = [nodes[self.surely[nodes - 1]] for nodes, _ in rows.loads]
+        carriers = fewest_carriers(self.problem, visited)
+        loads = [Load(s, k * bool(len(v)), p) for (s, p), v, k in zip(rows.loads, visited, carriers, strict=True)]
+        multipliers = []
+        for kind in self.kinds:
+            listed = remembered(self.problem, np.isfinite(kind.cost), rows.memory)
+            multipliers.append(Multipliers(rows.visits, loads, rows.subsets, listed))
+        made = [kind.walks(many, room, work) for kind, many in zip(self.kinds, multipliers, strict=True)]
+        if not made:
+            return 0.0
+        exponent = min(walks.exponent for walks in made)  # one for all, so that prices are rounded once
+        slots = []
+        for kind, many in zip(self.kinds, multipliers, strict=True):
+            first = made.pop(0)
+            walks = first if first.exponent == exponent else kind.walks(many, room, work, exponent)
+            walks.work = min(walks.work, work)
+            least = walks.least(None, claimed)
+            if least is None:
+                return -math.inf
+            if least < FAR:
+                through = {k: walks.least(which, claimed_needed) for which, k in enumerate(kind.needed)}
+                costs = {k: least if cost is None else max(cost, least) for k, cost in through.items() if cost != FAR}
+                slots.append(Slot(least, kind.count, costs))
+            work = walks.work
+        bounds = [cheapest(slots, self.fewest, self.most)]
+        bounds += [cheapest_through(slots, k, self.fewest, self.most) for k in range(self.sets)]
+        if None in bounds:
+            return math.inf
+        worth = worth_of_visits(self.problem, walks.visits.astype(np.float64), self.surely, self.never)
+        constant = walks.constant - sum(walks.visits.tolist()) + sum(map(int, worth.tolist()))
+        return math.ldexp(constant + max(bound for bound in bounds if bound is not None), -exponent)
+
+
+def cheapest(slots: Sequence[Slot], fewest: int, most: int) -> int | None:
+    """The least sum of so many routes' costs; None where the slots hold too few."""
+    total, used = 0, 0
+    for least, count, _ in sorted(slots, key=lambda slot: slot.least):
+        taken = min(count, most - used if least < 0 else max(0, fewest - used))
+        total, used = total + taken * least, used + taken
+    return total if used >= fewest else None
+
+
+def cheapest_through(slots: Sequence[Slot], k: int, fewest: int, most: int) -> int | None:
+    """The same of routes one of which makes a move of needed set ``k``."""
+    totals = []
+    for at, slot in enumerate(slots):
+        others = [*slots[:at], slot._replace(count=slot.count - 1), *slots[at + 1 :]]
+        rest = cheapest(others, max(0, fewest - 1), most - 1)
+        if k in slot.through and rest is not None:
+            totals.append(slot.through[k] + rest)
+    return min(totals, default=None)
+
+
+def limiting(problem: RoutingProblem, resources: Mapping[str, Resource], *, shifts: bool = False) -> list[Resource]:
+    """Resources that limit walks; at least one, for the length of a walk is limited all the same."""
+    ends = [v.end for v in problem.fleet]
+    timed = any(v.energy is not None and v.energy.charge == "elapsed-fixed-start" for v in problem.fleet)
+    timed = timed or bool(np.isfinite(problem.sites.due[[*problem.sites.customers, *ends]]).any())
+    timed = timed or (shifts and any(math.isfinite(v.shift[1]) for v in problem.fleet))
+    return [r for name, r in resources.items() if name != "order" and (name != "time" or timed)] or [resources["time"]]
+
+
+def remembered(problem: RoutingProblem, usable: Flags, memory: int | Ints) -> Ints:
+    """Who is remembered at each node, none at the depot: where ``memory`` is a number, so many of the nearest next to whom he can be
+    visited."""
+    if not isinstance(memory, int):
+        return memory
+    at = problem.sites.customers
+    far, beside = problem.travel.distances[np.ix_(at, at)], usable[1:, 1:] | usable[1:, 1:].T
+    far = np.where(beside, np.minimum(far, far.T), math.inf)
+    np.fill_diagonal(far, -math.inf)
+    near = np.argsort(far, axis=1, kind="stable")[:, 1 : memory + 1] + 1
+    return np.vstack([np.full((1, near.shape[1]), -1), near]).astype(np.int32)
