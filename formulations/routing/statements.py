@@ -164,9 +164,7 @@ def restricted(problem: RoutingProblem, decisions: Sequence[Decision]) -> Routin
     return problem.altered(forbidden=moves, needed=tuple(needed), min_vehicles=least, fleet=fleet, sites=sites)
 
 
-def _skilled(
-    sites: Sites, fleet: tuple[VehicleType, ...], able: Sequence[tuple[int, set[int]]]
-) -> tuple[Sites, tuple[VehicleType, ...]]:
+def _skilled(sites: Sites, fleet: tuple[VehicleType, ...], able: Sequence[tuple[int, set[int]]]) -> tuple[Sites, tuple[VehicleType, ...]]:
     """Sites that ask for one skill more each, which the types of vehicle have that are named with them, and no others."""
     asked, has = list(sites.skills or [frozenset[str]()] * len(sites)), [v.skills for v in fleet]
     taken = frozenset[str]().union(*asked, *has)

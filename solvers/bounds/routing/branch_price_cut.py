@@ -184,7 +184,7 @@ class Tree(ProofTree[_Node]):
         node.prices = solved.prices or node.prices
         if solved.prices is not None:
             self._prove(node, solved)
-        if self.reached(node.bound) or solved.status in ("full", "stopped"):
+        if self.reached(node.bound) or solved.status in ("full", "flooded", "stopped"):
             self.close(node)
         else:
             self._keep(node, part, solved)
@@ -199,6 +199,8 @@ class Tree(ProofTree[_Node]):
         best, bounds, rows = Solved("stopped"), list[float](), not node.first
         while True:
             solved = columns.solve(part, node.prices)
+            if solved.status == "flooded" and columns.weaken():
+                continue
             if solved.status != "done" or solved.lacking > WHOLE:
                 return (solved if solved.status == "enough" or best.prices is None else best), None
             node.prices = solved.prices

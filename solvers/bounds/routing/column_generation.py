@@ -70,8 +70,8 @@ class Part:
 
 @dataclass(eq=False)
 class Solved:
-    """The end of column generation, its ``status``: ``done``, ``enough`` (the prices prove enough), ``stopped`` or
-    ``full``, of labels or of routes.
+    """The end of column generation, its ``status``: ``done``, ``enough`` (the prices prove enough), ``stopped``, ``full`` of routes, or
+    ``flooded`` by labels.
 
     ``bound`` and ``prices`` are the best Lagrangian bound by the labels here, ``least`` the least reduced cost of each type there;
     ``values`` and ``reduced`` costs are those of the routes in the linear program; ``lacking`` is how many visits no route makes.
@@ -116,7 +116,8 @@ class ColumnGeneration:
         self.dearest = float(np.abs(self.cost[self.usable]).max(initial=0.0))
         self.step = REDUCED * self.dearest
         far = problem.travel.distances[np.ix_(partition.customers, partition.customers)]
-        self.near = self._nearest(np.minimum(far, far.T), most.get("memory", MEMORY))
+        self.far, self.memory, self.most_memory = np.minimum(far, far.T), most.get("memory", MEMORY), MOST_MEMORY
+        self.near = self._nearest(self.memory)
         room = max(2, most.get("labels", LABELS) // len(partition.types))
         self.pricers = [
             Pricer(one.levels, usable, self.dearest, room) for one, usable in zip(partition.types, self.usable, strict=True)
@@ -130,16 +131,18 @@ class ColumnGeneration:
         self.master = self._new_master([])
         self.phase_one: Master | None = None
         self.full = False  # whether labels or routes ever were too many
+        self.newest: Sequence[SubsetRow] = ()
+        self.given_up = 0  # times that the relaxation was made weaker
 
     @property
     def labels(self) -> int:
         """Labels so far."""
         return sum(pricer.labels for pricer in self.pricers)
 
-    def _nearest(self, far: Floats, memory: int) -> Flags:
+    def _nearest(self, memory: int) -> Flags:
         """The customers who are remembered at each node to begin with, each at his own too."""
         inner = self.usable.any(axis=0)[1:, 1:]
-        far = np.where(inner | inner.T, far, math.inf)
+        far = np.where(inner | inner.T, self.far, math.inf)
         np.fill_diagonal(far, -math.inf)
         near = np.zeros(self.usable.shape[1:], dtype=bool)
         np.put_along_axis(near[1:, 1:], np.argsort(far, axis=1, kind="stable")[:, : memory + 1], True, axis=1)
@@ -165,9 +168,12 @@ class ColumnGeneration:
     def solve(self, part: Part, centre: Prices | None) -> Solved:
         """The linear program of a node, which begins at the prices ``centre``, with all routes and memories that it takes; where no routes
         make up a solution, prices that prove it, and an infinite bound."""
-        best = Solved("stopped")
+        best, remembered = Solved("stopped"), self.near
         while True:
             solved = self._generated(self.master, part, centre)
+            if solved.status == "flooded" and best.prices is not None:  # too many are remembered
+                self.near, self.most_memory = remembered, 0
+                self.given_up += 1
             if solved.status != "done":
                 return solved if solved.status == "enough" or best.prices is None else best
             if solved.lacking > WHOLE:
@@ -179,12 +185,12 @@ class ColumnGeneration:
                     return Solved("enough", math.inf, ray.prices)
                 if ray.status == "stopped":
                     return best
-                if ray.status == "full" or self.dear > 1e6:
+                if ray.status in ("full", "flooded") or self.dear > 1e6:
                     return solved
                 self.dear *= 10.0
                 self.master = self._new_master(self.master.cuts)
                 continue
-            best = solved if solved.bound >= best.bound else best
+            best, remembered = solved if solved.bound >= best.bound else best, self.near.copy()
             if not self._remember(solved.values):
                 return solved
             centre = solved.prices
@@ -196,7 +202,7 @@ class ColumnGeneration:
             route, last = self.pool.routes[k].tolist(), dict[int, int]()
             for place, node in enumerate(route):
                 between = route[last[node] + 1 : place] if node in last else []
-                if between and all(self.near[other, node] or self.near[other].sum() <= MOST_MEMORY for other in between):
+                if between and all(self.near[other, node] or self.near[other].sum() <= self.most_memory for other in between):
                     self.near[between, node] = grown = True
                 last[node] = place
         return grown
@@ -222,8 +228,8 @@ class ColumnGeneration:
                 at = prices.mixed(centre, SMOOTHING, master.cuts) if mixed and centre is not None else prices
                 status, least, routes = self._priced(part, at, how, step)
                 if status != 0:
-                    best.status = "stopped" if status == STOPPED else "full"
-                    self.full = self.full or best.status == "full"
+                    best.status = "stopped" if status == STOPPED else "flooded"
+                    self.full = self.full or best.status == "flooded"
                     return best
                 bound = self._lagrangian(at, least, part, 0.0 if master is not self.master else self.constant)
                 if how != EXACT and bound > guess:  # no bound, but a good place to be near to
@@ -329,18 +335,36 @@ class ColumnGeneration:
         idle = [cut for cut, total in zip(self.master.cuts, sums.tolist(), strict=True) if abs(total - cut.right) > SLACK]
         flow = self.pool.flow(solved.values, self.usable.shape).sum(axis=0)
         cuts: list[Cut] = list(overloaded(self.problem, flow, self.loads, self.stop))
-        triples = violated(self.pool, solved.values, len(self.near), self.cuts) if rows else []
+        triples = violated(self.pool, solved.values, len(self.near), self.cuts) if rows and not self.given_up else []
         replaced = [self.cuts[cut.customers] for cut in triples if cut.customers in self.cuts]
-        gone = list({id(cut): cut for cut in [*idle, *replaced]}.values())
-        self.master.drop(gone)
-        for cut in gone:
+        self._drop(list({id(cut): cut for cut in [*idle, *replaced]}.values()))
+        self.cuts.update((cut.customers, cut) for cut in triples)
+        self.master.cut([*cuts, *triples])
+        self.newest = triples
+        return bool(cuts or triples)
+
+    def weaken(self) -> bool:
+        """Where labels were too many: give up the newest subset rows, then all of them, then half of who is remembered; whether there was
+        anything left to give up. None of it comes back."""
+        rows = self.newest or [cut for cut in self.master.cuts if isinstance(cut, SubsetRow)]
+        if rows:
+            self._drop(rows)
+        elif self.memory > 1:
+            self.memory //= 2
+            self.near, self.most_memory = self._nearest(self.memory), 0
+        else:
+            return False
+        self.newest, self.phase_one = (), None
+        self.given_up += 1
+        return True
+
+    def _drop(self, cuts: Sequence[Cut]) -> None:
+        self.master.drop(cuts)
+        for cut in cuts:
             if isinstance(cut, LoadCut):
                 self.loads.discard(cut.inside.tobytes())
             elif isinstance(cut, SubsetRow):
                 self.cuts.pop(cut.customers, None)
-        self.cuts.update((cut.customers, cut) for cut in triples)
-        self.master.cut([*cuts, *triples])
-        return bool(cuts or triples)
 
     def purge(self, solved: Solved, best: Solved, gap: float) -> None:
         """Drop routes that no answer drives whose value is less than ``gap`` above the bound, and the dearest of very many; ``values`` of

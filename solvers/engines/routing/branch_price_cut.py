@@ -95,7 +95,8 @@ class BranchPriceCut(Engine):
         bound, answer = tree.bound, tree.answer
         found = () if evidence is None else (evidence,)
         statistics |= {"nodes": len(tree.nodes), **tree.counts()}
-        message = ""
+        weaker = tree.columns.given_up
+        message = f"labels were too many: cuts or memories were given up {weaker} time{'s' if weaker > 1 else ''}" if weaker else ""
         if answer is None:
             status = "infeasible" if bound == math.inf else "unknown"
             message = "no choice of routes visits all sites within the limits" if status == "infeasible" else NOTHING

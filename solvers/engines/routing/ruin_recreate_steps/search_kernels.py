@@ -196,13 +196,14 @@ def ruin(ways, at_way, site, types, customers, near, route, node, absent, sums, 
 
 @inner
 def list_alternatives(site, node, moved, moves, step):  # type: ignore[no-untyped-def]
-    """Add all of the groups of those left out to what is to be inserted; returns how many there are."""
+    """Add all who are left out of the groups of those to be inserted; returns how many there are."""
     for m in range(moves):
         c = site[moved[m], ALTERNATIVE]
         while c >= 0 and node[c, LISTED] != step:
             node[c, LISTED] = step
-            moved[moves] = c
-            moves += 1
+            if node[c, ROUTE] < 0:
+                moved[moves] = c
+                moves += 1
             c = site[c, ALTERNATIVE]
     return moves
 
@@ -479,9 +480,9 @@ def anneal(  # type: ignore[no-untyped-def]
             logged, moves = ruin(
                 ways, at_way, site, types, customers, near, route, node, absent, sums, random, log, moved, sizes, routes, step, flags
             )
-        if flags & GROUPED:
-            moves = list_alternatives(site, node, moved, moves, step)
         moves = list_others(site, node, absent, sums, random, moved, moves, step)
+        if flags & GROUPED:  # after all others: any of a group may take the place of the one that was listed, and must be put back then
+            moves = list_alternatives(site, node, moved, moves, step)
         for m in range(sort(ways, site, types, random, moved, todo, keys, moves, dims, flags)):
             c = todo[m]
             if flags & GROUPED and site[c, ALTERNATIVE] >= 0 and not settled(site, node, c):

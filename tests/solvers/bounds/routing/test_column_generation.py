@@ -71,3 +71,18 @@ def test_routes_that_are_dropped_leave_the_value_as_it_is() -> None:
         columns.purge(solved, solved, 0.0)
     assert len(columns.pool) < many and columns.value(part) == pytest.approx(before)
     assert len(solved.values) == len(columns.pool)
+
+
+def test_where_labels_are_too_many_the_relaxation_is_made_weaker_step_by_step() -> None:
+    columns, part = prepared(plane(3, 14, 30.0))
+    solved = columns.solve(part, None)
+    assert columns.cut(solved, rows=True)
+    rows, memory = len(columns.cuts), columns.memory
+    assert rows and columns.weaken() and not columns.cuts and columns.memory == memory
+    while columns.weaken():
+        memory //= 2
+        assert columns.memory == memory
+    assert memory == 1 and columns.near[1:, 1:].sum(axis=1).max() == 2
+    again = columns.solve(part, None)
+    assert again.status == "done" and again.bound <= solved.bound + 1e-6
+    assert not columns.cut(again, rows=True) or not columns.cuts

@@ -15,7 +15,7 @@ from waybound.solvers.bounds.routing.restricted_master import Pool
 
 def test_coefficients_count_the_moves_into_the_set() -> None:
     pool = Pool()
-    pool.add([np.array([1, 2, 3]), np.array([3, 1, 4, 2]), np.array([4])])
+    pool.add([(0, np.array(route)) for route in ([1, 2, 3], [3, 1, 4, 2], [4])])
     inside = np.array([False, True, True, False, False])
     assert LoadCut.coefficients([LoadCut(inside, 1.0)], pool, 0)[:, 0].tolist() == [1.0, 2.0, 0.0]
     assert LoadCut(inside, 1.0).missing(5).tolist() == [1.0, 1.0, 0.0, 0.0]

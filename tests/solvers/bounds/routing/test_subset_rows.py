@@ -27,7 +27,7 @@ def test_coefficients_count_pairs_within_the_memory(seed: int) -> None:
     rng = np.random.default_rng(seed)
     routes = [rng.integers(1, 8, int(rng.integers(1, 9))) for _ in range(10)]
     pool = Pool()
-    pool.add(routes)
+    pool.add([(0, route) for route in routes])
     cuts = []
     for size in (3, 3, 5):
         customers = tuple(rng.choice(np.arange(1, 8), size, replace=False).tolist())
@@ -47,7 +47,7 @@ def test_coefficients_count_pairs_within_the_memory(seed: int) -> None:
 def test_violated_cuts_are_found_with_memories_that_do(seed: int) -> None:
     rng = np.random.default_rng(seed)
     pool = Pool()
-    pool.add([rng.permutation(np.arange(1, 7))[: int(rng.integers(2, 5))] for _ in range(8)])
+    pool.add([(0, rng.permutation(np.arange(1, 7))[: int(rng.integers(2, 5))]) for _ in range(8)])
     values = rng.uniform(0.0, 0.8, len(pool))
     found = violated(pool, values, 7, {})
     truth = {}

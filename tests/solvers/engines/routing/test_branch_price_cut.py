@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import pytest
 from draws import draws
-from small_routing import plane, small
+from small_routing import plane, small, varied
 from truth.routing import best_values
 
 import waybound as wb
+from waybound.formulations.routing.objective import Objective
 from waybound.instances.errors import UnsupportedError, UsageError
+from waybound.solvers.backend import BACKENDS
+from waybound.solving.search_log import counts_of
 
 
 @pytest.mark.parametrize("feature", ["capacity", "time-windows", "max-distance", "open-routes", "limited-fleet", "fixed-cost"])
@@ -48,5 +54,33 @@ def test_a_gap_ends_it_early_and_is_kept_to() -> None:
 
 
 def test_what_it_cannot_price_it_refuses_by_name() -> None:
-    with pytest.raises(UnsupportedError, match="heterogeneous-fleet"):
-        wb.solve(small("heterogeneous-fleet", 1, "exact"), "branch-price-cut")
+    with pytest.raises(UnsupportedError, match="objective:longest-route"):
+        wb.solve(replace(small("capacity", 1, "exact"), objective=Objective.of("longest-route")), "branch-price-cut")
+
+
+@pytest.mark.parametrize("feature", ["heterogeneous-fleet", "multiple-depots", "prizes", "reward"])
+@pytest.mark.parametrize("seed", range(3))
+def test_types_of_vehicle_and_optional_sites_are_solved_to_a_checked_optimum(feature: str, seed: int) -> None:
+    problem = small(feature, seed, "exact")
+    solution, best = wb.solve(problem, "branch-price-cut", bound_time=0), best_values(problem)
+    assert (solution.status, solution.bound_kind) == ("optimal", "verified") and best is not None
+    assert solution.objective == pytest.approx(best[0]) and solution.bound == pytest.approx(best[0])
+
+
+@pytest.mark.parametrize("feature", ["groups", "skills", "penalties"])
+@pytest.mark.parametrize("seed", range(4))
+def test_groups_skills_and_penalties_are_too(feature: str, seed: int) -> None:
+    problem = replace(varied(feature, seed, 5), objective=Objective.of("total-cost + 2*penalties"))
+    if BACKENDS["branch-price-cut"]().missing(problem):
+        pytest.skip("other features that are drawn with it")
+    solution, best = wb.solve(problem, "branch-price-cut", bound_time=0), best_values(problem)
+    assert solution.status == ("infeasible" if best is None else "optimal")
+    assert best is None or solution.bound == pytest.approx(best[0]) == solution.objective
+
+
+def test_columns_cuts_and_labels_are_counted_for_the_log() -> None:
+    events: list[dict[str, Any]] = []
+    wb.solve(plane(4, 16, 30.0), "branch-price-cut", progress=events.append)
+    counts = [event["counts"] for event in events if event["counts"]][-1]
+    assert counts.keys() == {"columns", "cuts", "labels"} and counts["columns"] > 0 and counts["labels"] > 0
+    assert counts_of({"nodes": 2, "counts": {"cuts": 1200}}) == ["2 nodes", "1,200 cuts"]
