@@ -57,8 +57,8 @@ CANDIDATES, PRICED = 20, 3
 """Statements that are tried over the routes at hand before one is branched on, and those of them that are tried with further routes too."""
 
 CLAIM = 1e-8
-"""Part of the largest cost of a move by which more is claimed of the cheapest route than labels in rounded numbers found: the checker looks at
-whatever costs less."""
+"""Part of the largest cost of a move by which more is claimed of the cheapest route than labels in rounded numbers found. The checker looks
+at whatever costs less."""
 
 LEAST_GAIN = 1e-6
 """Least gain of a branching in a product of two gains, as a part of the largest cost of a move."""
