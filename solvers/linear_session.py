@@ -92,6 +92,10 @@ class LinearSession:
         self._model.addRows(size, lower, np.full(size, math.inf), len(columns), *given)
         self._grown = True
 
+    def bound_row(self, row: int, lower: float) -> None:
+        """Let a row be ``lower`` at least from now on, which may be minus infinity."""
+        self._model.changeRowBounds(row, lower, math.inf)
+
     def remove_rows(self, rows: Longs) -> None:
         """Remove some rows; where they stood must not matter."""
         if len(rows):

@@ -27,6 +27,7 @@ from .arcs import Flags, Floats, by_site
 from .column_generation import WHOLE, ColumnGeneration, Part, Solved
 from .first_answer import RUINS, first_answer
 from .load_cuts import LoadCut
+from .move_rows import MoveRow
 from .restricted_master import Prices
 from .set_partition import SetPartition, lacks_route_costs, set_partition
 from .subset_rows import SubsetRow
@@ -101,6 +102,7 @@ class Tree(ProofTree[_Node]):
         self.columns = ColumnGeneration(problem, partition, stop, self._enough, seed, most)
         self.cost, self.unit = self.columns.cost, self.columns.unit
         self.fixing, self.rounds = True, 0
+        self.rows, self.branched = dict[tuple[Any, ...], MoveRow](), list[MoveRow]()
         ids = problem.sites.ids
         self.starts, self.ends = sorted({ids[v.start] for v in problem.fleet}), sorted({ids[v.end] for v in problem.fleet})
         self.one_depot = len(self.starts) == len(self.ends) == 1
@@ -123,7 +125,7 @@ class Tree(ProofTree[_Node]):
 
     def _part(self, node: _Node) -> Part:
         cost, fewest, most = self.cost.copy(), self.partition.fewest, self.partition.most
-        row, left_out = self.partition.row, self.partition.optional.copy()
+        row, left_out, rows = self.partition.row, self.partition.optional.copy(), list[MoveRow]()
 
         def visited(i: int) -> None:
             left_out[row[i]] = False
@@ -133,9 +135,10 @@ class Tree(ProofTree[_Node]):
         for statement, holds in node.decisions():
             if "routes" in statement:
                 fewest, most = (fewest, min(most, statement["routes"])) if holds else (max(fewest, statement["routes"] + 1), most)
-            elif "moves" in statement:  # what some route makes of them is proved without its linear program
-                for tail, heads in statement["moves"].items():
-                    cost[:, self.index.get(tail, 0), [self.index.get(head, 0) for head in heads]] = math.inf
+            elif "moves" in statement and holds:
+                rows.append(self._row(statement["moves"]))
+            elif "moves" in statement:
+                cost[:, self._among(statement["moves"])] = math.inf
             elif "visited" in statement:
                 i, by = self.index[statement["visited"]], statement.get("by")
                 if holds:
@@ -159,7 +162,21 @@ class Tree(ProofTree[_Node]):
                 if j:
                     cost[:, :, j] = math.inf
                 cost[:, i, j] = kept
-        return Part(cost, fewest, most, left_out)
+        return Part(cost, fewest, most, left_out, rows)
+
+    def _among(self, moves: Mapping[str, list[str]]) -> Flags:
+        """Moves of a statement, shape (nodes, nodes)."""
+        among = np.zeros(self.cost.shape[1:], dtype=bool)
+        for tail, heads in moves.items():
+            among[self.index.get(tail, 0), [self.index.get(head, 0) for head in heads]] = True
+        return among
+
+    def _row(self, moves: Mapping[str, list[str]]) -> MoveRow:
+        """The row that some of these moves are made, the same one each time that a statement on them is met."""
+        key = tuple((tail, *heads) for tail, heads in moves.items())
+        if key not in self.rows:
+            self.rows[key] = MoveRow(self._among(moves), moves)
+        return self.rows[key]
 
     def look(self, node: _Node) -> bool:
         part, parent, first = self._part(node), node.parent, node.first
@@ -236,6 +253,8 @@ class Tree(ProofTree[_Node]):
         if self.grain is not None:  # what is above the last multiple before the target is lifted to it
             gap -= self.grain.size / self.unit * (1.0 - 1e-4)
         hopeless = self.columns.hopeless(part, solved, gap)
+        if hopeless is not None and self.partition.symmetric:
+            hopeless &= hopeless.T
         many = MANY * np.isfinite(part.cost).any(axis=0).sum()
         return (hopeless, gap + 0.5 * self.columns.step) if hopeless is not None and hopeless.sum() > many else None
 
@@ -319,15 +338,18 @@ class Tree(ProofTree[_Node]):
         for node, site in enumerate(sites.tolist(), start=1):
             remembered[site] = sites[np.nonzero(self.columns.near[node, 1:])[0]].tolist()
         data: dict[str, Any] = {"visits": by_site(self.routing, prices.visits[1:] * self.unit), "remembered": remembered}
-        rows, loads = list[dict[str, Any]](), list[dict[str, Any]]()
+        rows, loads, needed = list[dict[str, Any]](), list[dict[str, Any]](), list[dict[str, Any]]()
         for cut, price in prices.cuts.items():
             if isinstance(cut, SubsetRow):
                 memory, inside = (sites[np.array(nodes) - 1].tolist() for nodes in (np.nonzero(cut.memory)[0], cut.customers))
                 rows.append({"sites": inside, "memory": memory, "price": price * self.unit})
+            elif isinstance(cut, MoveRow):
+                needed.append({"moves": cut.named, "price": price * self.unit})
             elif isinstance(cut, LoadCut):
                 loads.append({"sites": sites[np.nonzero(cut.inside)[0] - 1].tolist(), "price": price * self.unit})
         ray = solved.bound == math.inf
-        data |= ({"rows": rows} if rows else {}) | ({"loads": loads} if loads else {}) | ({"ray": True} if ray else {})
+        listed = {"rows": rows, "loads": loads, "needed": needed}
+        data |= {key: entries for key, entries in listed.items() if entries} | ({"ray": True} if ray else {})
         if not self.partition.merged:
             data["apart"] = True
         elif not ray and math.isfinite(least := float(solved.least.min(initial=math.inf))):
@@ -343,11 +365,20 @@ class Tree(ProofTree[_Node]):
         self.on_step(min(self.closed, node.bound))
         statement = self._statement(node, self._part(node), try_them=True)
         assert statement is not None
+        self._forget_rows(statement)
         children = _Node(node, (statement, True)), _Node(node, (statement, False))
         if sum(1 for _ in self.look_at_all(node, children)) < 2:
             return False
         node.children = children
         return True
+
+    def _forget_rows(self, statement: dict[str, Any]) -> None:
+        """Forget rows of statements that were only tried."""
+        if "moves" in statement:
+            self.branched.append(self._row(statement["moves"]))
+        kept = set(map(id, self.branched))
+        self.rows = {key: row for key, row in self.rows.items() if id(row) in kept}
+        self.columns.master.forget(self.branched)
 
     def _statement(self, node: _Node, part: Part, *, try_them: bool = False) -> dict[str, Any] | None:
         """The statement to branch on; None if nothing is left."""
@@ -356,11 +387,12 @@ class Tree(ProofTree[_Node]):
         # With several types, each keeps its own number.
         if len(part.cost) == 1 and part.fewest < part.most and number > 1.0 and abs(number - round(number)) > WHOLE:
             return {"routes": math.floor(number)}
-        undecided = [*self._visits(node.flow, part), *self._types(node.flow, part), *self._moves(node.flow, part)]
+        moves = self._ways(node.flow[0], part) if self.partition.symmetric else self._moves(node.flow, part)
+        undecided = [*self._visits(node.flow, part), *self._types(node.flow, part), *moves]
         fractional = [(abs(value % 1.0 - 0.5), k) for k, (value, _) in enumerate(undecided) if WHOLE < value % 1.0 < 1.0 - WHOLE]
         if not fractional:
-            used = (statement for value, statement in undecided if value > WHOLE)
-            return next(used, undecided[0][1] if undecided else None)
+            used = [statement for value, statement in undecided if value > WHOLE]
+            return next(iter([*used, *(statement for _, statement in undecided)]), None)
         statements = [undecided[k][1] for _, k in sorted(fractional)[:CANDIDATES]]
         if not try_them or len(statements) == 1:
             return statements[0]
@@ -379,7 +411,7 @@ class Tree(ProofTree[_Node]):
 
     def _types(self, flow: Floats, part: Part) -> Iterator[tuple[float, dict[str, Any]]]:
         """Types of vehicle that more than one can visit a customer, with how often the first of them does, and the statements on them."""
-        can = np.isfinite(part.cost).any(axis=1)
+        can = np.logical_or.reduce(np.isfinite(part.cost), axis=1)
         visits = flow.sum(axis=1)
         for i in np.nonzero(can.sum(axis=0) > 1)[0].tolist():
             if i:
@@ -398,6 +430,17 @@ class Tree(ProofTree[_Node]):
         chosen = np.argwhere(undecided & (merged > WHOLE))
         for i, j in (chosen if len(chosen) else np.argwhere(undecided)[:1]).tolist():
             yield float(merged[i, j]), {"arc": [self.ids[i] if i else self.starts[0], self.ids[j] if j else self.ends[0]]}
+
+    def _ways(self, flow: Floats, part: Part) -> Iterator[tuple[float, dict[str, Any]]]:
+        """Where routes can be turned round: moves that may be made in either direction, with how often they are, and the statements on
+        them. Those at the depot may be made twice, by a route to one customer."""
+        both, usable = flow + flow.T, np.isfinite(part.cost[0])
+        for row in part.rows:
+            usable = usable & ~row.moves
+        chosen = np.argwhere(np.triu(usable & (both > WHOLE) & (both < 1.0 + WHOLE)))
+        for i, j in (chosen if len(chosen) else np.argwhere(np.triu(usable))[:1]).tolist():
+            tail, head = self.ids[i] if i else self.starts[0], self.ids[j]
+            yield float(both[i, j]), {"moves": {tail: [head], head: [tail]}}
 
     def _gain(self, node: _Node, statement: dict[str, Any], *, priced: bool = False) -> float:
         """Product of what the linear program gains on both sides of a statement."""

@@ -18,6 +18,7 @@ from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
 from .arcs import Flags, Floats, Longs
 from .load_cuts import LoadCut, overloaded
+from .move_rows import MoveRow
 from .pricing import Pricer
 from .restricted_master import Cut, Drive, Master, Pool, Prices, coefficients
 from .set_partition import SetPartition
@@ -59,13 +60,14 @@ WHOLE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Costs of the moves that a node of a tree allows, shape (types, nodes, nodes), its limits on the number of routes, and the visits,
-    shape (1 + rows,), that may be ``left_out``."""
+    """Costs of the moves that a node of a tree allows, shape (types, nodes, nodes), its limits on the number of routes, the visits, shape
+    (1 + rows,), that may be ``left_out``, and ``rows`` of moves of which some are made."""
 
     cost: Floats
     fewest: int
     most: int
     left_out: Flags
+    rows: Sequence[MoveRow] = ()
 
 
 @dataclass(eq=False)
@@ -141,7 +143,7 @@ class ColumnGeneration:
 
     def _nearest(self, memory: int) -> Flags:
         """The customers who are remembered at each node to begin with, each at his own too."""
-        inner = self.usable.any(axis=0)[1:, 1:]
+        inner = np.logical_or.reduce(self.usable)[1:, 1:]
         far = np.where(inner | inner.T, self.far, math.inf)
         np.fill_diagonal(far, -math.inf)
         near = np.zeros(self.usable.shape[1:], dtype=bool)
@@ -161,7 +163,12 @@ class ColumnGeneration:
         node = {site: node for node, site in enumerate(self.partition.customers.tolist(), start=1)}
         kind = {vehicle: k for k, one in enumerate(self.partition.types) for vehicle, _ in one.vehicles}
         walks = [(kind[route.vehicle], np.array([node[site] for site in route.visits], dtype=np.int64)) for route in answer if route.visits]
-        self.pool.add(self.pool.new(walks))
+        self.pool.add(self.pool.new([self._turned(*walk) for walk in walks]))
+
+    def _turned(self, kind: int, route: Longs) -> Drive:
+        """A route, or, where it may be driven in either direction, always in the same one."""
+        turned = self.partition.symmetric and route[0] > route[-1] and len(np.unique(route)) == len(route)
+        return kind, route[::-1].copy() if turned else route
 
     # -- the linear program of a node --------------------------------------------------------------------------------
 
@@ -188,7 +195,7 @@ class ColumnGeneration:
                 if ray.status in ("full", "flooded") or self.dear > 1e6:
                     return solved
                 self.dear *= 10.0
-                self.master = self._new_master(self.master.cuts)
+                self.master = self._new_master([cut for cut in self.master.cuts if not isinstance(cut, MoveRow)])
                 continue
             best, remembered = solved if solved.bound >= best.bound else best, self.near.copy()
             if not self._remember(solved.values):
@@ -269,7 +276,7 @@ class ColumnGeneration:
             status, least[kind], _, routes = pricer.search(self.stop, costs, fines, how, FOUND, price - step)
             if status != 0:
                 return status, least, []
-            found += [(kind, route) for route in routes]
+            found += [self._turned(kind, route) for route in routes]
         return 0, least, found
 
     def _reduced(self, part: Part, at: Prices) -> Floats:
@@ -277,8 +284,8 @@ class ColumnGeneration:
         reduced = part.cost.copy()
         reduced[:, :, 1:] -= at.visits[1:]
         for cut, price in at.cuts.items():
-            if isinstance(cut, LoadCut):
-                reduced[:, cut.entering] -= price
+            if isinstance(cut, LoadCut | MoveRow):
+                reduced[:, cut.moves] -= price
         return reduced
 
     def _chosen(self, part: Part, prices: Prices, drives: Sequence[Drive], step: float) -> list[Drive]:
@@ -322,6 +329,7 @@ class ColumnGeneration:
         twice = np.nonzero(self.pool.twice & ~shut)[0]
         shut[twice] = [_comes_back(self.pool.routes[k], self.near) for k in twice.tolist()]
         master.restrict(shut, part.fewest, part.most, part.left_out)
+        master.hold(part.rows)
 
     # -- between two solutions ---------------------------------------------------------------------------------------
 
@@ -332,7 +340,8 @@ class ColumnGeneration:
         some = Pool()
         some.add(self.pool.drives(used))
         sums = solved.values[used] @ coefficients(self.master.cuts, some, 0)
-        idle = [cut for cut, total in zip(self.master.cuts, sums.tolist(), strict=True) if abs(total - cut.right) > SLACK]
+        far = [cut for cut, total in zip(self.master.cuts, sums.tolist(), strict=True) if abs(total - cut.right) > SLACK]
+        idle = [cut for cut in far if not isinstance(cut, MoveRow)]
         flow = self.pool.flow(solved.values, self.usable.shape).sum(axis=0)
         cuts: list[Cut] = list(overloaded(self.problem, flow, self.loads, self.stop))
         triples = violated(self.pool, solved.values, len(self.near), self.cuts) if rows and not self.given_up else []

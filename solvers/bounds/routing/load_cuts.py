@@ -36,10 +36,10 @@ class LoadCut:
 
     @staticmethod
     def coefficients(cuts: Sequence[LoadCut], pool: Pool, first: int) -> Floats:
-        return np.array([pool.sums(cut.entering, first) for cut in cuts]).T
+        return np.array([pool.sums(cut.moves, first) for cut in cuts]).T
 
     @property
-    def entering(self) -> Flags:
+    def moves(self) -> Flags:
         """Moves into the set, shape (nodes, nodes)."""
         return ~self.inside[:, None] & self.inside[None, :]
 

@@ -185,6 +185,8 @@ class Master:
         rows = Rows("rows", indptr=indptr, indices=indices, data=table.data, lower=right, upper=right)
         self.session = LinearSession(Program("routes", "min", (columns,), (rows,)), seed)
         self.cuts: list[Cut] = []
+        self.branched: list[Cut] = []
+        self.held: list[Cut] = []
         self.refresh()
         self.cut(cuts)
 
@@ -234,6 +236,23 @@ class Master:
         self.session.remove_columns(self.own + np.nonzero(~kept)[0])
         self.pool.keep(kept)
         self.known = len(self.pool)
+
+    def hold(self, wanted: Sequence[Cut]) -> None:
+        """Have those of ``branched``, rows that hold in some nodes of a tree, hold that are ``wanted``, and no others."""
+        new = [row for row in wanted if row not in self.branched]
+        self.cut(new)
+        self.branched.extend(new)
+        self.held.extend(new)
+        for c, row in enumerate(self.cuts):
+            if row in self.branched and (row in wanted) != (row in self.held):
+                self.session.bound_row(self.own_rows + c, row.right if row in wanted else -math.inf)
+        self.held = list(wanted)
+
+    def forget(self, kept: Sequence[Cut]) -> None:
+        """Remove the rows of branchings but those that are ``kept``."""
+        self.hold([])
+        self.drop([row for row in self.branched if row not in kept])
+        self.branched = [row for row in self.branched if row in kept]
 
     def restrict(self, shut: Flags, fewest: int, most: int, left_out: Flags) -> None:
         """Shut some routes, limit their number, and have the visits ``left_out``, shape (1 + rows,), be left out at no cost."""

@@ -17,14 +17,18 @@ from ....formulations.routing.preparation import Preparation, offset, prepare
 from ....formulations.routing.reachability import minimum_vehicles
 from ....formulations.routing.routes import Route, Routes
 from ....formulations.stop import NEVER, Stop
-from .arcs import ARC_TERMS, Floats, Longs, too_many_arcs
+from .arcs import ARC_TERMS, Flags, Floats, Longs, too_many_arcs
 from .route_levels import Level, levels_of
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
+    from ....instances.routing.vehicle_type import VehicleType
 
 RESOURCES = ("time", "load", "distance", "duration", "energy")
 """Resources that the checker of set partitioning knows, too."""
+
+ROUNDED = 1e-12
+"""Part of the largest number by which sums may differ by rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,17 +49,18 @@ class SetPartition:
     Node 0 is the depot, the others are ``customers``, site indices. ``row``, shape (nodes,), has the row of each one's visits, from 1 on,
     that of all members of a group being the same; ``optional``, shape (1 + rows,), marks those that no route need visit. There are
     ``fewest`` to ``most`` routes, and ``constant`` is what an answer without any costs. ``merged``: one type of vehicle, and nobody is
-    optional.
+    optional; ``symmetric``: one type, and each route can be driven the other way round at the same cost.
     """
 
     customers: Longs
     types: tuple[RouteType, ...]
     row: Longs
-    optional: np.ndarray[tuple[int], np.dtype[np.bool_]]
+    optional: Flags
     fewest: int
     most: int
     constant: float
     merged: bool
+    symmetric: bool
 
     @property
     def cost(self) -> Floats:
@@ -107,8 +112,32 @@ def set_partition(problem: RoutingProblem, stop: Stop = NEVER) -> SetPartition |
     rewarded = {term.name for _, term in problem.objective.levels()[0].terms} & {"reward", "penalties"}
     merged = len(types) == 1 and sign > 0 and not rewarded and len(rows) == n + 1 and not optional[1:].any()
     return SetPartition(
-        customers, tuple(types), row.astype(np.int64), optional, minimum_vehicles(problem), most, sign * offset(problem), merged
-    )
+        customers, tuple(types), row.astype(np.int64), optional, minimum_vehicles(problem), most, sign * offset(problem), merged,
+        len(types) == 1 and _turns(problem, types[0]),
+    )  # fmt: skip
+
+
+def _turns(problem: RoutingProblem, one: RouteType) -> bool:
+    """Whether each route can be driven the other way round at the same cost: it ends where it begins, and nobody waits or is due."""
+    vehicle, usable = problem.fleet[one.vehicles[0][0]], np.isfinite(one.cost)
+    waits = (problem.sites.ready[problem.customers] > problem.sites.ready[vehicle.start]).any() or problem.sites.windows
+    if vehicle.start != vehicle.end or waits or _is_due(problem, vehicle) or (usable != usable.T).any():
+        return False
+    return all(_adds_up_both_ways(np.where(usable, values, 0.0), usable) for values in (one.cost, *(level.weight for level in one.levels)))
+
+
+def _adds_up_both_ways(values: Floats, usable: Flags) -> bool:
+    """Whether sums over round trips are the same in both directions, each customer having a part of his own in those of his moves."""
+    own = values[0] - values[:, 0]
+    apart = np.where(usable, values - values.T - own[None, :] + own[:, None], 0.0)
+    return bool((np.abs(apart) <= ROUNDED * np.abs(values).max(initial=0.0)).all())
+
+
+def _is_due(problem: RoutingProblem, kind: VehicleType) -> bool:
+    """Whether anything has to be in time."""
+    due = problem.sites.due[[*problem.customers, kind.end]]
+    fixed = kind.energy is not None and kind.energy.charge == "elapsed-fixed-start"
+    return bool(np.isfinite(due).any()) or math.isfinite(kind.shift[1]) or fixed
 
 
 def _route_type(problem: RoutingProblem, prep: Preparation, sign: float, vehicles: tuple[tuple[int, int], ...]) -> RouteType:
@@ -117,9 +146,7 @@ def _route_type(problem: RoutingProblem, prep: Preparation, sign: float, vehicle
     cost = np.full((nodes, nodes), math.inf)
     cost[prep.tail, head] = sign * prep.cost
     usable = np.isfinite(cost)
-    due = problem.sites.due[[*problem.customers, kind.end]]
-    timed = bool(np.isfinite(due).any()) or math.isfinite(kind.shift[1])
-    timed = timed or (kind.energy is not None and kind.energy.charge == "elapsed-fixed-start")
+    timed = _is_due(problem, kind)
 
     def level(name: str) -> Level:
         resource, weight = prep.resources[name], np.zeros((nodes, nodes))

@@ -66,8 +66,8 @@ class BranchPriceCut(Engine):
             if options.extra.get(name, least) < least:
                 raise UsageError(f"{self.name}: option {name} must be at least {least}, not {options.extra[name]}", "out-of-range")
         if not len(problem.customers):
-            value = problem.evaluate(Routes(())).values[0]
-            return RawResult("optimal", answer=Routes(()), objective=value, bound=value, message="there are no customers")
+            none = problem.evaluate(Routes(())).values[0]
+            return RawResult("optimal", answer=Routes(()), objective=none, bound=none, message="there are no customers")
         statistics: dict[str, Any] = {}
         answer = value = None
         if options.start is not None:

@@ -32,5 +32,5 @@ def test_sets_that_are_entered_too_seldom_are_found_once(seed: int) -> None:
     known = set[bytes]()
     cuts = overloaded(problem, flow, known, NEVER)
     assert cuts and all(cut.right >= np.ceil(demand[cut.inside[1:]].sum() / 25.0 - 1e-9) for cut in cuts)
-    assert all(flow[cut.entering].sum() < cut.right for cut in cuts)
+    assert all(flow[cut.moves].sum() < cut.right for cut in cuts)
     assert not overloaded(problem, flow, known, NEVER)
