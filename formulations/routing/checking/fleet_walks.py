@@ -37,25 +37,24 @@ class Rows(NamedTuple):
 
 
 class Slot(NamedTuple):
-    """So many routes at most of a type of vehicle, each of this least reduced cost; ``through`` is that with a move of a needed set."""
+    """The least reduced cost of a route of some type, and how many of it there can be."""
 
     least: int
     count: int
-    through: Mapping[int, int]
 
 
 @dataclass(frozen=True, eq=False)
 class KindMoves:
-    """Costs of a type's moves between depot and customers, its resources that limit walks, its needed moves by their set, and how many
-    of it can be on a route."""
+    """Costs of a type's moves between depot and customers, its resources that limit walks, its moves in each needed set, and how many of
+    it can be on a route."""
 
     cost: Floats
     resources: Sequence[Resource]
-    needed: Mapping[int, Flags]
+    needed: Sequence[Flags]
     count: int
 
     def walks(self, multipliers: Multipliers, room: int, work: int, finest: int = 1000) -> Walks:
-        return Walks(self.cost, self.resources, multipliers, list(self.needed.values()), current_stop(), room, work, finest)
+        return Walks(self.cost, self.resources, multipliers, self.needed, current_stop(), room, work, finest)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,23 +78,21 @@ class FleetMoves:
         """None where there is no answer; raises OverflowError where costs are too large to be added up."""
         n, kinds, size = len(surely), list[KindMoves](), 0.0
         sets = smallest([moves for moves in customers_moves(problem) if says_more(problem, moves, surely)])
-        entered, left, inner = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool), np.zeros((n, n), dtype=bool)
+        reached, inner = np.zeros(n, dtype=bool), np.zeros((n, n), dtype=bool)
         for vehicle, count in alike(problem).items():
             alone = with_fleet(problem, (vehicle,))
-            with np.errstate(over="ignore", invalid="ignore"):
-                moves = VehicleMoves.of(problem, vehicle, terms, np.zeros(n), {})
+            moves = VehicleMoves.of(problem, vehicle, terms, np.zeros(n), {})
             size = max(size, moves.size)
             if not math.isfinite(64.0 * (n + 2) ** 2 * moves.size):
                 raise OverflowError
             usable = np.isfinite(moves.cost)
             usable[1:] &= ~never[:, None]
             usable[:, 1:] &= ~never
-            entered, left, inner = entered | usable[:, 1:].any(axis=0), left | usable[1:].any(axis=1), inner | usable[1:, 1:]
-            needed = {k: through for k, of in enumerate(sets) if (through := merged_moves(alone, of) & usable).any()}
-            limits = limiting(alone, moves.resources, shifts=True)
+            reached, inner = reached | (usable[:, 1:].any(axis=0) & usable[1:].any(axis=1)), inner | usable[1:, 1:]
             if usable[0].any() and usable[:, 0].any():
+                limits, needed = limiting(alone, moves.resources, shifts=True), [merged_moves(alone, through) & usable for through in sets]
                 kinds.append(KindMoves(np.where(usable, moves.cost, math.inf), limits, needed, min(n, count)))
-        never = never | ~entered | ~left
+        never = never | ~reached
         node = {site: k for k, site in enumerate(problem.sites.customers.tolist())}
         asked = [[node[site] for site in group.sites] for group in problem.sites.groups if group.required]
         if (surely & never).any() or any(never[members].all() for members in asked):
@@ -105,7 +102,7 @@ class FleetMoves:
         if surely.any():
             fewest = max(fewest, *fewest_carriers(problem, [np.flatnonzero(surely) + 1]))
         most = min(n, sum(kind.count for kind in kinds))
-        if fewest > most or not all(any(k in kind.needed for kind in kinds) for k in range(len(sets))):
+        if fewest > most or not all(any(kind.needed[k].any() for kind in kinds) for k in range(len(sets))):
             return None
         return cls(problem, kinds, surely, never, fewest, most, len(sets), size)
 
@@ -118,54 +115,62 @@ class FleetMoves:
         visited = [nodes[self.surely[nodes - 1]] for nodes, _ in rows.loads]
         carriers = fewest_carriers(self.problem, visited)
         loads = [Load(s, k * bool(len(v)), p) for (s, p), v, k in zip(rows.loads, visited, carriers, strict=True)]
-        multipliers = []
+        made = []
         for kind in self.kinds:
             listed = remembered(self.problem, np.isfinite(kind.cost), rows.memory)
-            multipliers.append(Multipliers(rows.visits, loads, rows.subsets, listed))
-        made = [kind.walks(many, room, work) for kind, many in zip(self.kinds, multipliers, strict=True)]
+            made.append(kind.walks(Multipliers(rows.visits, loads, rows.subsets, listed), room, work))
         if not made:
             return 0.0
         exponent = min(walks.exponent for walks in made)  # one for all, so that prices are rounded once
-        slots = []
-        for kind, many in zip(self.kinds, multipliers, strict=True):
-            first = made.pop(0)
-            walks = first if first.exponent == exponent else kind.walks(many, room, work, exponent)
-            walks.work = min(walks.work, work)
-            least = walks.least(None, claimed)
+        made = [
+            walks if walks.exponent == exponent else k.walks(walks.multipliers, room, work, exponent)
+            for k, walks in zip(self.kinds, made, strict=True)
+        ]
+        slots, budget = [], Budget(work)
+        for kind, walks in zip(self.kinds, made, strict=True):
+            least = budget.least(walks, None, claimed)
             if least is None:
                 return -math.inf
-            if least < FAR:
-                through = {k: walks.least(which, claimed_needed) for which, k in enumerate(kind.needed)}
-                costs = {k: least if cost is None else max(cost, least) for k, cost in through.items() if cost != FAR}
-                slots.append(Slot(least, kind.count, costs))
-            work = walks.work
+            slots.append(Slot(least, kind.count * (least < FAR)))
         bounds = [cheapest(slots, self.fewest, self.most)]
-        bounds += [cheapest_through(slots, k, self.fewest, self.most) for k in range(self.sets)]
-        if None in bounds:
+        for k in range(self.sets):
+            totals = []
+            for at, (kind, walks, slot) in enumerate(zip(self.kinds, made, slots, strict=True)):
+                through = budget.least(walks, k, claimed_needed) if slot.count and kind.needed[k].any() else FAR
+                others = [*slots[:at], Slot(slot.least, slot.count - 1), *slots[at + 1 :]]
+                rest = cheapest(others, max(0, self.fewest - 1), self.most - 1) if through != FAR else None
+                if rest is not None:
+                    totals.append(rest + max(slot.least, slot.least if through is None else through))
+            bounds.append(min(totals, default=None))
+        known = [bound for bound in bounds if bound is not None]
+        if len(known) < len(bounds):
             return math.inf
-        worth = worth_of_visits(self.problem, walks.visits.astype(np.float64), self.surely, self.never)
-        constant = walks.constant - sum(walks.visits.tolist()) + sum(map(int, worth.tolist()))
-        return math.ldexp(constant + max(bound for bound in bounds if bound is not None), -exponent)
+        visits = made[0].visits
+        worth = worth_of_visits(self.problem, visits.astype(np.float64), self.surely, self.never)
+        constant = made[0].constant - sum(visits.tolist()) + sum(map(int, worth.tolist()))
+        return math.ldexp(constant + max(known), -exponent)
+
+
+@dataclass
+class Budget:
+    """Moves and comparisons that are left for several walks."""
+
+    work: int
+
+    def least(self, walks: Walks, which: int | None, claimed: float | None) -> int | None:
+        walks.work = min(walks.work, self.work)
+        found = walks.least(which, claimed)
+        self.work = walks.work
+        return found
 
 
 def cheapest(slots: Sequence[Slot], fewest: int, most: int) -> int | None:
-    """The least sum of so many routes' costs; None where the slots hold too few."""
+    """The least sum of the costs of that many routes; None where there are fewer."""
     total, used = 0, 0
-    for least, count, _ in sorted(slots, key=lambda slot: slot.least):
+    for least, count in sorted(slots):
         taken = min(count, most - used if least < 0 else max(0, fewest - used))
         total, used = total + taken * least, used + taken
     return total if used >= fewest else None
-
-
-def cheapest_through(slots: Sequence[Slot], k: int, fewest: int, most: int) -> int | None:
-    """The same of routes one of which makes a move of needed set ``k``."""
-    totals = []
-    for at, slot in enumerate(slots):
-        others = [*slots[:at], slot._replace(count=slot.count - 1), *slots[at + 1 :]]
-        rest = cheapest(others, max(0, fewest - 1), most - 1)
-        if k in slot.through and rest is not None:
-            totals.append(slot.through[k] + rest)
-    return min(totals, default=None)
 
 
 def limiting(problem: RoutingProblem, resources: Mapping[str, Resource], *, shifts: bool = False) -> list[Resource]:

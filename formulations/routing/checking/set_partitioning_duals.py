@@ -135,13 +135,12 @@ def _apart(problem: RoutingProblem, prices: Floats, given: _Given, claimed: Sequ
     if terms is None or (terms.peaks and not ray):
         return -math.inf
     terms = Terms(0.0, 0.0, 0.0, 0.0, 0.0, {}) if ray else terms
-    parts = constants(relaxed, terms)
     try:
-        fleet = FleetMoves.of(relaxed, terms, *told_visits(problem))
+        with np.errstate(over="ignore", invalid="ignore"):
+            fleet, parts = FleetMoves.of(relaxed, terms, *told_visits(problem)), constants(relaxed, terms)
         if fleet is None:
             return math.inf
-        rows = Rows(prices, given.loads, given.rows, given.memory)
-        found = fleet.least(rows, *claimed, LABELS, WORK)
+        found = fleet.least(Rows(prices, given.loads, given.rows, given.memory), *claimed, LABELS, WORK)
     except OverflowError:
         return -math.inf
     if not math.isfinite(found):
@@ -149,9 +148,10 @@ def _apart(problem: RoutingProblem, prices: Floats, given: _Given, claimed: Sequ
     if ray:
         return math.inf if found > 0.0 else -math.inf
     # Each route is added up from its first move on, so that no sum is larger than nodes sizes; there are n routes at most.
-    sizes = (len(prices) + 2) ** 2 * fleet.size + math.fsum(abs(part) for part in parts) + abs(found)
-    bound = math.fsum([found, *parts, -16.0 * EPS * sizes])
-    return lift(bound, "min", value_grain(problem, terms)) if math.isfinite(bound) else -math.inf
+    sizes = (len(prices) + 2) ** 2 * fleet.size + sum(map(abs, parts)) + abs(found)
+    if not math.isfinite(sizes):
+        return -math.inf
+    return lift(math.fsum([found, *parts, -16.0 * EPS * sizes]), "min", value_grain(problem, terms))
 
 
 # -- reading -----------------------------------------------------------------------------------------------------------------------------
