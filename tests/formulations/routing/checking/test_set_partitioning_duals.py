@@ -275,6 +275,7 @@ def test_other_objectives_and_sites_that_may_be_left_out_are_not_bounded() -> No
     assert check_set_partitioning_duals(replace(problem, objective=Makespan()), evidence(np.ones(4))) == -math.inf
     sites = replace(problem.sites, required=np.array([False, True, True, False]))
     assert check_set_partitioning_duals(replace(problem, sites=sites), evidence(np.ones(4))) == -math.inf
+    assert math.isfinite(check_set_partitioning_duals(replace(problem, sites=sites), evidence(np.ones(4), apart=True)))
 
 
 def test_a_row_that_is_said_to_weigh_less_has_no_place_in_evidence() -> None:
@@ -293,12 +294,36 @@ def test_more_rows_than_are_read_are_refused(monkeypatch: pytest.MonkeyPatch) ->
             check_set_partitioning_duals(circle(3), evidence(np.zeros(4), **more))
 
 
+@pytest.mark.parametrize("apart", [False, True])
 @pytest.mark.parametrize("name", ["LABELS", "WORK", "CUSTOMERS"])
-def test_beyond_its_limits_nothing_is_proved(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_beyond_its_limits_nothing_is_proved(name: str, apart: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     problem = circle(8, capacity=4.0)
-    assert math.isfinite(check_set_partitioning_duals(problem, evidence(np.ones(9))))
+    assert math.isfinite(check_set_partitioning_duals(problem, evidence(np.ones(9), apart=apart)))
     monkeypatch.setattr(set_partitioning_duals, name, 7)
-    assert check_set_partitioning_duals(problem, evidence(np.ones(9))) == -math.inf
+    assert check_set_partitioning_duals(problem, evidence(np.ones(9), apart=apart)) == -math.inf
+
+
+def test_walks_of_one_type_are_the_same_apart() -> None:
+    rng = np.random.default_rng(3)
+    for feature in ("capacity", "time-windows", "service-times", "max-distance", "limited-fleet", "fixed-cost", "open-routes"):
+        problem = small(feature, 1, "exact")
+        needed = problem.restricted([({"moves": {a: [b for b in "2345" if b != a] for a in "34"}}, True)])
+        for scale in (5.0, 40.0):
+            rows, loads = drawn_rows(problem, rng, scale)
+            data = evidence(rng.uniform(-0.2, 1.0, len(problem.sites)) * scale, 2, rows=rows, loads=loads)
+            for part in (problem, needed):
+                together, apart = (check_set_partitioning_duals(part, {**data, "apart": apart}) for apart in (False, True))
+                assert apart == pytest.approx(together, rel=1e-9, abs=1e-9 * scale)
+
+
+def test_a_search_for_needed_moves_that_is_too_long_leaves_what_all_walks_prove(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = circle(8, capacity=4.0)
+    needed, data = problem.restricted([({"moves": {"1": ["5"], "2": ["6"]}}, True)]), evidence(np.full(9, 12.0), apart=True)
+    whole, through = check_set_partitioning_duals(problem, data), check_set_partitioning_duals(needed, data)
+    assert through > whole
+    for work in (2_000, 3_000, 5_000, 8_000, 12_000, 20_000, 10**6):
+        monkeypatch.setattr(set_partitioning_duals, "WORK", work)
+        assert check_set_partitioning_duals(needed, data) in (-math.inf, whole, through)
 
 
 LISTS: list[Any] = [
@@ -336,7 +361,8 @@ def test_it_gives_up_when_it_is_asked_to() -> None:
     [
         {}, {"visits": [0.0] * 4}, evidence([0.0] * 3), evidence([0.0] * 5), evidence([0.0, math.nan, 0.0, 0.0]),
         evidence([0.0, math.inf, 0.0, 0.0]), evidence([0.0] * 4, -1), evidence([0.0] * 4, True), evidence([0.0] * 4, 2.0),  # type: ignore[arg-type]
-        evidence([0.0] * 4, "8"), evidence([0.0] * 4, None), evidence([0.0] * 4, ray=1), {"visits": "0000", "memory": 1},  # type: ignore[arg-type]
+        evidence([0.0] * 4, "8"), evidence([0.0] * 4, None), evidence([0.0] * 4, ray=1), evidence([0.0] * 4, apart=1),  # type: ignore[arg-type]
+        evidence([0.0] * 4, apart=None), evidence([0.0] * 4, apart="yes"), evidence([0.0] * 3, apart=True), {"visits": "0000", "memory": 1},  # type: ignore[arg-type]
         {"visits": {"at": [4], "values": [1.0]}, "memory": 1}, evidence([0.0] * 4, least=math.nan), evidence([0.0] * 4, least="0"),
         evidence([0.0] * 4, least_needed=None), evidence([0.0] * 4, least=True),
         *({"visits": [0.0] * 4, "remembered": lists} for lists in LISTS), evidence([0.0] * 4, remembered=[[], [], [], []]),

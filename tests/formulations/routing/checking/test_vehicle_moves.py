@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from small_routing import plane
 
-from waybound.formulations.routing.checking.vehicle_moves import VehicleMoves, alike, terms_of
+from waybound.formulations.routing.checking.vehicle_moves import VehicleMoves, alike, terms_of, worth_of_visits
 from waybound.formulations.routing.objective import Makespan, Objective, Penalties, Reward, TotalCost, TotalDuration, Vehicles
-from waybound.instances.routing.instance import VehicleType
+from waybound.formulations.routing.problem import RoutingProblem
+from waybound.instances.routing.instance import Group, Sites, VehicleType
+from waybound.instances.routing.travel import Travel
 
 
 def test_weights_are_those_of_a_minimisation():
@@ -24,6 +26,18 @@ def test_weights_are_those_of_a_minimisation():
     assert flipped is not None and (flipped.reward, flipped.duration) == (-1.0, 0.5)
     for goal in (Reward() + TotalCost(), Reward() + Makespan(), TotalCost() - TotalDuration()):
         assert terms_of(replace(problem, objective=Objective.of(goal))) is None
+
+
+def test_visits_are_worth_their_prices_as_far_as_they_are_known():
+    sites = Sites.of("oabcde", required=[False, True, *[False] * 4], groups=[Group((3, 4)), Group((5,), required=False)])
+    problem = RoutingProblem(sites, Travel("EXPLICIT", matrix=1.0 - np.eye(6)), (VehicleType(),))
+    prices = np.array([2.0, -3.0, 7.0, 5.0, -4.0])
+    assert worth_of_visits(problem, prices).tolist() == [2.0, -3.0, 5.0, 0.0, -4.0]
+    assert worth_of_visits(problem, -prices).tolist() == [-2.0, 0.0, -7.0, 0.0, 0.0]
+    surely, never = np.array([True, True, True, False, False]), np.array([False, False, False, True, True])
+    assert worth_of_visits(problem, prices, surely, never).tolist() == [2.0, -3.0, 7.0, 0.0, 0.0]
+    surely, never = np.array([True, False, False, False, False]), np.array([False, True, False, True, False])
+    assert worth_of_visits(problem, prices, surely, never).tolist() == [2.0, 0.0, 7.0, 0.0, -4.0]
 
 
 def test_types_that_differ_only_in_name_are_one():

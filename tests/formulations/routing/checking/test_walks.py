@@ -228,6 +228,16 @@ def test_memories_and_rows_of_several_words(customers: int) -> None:
     assert free.least() == 3
 
 
+def test_numbers_are_no_finer_than_is_asked_for() -> None:
+    given_case = case(3, 4)
+    own = given_case.walks()
+    coarse, fine = given_case.walks(finest=5), given_case.walks(finest=own.exponent + 1)
+    assert (coarse.exponent, fine.exponent) == (5, own.exponent) and own.exponent > 5
+    assert (coarse.visits == np.ldexp(given_case.multipliers.visits, 5)).all()
+    found, least = coarse.least(), given_case.least()
+    assert found is not None and least is not None and Fraction(found, 32) == least  # all are eighths
+
+
 def test_it_gives_up_at_its_limits_and_when_it_is_asked_to() -> None:
     given_case = case(5, 4)
     assert given_case.walks(work=0).least() is None
