@@ -7,6 +7,7 @@ import json
 import math
 import random
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -16,16 +17,20 @@ import selection_problems
 from branching_programs import random_program, without_answer
 from draws import ALL, draws
 from random_sensing import random_graph
+from routing_answers import grown as prices_tree
 from sata_cases import selections
-from small_routing import plane, small
+from small_routing import drawn, plane, small
 from truth.families import truth
 from truth.routing import best_values
 
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import certify, check_certificate
+from waybound.formulations.evidence import Evidence
 from waybound.formulations.problem import Problem
+from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.formulations.stop import Stop
+from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import WayboundError
 from waybound.reports.battery.kinds import KINDS
 from waybound.reports.battery.truth import program_truth
@@ -70,6 +75,9 @@ def cases() -> list[tuple[Problem, float | None, str]]:
         routed = plane(seed, 7, 17.0)
         values = best_values(routed)
         grown.append((routed, None if values is None else values[0], branch_price_cut_bound(routed, Stop(20.0))))
+    for feature, seeds in (("heterogeneous-fleet", (8, 13)), ("prizes", (10,)), ("groups", (5, 6))):
+        for seed in seeds:
+            grown.append(apart(drawn(feature, seed)))
     made = []
     for problem, best, evidence in grown:
         if evidence is not None and evidence.kind == "branching-tree":
@@ -78,7 +86,18 @@ def cases() -> list[tuple[Problem, float | None, str]]:
     assert sum(best is None for _, best, _ in made) >= 3
     assert sum('"quadratic-duals"' in text for *_, text in made) >= 5
     assert sum("set-partitioning-duals" in text for *_, text in made) >= 3
+    assert sum('"apart"' in text for *_, text in made) >= 4 and sum('"by"' in text for *_, text in made) >= 2
     return made
+
+
+def apart(problem: RoutingProblem) -> tuple[Problem, float | None, Evidence]:
+    """A tree of statements on visits whose leaves keep types of vehicle apart."""
+    values = best_values(problem)
+    assert values is not None
+    told = prices_tree(problem, values[0])
+    tree = [{"branch": node["branch"]} if "branch" in node else node for node in told]
+    evidence = Evidence("branching-tree", "by hand", 0.0, {"nodes": tree})
+    return problem, values[0], replace(evidence, value=verified_bound(problem, evidence))
 
 
 def nodes(data: Data) -> list[Data]:
@@ -288,10 +307,46 @@ def half_a_set(data: Data, rng: random.Random) -> bool:
     return bool(told)
 
 
+def visits(data: Data) -> list[Data]:
+    """Statements on visits."""
+    return [node["branch"] for node in nodes(data) if "visited" in node.get("branch", {})]
+
+
+def visits_by_nobody(data: Data, rng: random.Random) -> bool:
+    for told in visits(data):
+        told["by"] = rng.choice([[], [99], [-1], [0, 0], [0.0], [True], "0", 0, None])
+    return bool(visits(data))
+
+
+def visits_to_nobody(data: Data, rng: random.Random) -> bool:
+    for told in visits(data):
+        told["visited"] = rng.choice(["0", "nobody", 1, None])
+    return bool(visits(data))
+
+
+def other_visits(data: Data, rng: random.Random) -> bool:
+    told = visits(data)
+    for statement in told:
+        statement |= rng.choice([{"visited": str(rng.randint(1, 3))}, {"by": [0]}])
+    return bool(told)
+
+
+def half_apart(data: Data, rng: random.Random) -> bool:
+    for held in priced(data):
+        held["apart"] = rng.choice([1, 0, "true", None, [0]])
+    return bool(priced(data))
+
+
+def all_apart(data: Data, rng: random.Random) -> bool:
+    for held in priced(data):
+        held["apart"] = not held.get("apart", False)
+    return bool(priced(data))
+
+
 def fractional_branch(data: Data, rng: random.Random) -> bool:
     node = rng.choice([n for n in nodes(data) if "branch" in n])
     key = next(k for k in node["branch"])
-    node["branch"] = {key: 0.5} if len(node["branch"]) == 1 else {**node["branch"], "most": node["branch"]["most"] + 0.5}
+    node["branch"] = {key: 0.5} if len(node["branch"]) == 1 else {**node["branch"], "most": node["branch"].get("most", 0) + 0.5}
     return True
 
 
@@ -332,6 +387,9 @@ LIES: dict[str, Lie] = {
     "rows of depots": with_rows_of_depots,
     "rows of no weight": with_rows_of_no_weight,
     "half a set of moves": half_a_set,
+    "visits by nobody": visits_by_nobody,
+    "visits to nobody": visits_to_nobody,
+    "half apart": half_apart,
     "NaN": one_number(math.nan),
     "infinity": one_number(math.inf),
     "overflow": one_number(10**400),
@@ -354,6 +412,8 @@ HARMLESS: dict[str, Lie] = {
     "rows and loads": with_rows,
     "a least walk": claimed_least,
     "sets of moves": sets_of_moves,
+    "apart or together": all_apart,
+    "other visits": other_visits,
     "a branching and a leaf are lost": lost_subtree,
 }
 """What may prove something, though never anything false."""
@@ -361,7 +421,8 @@ HARMLESS: dict[str, Lie] = {
 
 FEWEST = {
     "half a memory": 3, "other memories": 3, "rows that pay": 3, "rows that are forgotten": 3, "rows of depots": 3, "rows of no weight": 3,
-    "half a set of moves": 2, "rows and loads": 3, "a least walk": 3, "sets of moves": 2,
+    "half a set of moves": 2, "rows and loads": 3, "a least walk": 3, "sets of moves": 2, "visits by nobody": 3, "visits to nobody": 3,
+    "half apart": 3, "apart or together": 3, "other visits": 3,
 }  # fmt: skip
 """Cases in which a lie must have been told, where not 20: the trees of routes."""
 

@@ -77,13 +77,25 @@ def drawn(problem: RoutingProblem, rng: np.random.Generator) -> list[tuple[dict[
     some = rng.choice(len(pairs), int(rng.integers(1, 7)), replace=False)
     numbers = [({"routes": int(rng.integers(1, 5))}, bool(rng.random() < 0.5)) for _ in range(int(rng.integers(0, 3)))]
     sets = [(some_moves(problem, rng), bool(rng.random() < 0.6)) for _ in range(int(rng.integers(0, 3)))]
-    return [*(({"arc": list(pairs[k])}, bool(rng.random() < 0.35)) for k in some), *numbers, *sets]
+    visits = [(some_visit(problem, rng), bool(rng.random() < 0.7)) for _ in range(int(rng.integers(0, 3)))]
+    return [*(({"arc": list(pairs[k])}, bool(rng.random() < 0.35)) for k in some), *numbers, *sets, *visits]
 
 
-def holds_as_decided(answer: Routes, made: set[tuple[str, str]], decision: tuple[dict[str, Any], bool]) -> bool:
+def some_visit(problem: RoutingProblem, rng: np.random.Generator) -> dict[str, Any]:
+    """A statement on a visit, mostly by some types of vehicle."""
+    site, kinds = problem.sites.ids[rng.choice(problem.customers)], rng.permutation(len(problem.fleet)).tolist()
+    return {"visited": site, "by": kinds[: int(rng.integers(1, len(kinds) + 1))]} if rng.random() < 0.8 else {"visited": site}
+
+
+def holds_as_decided(
+    problem: RoutingProblem, answer: Routes, made: set[tuple[str, str]], decision: tuple[dict[str, Any], bool]
+) -> bool:  # fmt: skip
     statement, holds = decision
     if "moves" in statement:
         truth = any((tail, head) in made for tail, heads in statement["moves"].items() for head in heads)
+    elif "visited" in statement:
+        site, by = problem.site_index[statement["visited"]], statement.get("by", range(len(problem.fleet)))
+        truth = any(site in route.visits and route.vehicle in by for route in answer)
     else:
         truth = len(answer) <= statement["routes"] if "routes" in statement else tuple(statement["arc"]) in made
     return truth is holds
@@ -100,7 +112,7 @@ def test_restricted_problems_keep_every_answer_of_their_decisions_and_no_evidenc
     for _ in range(draws(12)):
         decisions = drawn(whole, rng)
         problem = whole.restricted(decisions[: len(decisions) // 2]).restricted(decisions[len(decisions) // 2 :])
-        left = [(answer, e) for answer, made, e in judged if all(holds_as_decided(answer, made, decision) for decision in decisions)]
+        left = [(answer, e) for answer, made, e in judged if all(holds_as_decided(whole, answer, made, decision) for decision in decisions)]
         assert all(problem.evaluate(answer).feasible for answer, _ in left)
         if not problem.needed:  # the judge does not look whether needed moves are made
             left = [(answer, e) for answer, _, e in judged if problem.evaluate(answer).feasible]
@@ -121,6 +133,11 @@ def _attempts(problem: RoutingProblem, n: int, rng: np.random.Generator) -> Iter
         routes = {"visits": some(scale), "memory": int(rng.integers(0, n))}
         yield Evidence("set-partitioning-duals", "", 0.0, routes)
         yield Evidence("set-partitioning-duals", "", 0.0, {**routes, "ray": True})
+        yield Evidence("set-partitioning-duals", "", 0.0, {**routes, "apart": True})
+        yield Evidence("set-partitioning-duals", "", 0.0, {**_priced_rows(problem, scale, rng), "visits": some(scale), "apart": True})
+        yield Evidence("set-partitioning-duals", "", 0.0, {**routes, "apart": True, "ray": True})
+        yield Evidence("state-space", "", 0.0, {"prices": some(scale), "resource": "order", "step": 1.0})
+        yield Evidence("cut-multipliers", "", 0.0, {"out": some(scale), "in": some(scale)})
         for ray in (False, True):
             yield Evidence("set-partitioning-duals", "", 0.0, {**_priced_rows(problem, scale, rng), "visits": some(scale), "ray": ray})
         yield Evidence("spanning-tree", "", 0.0, {"multipliers": some(scale), "depot": float(rng.normal() * scale)})
@@ -188,7 +205,8 @@ def test_a_forbidden_move_breaks_an_answer_in_words() -> None:
     "statement", [None, "1-2", {"arc": ["1"]}, {"arc": ["1", "nobody"]}, {"arc": [1, 2]}, {"arc": ["1", "2", "3"]}, {"arc": ["1", ["2"]]},
                   {"arc": ["1", "2"], "used": True}, {"arc": {"1": "2"}}, {"routes": 0}, {"routes": 1.0}, {"routes": True}, {"routes": 99},
                   {"routes": 2, "arc": ["1", "2"]}, {"moves": {}}, {"moves": []}, {"moves": None}, {"moves": {"1": []}},
-                  {"moves": {"1": "2"}}, {"moves": {"1": ["2", "2"]}}, {"moves": {"1": ["1"]}}, {"moves": {"1": ["2"]}, "arc": ["1", "2"]}]
+                  {"moves": {"1": "2"}}, {"moves": {"1": ["2", "2"]}}, {"moves": {"1": ["1"]}}, {"moves": {"1": ["2"]}, "arc": ["1", "2"]},
+                  {"by": [0]}, {"visited": "1", "arc": ["1", "2"]}, {"visited": "1", "by": [0], "routes": 1}, {"visited": "1", "times": 1}]
 )  # fmt: skip
 def test_what_is_no_statement_on_a_move_is_refused(statement: object) -> None:
     with pytest.raises(InputError, check=coded("malformed")):
@@ -203,6 +221,8 @@ def test_what_is_no_statement_on_a_move_is_refused(statement: object) -> None:
         ({"moves": {"1": ["2", "3"], "0": ["4"]}}, "some route makes one of 3 moves", "no route makes any of 3 moves"),
         ({"routes": 1}, "there is at most 1 route", "there are at least 2 routes"),
         ({"routes": 2}, "there are at most 2 routes", "there are at least 3 routes"),
+        ({"visited": "2"}, "2 is visited", "2 is not visited"),
+        ({"visited": "2", "by": [0]}, "2 is visited by vehicle", "2 is not visited by vehicle"),
     ],
 )
 def test_every_statement_can_be_said_in_words(statement: dict[str, Any], words: str, opposite: str) -> None:
@@ -215,6 +235,75 @@ def test_every_statement_can_be_said_in_words(statement: dict[str, Any], words: 
 def test_a_set_of_moves_between_sites_that_do_not_exist_is_refused(moves: object) -> None:
     with pytest.raises(InputError, match="names a site that does not exist", check=coded("unknown-name")):
         few("capacity", 0).check_statement({"moves": moves})
+
+
+@pytest.mark.parametrize("site", ["nobody", "0", "", 1, None, True, ["1"], {"1": 1}, 1.0])
+def test_a_visit_to_somebody_who_is_no_customer_is_refused(site: object) -> None:
+    with pytest.raises(InputError, match="names no customer", check=coded("unknown-name")):
+        few("capacity", 0).check_statement({"visited": site})
+
+
+@pytest.mark.parametrize("kinds", [[], [3], [-1], [0, 0], [0.0], ["0"], [True], [None], None, 0, "0", {"0": 0}, [10**30], [[0]]])
+def test_a_visit_by_types_that_do_not_exist_is_refused(kinds: object) -> None:
+    problem = few("heterogeneous-fleet", 0)
+    problem.check_statement({"visited": "1", "by": [2, 0]})
+    with pytest.raises(InputError, match="does not say by which types", check=coded("unknown-name")):
+        problem.restricted([({"visited": "1", "by": kinds}, True)])
+
+
+def optional(problem: RoutingProblem, *ids: str) -> RoutingProblem:
+    """The same problem, in which these may be left out."""
+    required = problem.sites.required & ~np.isin(problem.sites.ids, ids)
+    return replace(problem, sites=replace(problem.sites, required=required))
+
+
+def test_who_is_visited_is_so_by_a_needed_move() -> None:
+    whole = few("capacity", 0)
+    problem, n = optional(whole, "2", "3"), len(whole.sites)
+    (into,) = problem.restricted([({"visited": "2"}, True)]).needed
+    assert np.argwhere(into).tolist() == [[k, 2] for k in range(n) if k != 2]
+    assert problem.restricted([({"visited": "1"}, True)]).needed == ()  # he is required
+    without = problem.restricted([({"visited": "2"}, False)])
+    assert without.forbidden is not None and not without.needed
+    assert np.argwhere(without.forbidden).tolist() == [[a, b] for a in range(n) for b in range(n) if 2 in (a, b)]
+    for arc, kept in ((["2", "3"], 1), (["1", "2"], 1), (["2", "4"], 1), (["0", "3"], 1), (["1", "4"], 0), (["4", "0"], 0)):
+        part = problem.restricted([({"arc": arc}, True)])
+        assert [np.argwhere(moves).tolist() for moves in part.needed] == [[[int(arc[0]), int(arc[1])]]] * kept
+        assert problem.restricted([({"arc": arc}, False)]).needed == () == whole.restricted([({"arc": arc}, True)]).needed
+
+
+def test_types_that_do_not_visit_a_site_lack_a_skill() -> None:
+    problem = few("heterogeneous-fleet", 0)
+    site = {"visited": "2", "by": [0, 2]}
+    held, other = problem.restricted([(site, True)]), problem.restricted([(site, False)])
+    assert held.needed == () and (held.forbidden is None or not held.forbidden.any())
+
+    def able(part: RoutingProblem) -> list[int]:
+        index = part.site_index["2"]
+        verdicts = [part.evaluate(Routes((Route((index,), kind),))) for kind in range(len(part.fleet))]
+        return [kind for kind, verdict in enumerate(verdicts) if not any(v.check == "skills" for v in verdict.violations)]
+
+    assert (able(held), able(other)) == ([0, 2], [1])
+    assert able(held.restricted([({"visited": "2", "by": [1, 2]}, True)])) == [2]
+    assert able(problem.restricted([(site, True), ({"visited": "2", "by": [2]}, False)])) == [0]
+    assert able(problem.restricted([({"visited": "3", "by": [1]}, True)])) == [0, 1, 2]
+    every = problem.restricted([({"visited": "2", "by": [0, 1, 2]}, True)])
+    assert not every.sites.skills and every.restricted([(site, True)]).restricted([(site, True)]).sites.skills[2] == {
+        "statement 1",
+        "statement 2",
+    }
+    nobody = problem.restricted([({"visited": "2", "by": [1, 0, 2]}, False)])
+    assert nobody.forbidden is not None and nobody.forbidden[2].all() and nobody.forbidden[:, 2].all()
+    assert problem.in_words(site, True) == "2 is visited by small or hired"
+    assert len({part.digest() for part in (problem, held, other, nobody)}) == 4
+
+
+def test_made_up_skills_are_not_those_of_the_data() -> None:
+    problem = few("heterogeneous-fleet", 0)
+    skills = (frozenset[str](), frozenset({"statement 1"}), *[frozenset[str]()] * (len(problem.sites) - 2))
+    fleet = (problem.fleet[0], replace(problem.fleet[1], skills=frozenset({"statement 1", "statement 2"})), problem.fleet[2])
+    part = replace(problem, sites=replace(problem.sites, skills=skills), fleet=fleet).restricted([({"visited": "1", "by": [0]}, True)])
+    assert part.sites.skills[1] == {"statement 1", "statement 3"} and part.fleet[0].skills == {"statement 3"}
 
 
 def test_sets_of_moves_are_forbidden_or_kept_with_the_problem() -> None:
