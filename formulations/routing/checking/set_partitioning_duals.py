@@ -49,6 +49,8 @@ ROWS = 4_000
 def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on total cost, the number of vehicles, or a weighted sum of them, by any prices of visits (weak duality).
 
+    With ``apart`` durations, rewards and penalties may be in the sum; prices, costs and claims are those of a minimisation.
+
     Parameters
     ----------
     problem : RoutingProblem
@@ -56,10 +58,11 @@ def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any
         ``visits``: one number a site (entries of depots are ignored). ``memory``: how many of the nearest customers are remembered at each
         one, of those next to whom he can be visited; or, in its place, ``remembered``: one list a site of the indices of sites that are
         remembered there, an empty one for a depot; a customer always remembers himself. All else is optional. ``apart``: true for walks
-        of each type of vehicle by itself; then sites may be left out, and visits may be worth something. ``ray``: true for prices alone,
-        as if no arc cost anything. ``rows``: subset rows of multiplier 1/2, each with the indices of its ``sites``, an odd number
+        of each type of vehicle by itself; then sites may be left out. ``ray``: true for prices alone, as if no arc cost anything and no
+        visit were worth anything. ``rows``: subset rows of multiplier 1/2, each with the indices of its ``sites``, an odd number
         of customers, its ``memory``, customers with those among them, and its ``price``, 0 or less. ``loads``: sets of customers that as
-        many moves enter at least as vehicles are needed to carry their demands, each with its ``sites`` and its ``price``, 0 or more.
+        many moves enter at least as vehicles are needed to carry the demands of those who are visited in each answer, each with its
+        ``sites`` and its ``price``, 0 or more.
         ``least`` and ``least_needed``: numbers below which no walk, and none that makes a needed move, is said to cost; of walks that cost
         as much only that is looked at.
 
