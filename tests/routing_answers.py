@@ -33,7 +33,7 @@ class Answers(RoutingTruth):
 
 def holds(problem: RoutingProblem, answer: Routes, statement: dict[str, Any]) -> bool:
     """Whether a statement is true of an answer."""
-    index = problem.sites.index()
+    index = problem.site_index
     if "routes" in statement:
         return len(answer) <= statement["routes"]
     if "visited" in statement:
@@ -50,7 +50,7 @@ def holds(problem: RoutingProblem, answer: Routes, statement: dict[str, Any]) ->
 def best_of(problem: RoutingProblem, answers: Sequence[tuple[Routes, float]], decisions: Sequence[Decision]) -> float:
     """The best value of the answers of which all is as decided; infinite, as of no answer, without one."""
     left = [value for answer, value in answers if all(holds(problem, answer, s) is truth for s, truth in decisions)]
-    return (min(left, default=math.inf)) if problem.sense == "min" else max(left, default=-math.inf)
+    return min(left, default=math.inf) if problem.sense == "min" else max(left, default=-math.inf)
 
 
 def drawn_statement(problem: RoutingProblem, rng: np.random.Generator) -> dict[str, Any]:

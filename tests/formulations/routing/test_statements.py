@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from coded import coded
 from draws import draws
+from routing_answers import holds
 from small_routing import small
 
 from waybound.formulations.evidence import Evidence
@@ -87,20 +88,6 @@ def some_visit(problem: RoutingProblem, rng: np.random.Generator) -> dict[str, A
     return {"visited": site, "by": kinds[: int(rng.integers(1, len(kinds) + 1))]} if rng.random() < 0.8 else {"visited": site}
 
 
-def holds_as_decided(
-    problem: RoutingProblem, answer: Routes, made: set[tuple[str, str]], decision: tuple[dict[str, Any], bool]
-) -> bool:  # fmt: skip
-    statement, holds = decision
-    if "moves" in statement:
-        truth = any((tail, head) in made for tail, heads in statement["moves"].items() for head in heads)
-    elif "visited" in statement:
-        site, by = problem.site_index[statement["visited"]], statement.get("by", range(len(problem.fleet)))
-        truth = any(site in route.visits and route.vehicle in by for route in answer)
-    else:
-        truth = len(answer) <= statement["routes"] if "routes" in statement else tuple(statement["arc"]) in made
-    return truth is holds
-
-
 @pytest.mark.share(3)
 @pytest.mark.parametrize("feature", FEATURES)
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 6))])
@@ -112,7 +99,7 @@ def test_restricted_problems_keep_every_answer_of_their_decisions_and_no_evidenc
     for _ in range(draws(12)):
         decisions = drawn(whole, rng)
         problem = whole.restricted(decisions[: len(decisions) // 2]).restricted(decisions[len(decisions) // 2 :])
-        left = [(answer, e) for answer, made, e in judged if all(holds_as_decided(whole, answer, made, decision) for decision in decisions)]
+        left = [(answer, e) for answer, _, e in judged if all(holds(whole, answer, s) is truth for s, truth in decisions)]
         assert all(problem.evaluate(answer).feasible for answer, _ in left)
         if not problem.needed:  # the judge does not look whether needed moves are made
             left = [(answer, e) for answer, _, e in judged if problem.evaluate(answer).feasible]

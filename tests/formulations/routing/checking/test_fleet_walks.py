@@ -45,7 +45,6 @@ def sign(problem: RoutingProblem) -> float:
 @pytest.mark.share(6)
 @pytest.mark.parametrize("feature", [*WHOLE_FAMILY, *FEATURES])
 def test_nothing_that_is_priced_or_stated_proves_more_than_the_best_answer_left(feature: str) -> None:
-    finite = 0
     for seed in range(draws(10)):
         problem, rng = drawn(feature, seed), np.random.default_rng([seed, *feature.encode()])
         if rng.random() < 0.4 and not problem.sites.shipments:
@@ -59,8 +58,6 @@ def test_nothing_that_is_priced_or_stated_proves_more_than_the_best_answer_left(
                 data = {**drawn_evidence(problem, rng, float(rng.choice([0.0, 1.0, 10.0, 100.0]))), "ray": ray}
                 bound = check_set_partitioning_duals(part, data)
                 assert bound == best or sign(problem) * (bound - best) <= 1e-9 * max(1.0, abs(best)), (decisions, data)
-                finite += math.isfinite(bound)
-    assert finite or not relaxed_terms(problem)[1] or feature in ("recharging", "initial-energy")
 
 
 def expected(problem: RoutingProblem, data: dict[str, Any]) -> float:
@@ -150,7 +147,7 @@ def test_trees_of_visits_types_and_moves_prove_the_optimum(feature: str) -> None
         tree = Evidence("branching-tree", "", 0.0, {"nodes": grown(problem, best)})
         assert verified_bound(problem, tree) == pytest.approx(best, rel=1e-6)
         proved += 1
-    assert proved or draws(15) < 5
+    assert proved
 
 
 @settings(max_examples=draws(200), deadline=None)
