@@ -239,6 +239,8 @@ def test_one_route_of_some_type_makes_a_needed_move() -> None:
     assert bound(replace(problem, min_vehicles=2).restricted(across), [0.0, 0.0, 0.0]) == 71.0 + 20.0
     assert bound(problem.restricted(across), [30.0, 30.0, 30.0]) == 5.0 - 10.0  # and the small one for one of them
     assert bound(problem.restricted([({"arc": ["a", "b"]}, True)]), [30.0, 30.0, 30.0]) == 60.0 + 5.0 - 10.0
+    beside: Decisions = [({"moves": {"a": ["b"], "c": ["a"]}}, True)]  # by the large one, which then is not there for b and c alone
+    assert bound(problem.restricted(beside), [0.0, 60.0, 60.0]) == (95.0 - 120.0) + (20.0 - 60.0)
     small = replace(problem, fleet=(problem.fleet[0],))
     assert bound(small.restricted(across), [0.0, 0.0, 0.0]) == math.inf
 
