@@ -37,10 +37,10 @@ class Rows(NamedTuple):
 
 
 class Slot(NamedTuple):
-    """The least reduced cost of a route of some type, and how many of it there can be."""
+    """The least reduced cost of a route of some type, and how many of it there are at most."""
 
     least: int
-    count: int
+    most: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,9 +106,10 @@ class FleetMoves:
             return None
         return cls(problem, kinds, surely, never, fewest, most, len(sets), size)
 
-    def least(self, rows: Rows, claimed: float | None, claimed_needed: float | None, room: int, work: int) -> float:
+    def least(self, rows: Rows, claimed: Sequence[float | None], room: int, work: int) -> float:
         """The least that visits and routes are worth, each set of needed moves by itself; infinite where there is no answer, and minus
-        infinity where walks are not all gone through within ``room`` and ``work``, or in time.
+        infinity where walks are not all gone through within ``room`` and ``work``, or in time. Two numbers are claimed, of the least walks
+        and of those with a needed move.
 
         Raises OverflowError where numbers are too large to be added up.
         """
@@ -128,7 +129,7 @@ class FleetMoves:
         ]
         slots, budget = [], Budget(work)
         for kind, walks in zip(self.kinds, made, strict=True):
-            least = budget.least(walks, None, claimed)
+            least = budget.least(walks, None, claimed[0])
             if least is None:
                 return -math.inf
             slots.append(Slot(least, kind.count * (least < FAR)))
@@ -136,8 +137,8 @@ class FleetMoves:
         for k in range(self.sets):
             totals = []
             for at, (kind, walks, slot) in enumerate(zip(self.kinds, made, slots, strict=True)):
-                through = budget.least(walks, k, claimed_needed) if slot.count and kind.needed[k].any() else FAR
-                others = [*slots[:at], Slot(slot.least, slot.count - 1), *slots[at + 1 :]]
+                through = budget.least(walks, k, claimed[1]) if slot.most and kind.needed[k].any() else FAR
+                others = [*slots[:at], Slot(slot.least, slot.most - 1), *slots[at + 1 :]]
                 rest = cheapest(others, max(0, self.fewest - 1), self.most - 1) if through != FAR else None
                 if rest is not None:
                     totals.append(rest + max(slot.least, slot.least if through is None else through))

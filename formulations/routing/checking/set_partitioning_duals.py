@@ -143,7 +143,7 @@ def _apart(problem: RoutingProblem, prices: Floats, given: _Given, claimed: Sequ
             fleet, parts = FleetMoves.of(relaxed, terms, *told_visits(problem)), constants(relaxed, terms)
         if fleet is None:
             return math.inf
-        found = fleet.least(Rows(prices, given.loads, given.rows, given.memory), *claimed, LABELS, WORK)
+        found = fleet.least(Rows(prices, given.loads, given.rows, given.memory), claimed, LABELS, WORK)
     except OverflowError:
         return -math.inf
     if not math.isfinite(found):
