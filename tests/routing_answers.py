@@ -63,7 +63,8 @@ def drawn_statement(problem: RoutingProblem, rng: np.random.Generator) -> dict[s
     moves = {a: heads for a in ids if (heads := [b for b in ids if a != b and rng.random() < 0.3])} or {ids[0]: [ids[-1]]}
     into = {a: [site] for a, depot in zip(ids, problem.sites.depot, strict=True) if a != site and (depot or rng.random() < 0.6)}
     choices: list[dict[str, Any]] = [
-        {"visited": site}, {"visited": site, "by": kinds}, arc, {"moves": moves}, {"moves": into}, {"routes": int(rng.integers(1, len(ids)))}
+        {"visited": site}, {"visited": site, "by": kinds}, arc, {"moves": moves}, {"moves": into},
+        {"routes": int(rng.integers(1, len(ids)))},
     ]  # fmt: skip
     return choices[int(rng.choice(len(choices), p=[0.25, 0.25, 0.2, 0.1, 0.1, 0.1]))]
 

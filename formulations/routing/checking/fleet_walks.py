@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 
 
 class Rows(NamedTuple):
-    """Prices of visits, of sets that loads enter and of subset rows; customers are nodes but in ``visits``.
+    """Prices of visits, of sets that loads enter, of subset rows and of sets of needed moves, which are of shape (sites, sites); customers
+    are nodes but in ``visits``.
 
     ``memory`` is who is remembered: so many of the nearest, or a list a node.
     """
@@ -34,6 +35,7 @@ class Rows(NamedTuple):
     loads: Sequence[tuple[Longs, float]]
     subsets: Sequence[Row]
     memory: int | Ints
+    moves: Sequence[tuple[Flags, float]] = ()
 
 
 class Slot(NamedTuple):
@@ -52,6 +54,7 @@ class KindMoves:
     resources: Sequence[Resource]
     needed: Sequence[Flags]
     count: int
+    alone: RoutingProblem
 
     def walks(self, multipliers: Multipliers, room: int, work: int, finest: int = 1000) -> Walks:
         return Walks(self.cost, self.resources, multipliers, self.needed, current_stop(), room, work, finest)
@@ -91,7 +94,7 @@ class FleetMoves:
             reached, inner = reached | (usable[:, 1:].any(axis=0) & usable[1:].any(axis=1)), inner | usable[1:, 1:]
             if usable[0].any() and usable[:, 0].any():
                 limits, needed = limiting(alone, moves.resources, shifts=True), [merged_moves(alone, through) & usable for through in sets]
-                kinds.append(KindMoves(np.where(usable, moves.cost, math.inf), limits, needed, min(n, count)))
+                kinds.append(KindMoves(np.where(usable, moves.cost, math.inf), limits, needed, min(n, count), alone))
         never = never | ~reached
         node = {site: k for k, site in enumerate(problem.sites.customers.tolist())}
         asked = [[node[site] for site in group.sites] for group in problem.sites.groups if group.required]
@@ -119,7 +122,8 @@ class FleetMoves:
         made = []
         for kind in self.kinds:
             listed = remembered(self.problem, np.isfinite(kind.cost), rows.memory)
-            made.append(kind.walks(Multipliers(rows.visits, loads, rows.subsets, listed), room, work))
+            moves = [(merged_moves(kind.alone, among), price) for among, price in rows.moves]
+            made.append(kind.walks(Multipliers(rows.visits, loads, rows.subsets, listed, moves), room, work))
         if not made:
             return 0.0
         exponent = min(walks.exponent for walks in made)  # one for all, so that prices are rounded once

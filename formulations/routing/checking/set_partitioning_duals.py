@@ -20,9 +20,10 @@ from ....instances.printable import printable
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
 from ...stop import current_stop
+from ..statements import moves_of
 from .fleet_walks import FleetMoves, Rows, limiting, remembered
-from .known_features import EPS, Floats, Longs, routing_evidence
-from .relaxation import Relaxation, fewest_carriers, needed_moves, relax
+from .known_features import EPS, Flags, Floats, Longs, routing_evidence, without_stops
+from .relaxation import Relaxation, customers_moves, fewest_carriers, merged_moves, needed_moves, relax
 from .told_visits import told_visits
 from .vehicle_moves import Terms, constants, relaxed_terms, value_grain
 from .walk_networks import FAR, Row
@@ -62,7 +63,8 @@ def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any
         visit were worth anything. ``rows``: subset rows of multiplier 1/2, each with the indices of its ``sites``, an odd number
         of customers, its ``memory``, customers with those among them, and its ``price``, 0 or less. ``loads``: sets of customers that as
         many moves enter at least as vehicles are needed to carry the demands of those who are visited in each answer, each with its
-        ``sites`` and its ``price``, 0 or more.
+        ``sites`` and its ``price``, 0 or more. ``needed``: sets of ``moves``, as statements name them, that hold all of a set of which some
+        move is needed, each with its ``price``, 0 or more.
         ``least`` and ``least_needed``: numbers below which no walk, and none that makes a needed move, is said to cost; of walks that cost
         as much only that is looked at.
 
@@ -100,7 +102,10 @@ def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any
         return math.inf
     near = remembered(problem, usable, given.memory)
     loads = [Load(s, k, p) for (s, p), k in zip(given.loads, fewest_carriers(problem, [s for s, _ in given.loads]), strict=True)]
-    multipliers = Multipliers(prices[relaxed.customers], loads, given.rows, near)
+    priced = [(merged_moves(problem, among) & usable, price) for among, price in given.moves]
+    # Once a set has a price, the least walk through it seldom proves more.
+    needed = [moves for moves in needed if not any(price and (among | ~moves).all() for among, price in priced)]
+    multipliers = Multipliers(prices[relaxed.customers], loads, given.rows, near, priced)
     cost = np.where(usable, 0.0, math.inf) if ray else relaxed.cost
     try:
         walks = Walks(cost, limiting(problem, relaxed.resources), multipliers, needed, current_stop(), LABELS, WORK)
@@ -143,7 +148,7 @@ def _apart(problem: RoutingProblem, prices: Floats, given: _Given, claimed: Sequ
             fleet, parts = FleetMoves.of(relaxed, terms, *told_visits(problem)), constants(relaxed, terms)
         if fleet is None:
             return math.inf
-        found = fleet.least(Rows(prices, given.loads, given.rows, given.memory), claimed, LABELS, WORK)
+        found = fleet.least(Rows(prices, given.loads, given.rows, given.memory, given.moves), claimed, LABELS, WORK)
     except OverflowError:
         return -math.inf
     if not math.isfinite(found):
@@ -161,11 +166,13 @@ def _apart(problem: RoutingProblem, prices: Floats, given: _Given, claimed: Sequ
 
 
 class _Given(NamedTuple):
-    """Evidence beside prices of visits; customers are nodes, and ``memory`` is a number of the nearest, or a list a node."""
+    """Evidence beside prices of visits; customers are nodes, ``memory`` is a number of the nearest, or a list a node, and ``moves`` are of
+    shape (sites, sites)."""
 
     memory: int | NDArray[np.int32]
     rows: list[Row]
     loads: list[tuple[Longs, float]]
+    moves: list[tuple[Flags, float]]
 
 
 def _flag(data: Mapping[str, Any], key: str) -> bool:
@@ -193,7 +200,14 @@ def _given(problem: RoutingProblem, data: Mapping[str, Any]) -> _Given:
         if not sites:
             raise InputError("a load of evidence has no sites", "missing")
         loads.append((np.array(sites), _signed(entry, 1.0)))
-    return _Given(_memory(data, nodes), rows, loads)
+    moves, known = [], customers_moves(without_stops(problem))
+    for entry in _entries(data, "needed", {"moves", "price"}):
+        among = np.zeros((len(nodes),) * 2, dtype=bool)
+        among.flat[moves_of(problem, entry["moves"])] = True
+        if not any((among | ~of).all() for of in known):
+            raise InputError("evidence has a price for moves none of which is needed", "contradiction", found=printable(entry, 80))
+        moves.append((among, _signed(entry, 1.0)))
+    return _Given(_memory(data, nodes), rows, loads, moves)
 
 
 def _memory(data: Mapping[str, Any], nodes: list[int]) -> int | NDArray[np.int32]:

@@ -42,13 +42,15 @@ class Load:
 class Multipliers:
     """Multipliers of all rows; customers are nodes here.
 
-    ``visits`` has one price a customer; ``listed``, shape (nodes, positions), who is remembered at each node, without himself, -1 behind.
+    ``visits`` has one price a customer; ``listed``, shape (nodes, positions), who is remembered at each node, without himself, -1 behind;
+    ``moves`` are sets, shape (nodes, nodes), of each of which one is made at least, with a price of at least 0.
     """
 
     visits: Floats
     loads: Sequence[Load]
     rows: Sequence[Row]
     listed: Ints
+    moves: Sequence[tuple[Flags, float]] = ()
 
 
 class Walks:
@@ -89,7 +91,8 @@ class Walks:
         self.cost, self.usable, self.resources = cost, np.isfinite(cost), resources
         levels, many = whole_levels(resources, self.usable, counted=False), multipliers
         sizes = [np.abs(cost[self.usable]).max(initial=0.0), np.abs(many.visits).max(initial=0.0)]
-        size = math.fsum([*sizes, *(load.price for load in many.loads), *(-row.price for row in many.rows)])
+        prices = [*(load.price for load in many.loads), *(price for _, price in many.moves), *(-row.price for row in many.rows)]
+        size = math.fsum([*sizes, *prices])
         if not math.isfinite(64.0 * size * len(cost) ** 2):
             raise OverflowError
         self.exponent = min(59 - math.frexp(size * (levels.most + 2))[1] if size > 0 else finest, finest)
@@ -105,6 +108,9 @@ class Walks:
             reduced[:, load.sites] -= price
             reduced[np.ix_(load.sites, load.sites)] += price
             self.constant += load.least * price
+        for among, price in many.moves:
+            reduced[among] -= self._whole(price)
+            self.constant += int(self._whole(price))
         # Rows of no price are of no use.
         self.rows = [(row, price) for row in many.rows if (price := -int(self._whole(row.price))) > 0]
         self.constant -= sum(row.most * price for row, price in self.rows)

@@ -20,6 +20,7 @@ from truth.routing import Roads, RoutingTruth, best_values
 from waybound.formulations.checking.granularity import lift
 from waybound.formulations.evidence import Evidence
 from waybound.formulations.routing.checking.fleet_walks import Slot, cheapest, limiting, remembered
+from waybound.formulations.routing.checking.relaxation import customers_moves
 from waybound.formulations.routing.checking.set_partitioning_duals import check_set_partitioning_duals
 from waybound.formulations.routing.checking.told_visits import told_visits
 from waybound.formulations.routing.checking.vehicle_moves import VehicleMoves, relaxed_terms, value_grain
@@ -55,7 +56,11 @@ def test_nothing_that_is_priced_or_stated_proves_more_than_the_best_answer_left(
             decisions = [(drawn_statement(problem, rng), bool(rng.random() < 0.6)) for _ in range(0 if stops else trial)]
             part, best = problem.restricted(decisions), best_of(problem, every, decisions)
             for ray in (False, True):
-                data = {**drawn_evidence(problem, rng, float(rng.choice([0.0, 1.0, 10.0, 100.0]))), "ray": ray}
+                scale = float(rng.choice([0.0, 1.0, 10.0, 100.0]))
+                data = {**drawn_evidence(problem, rng, scale), "ray": ray}
+                made = [statement["moves"] for statement, holds in decisions if holds and "moves" in statement]
+                if rng.random() < 0.7 and len(customers_moves(part)) == len(part.needed):
+                    data["needed"] = [{"moves": moves, "price": scale * float(rng.random())} for moves in made]
                 bound = check_set_partitioning_duals(part, data)
                 assert bound == best or sign(problem) * (bound - best) <= 1e-9 * max(1.0, abs(best)), (decisions, data)
 

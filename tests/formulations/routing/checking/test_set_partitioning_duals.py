@@ -215,6 +215,23 @@ def test_one_route_makes_a_needed_move() -> None:
     assert check_set_partitioning_duals(none, evidence(prices)) == math.inf
 
 
+@pytest.mark.parametrize("apart", [False, True])
+def test_a_price_of_needed_moves_is_paid_once_and_taken_off_each_of_them(apart: bool) -> None:
+    problem, opposite = circle(4, capacity=2.0), {"1": ["3"], "3": ["1"], "2": ["4"], "4": ["2"]}
+    across = problem.restricted([({"moves": opposite}, True)])
+    prices, beside = [0.0, *[20.0] * 4], 20.0 + 10.0 * math.sqrt(2.0)
+    for price in (0.0, 1.0, 7.0, 50.0):
+        data = evidence(prices, needed=[{"moves": opposite, "price": price}], apart=apart)
+        found, alone = check_set_partitioning_duals(across, data), 80.0 + price + 4 * min(beside - 40.0, -price)
+        assert alone - 1e-9 <= found <= 80.0 + 1e-9
+        assert apart or not price or found == pytest.approx(alone)
+        with pytest.raises(InputError, match="none of which is needed"):
+            check_set_partitioning_duals(problem, data)
+    fewer = {"moves": {"1": ["3"], "3": ["1"]}, "price": 1.0}  # another pair may be the one that is opposite
+    with pytest.raises(InputError, match="none of which is needed"):
+        check_set_partitioning_duals(across, evidence(prices, needed=[fewer], apart=apart))
+
+
 @pytest.mark.parametrize("low", [0.0, 1e-3, 10.0])
 def test_what_is_claimed_of_the_least_walk_is_proved_and_no_more(low: float) -> None:
     problem, rng = circle(12, capacity=4.0), np.random.default_rng(1)
@@ -367,8 +384,9 @@ def test_it_gives_up_when_it_is_asked_to() -> None:
         evidence([0.0] * 4, least_needed=None), evidence([0.0] * 4, least=True),
         *({"visits": [0.0] * 4, "remembered": lists} for lists in LISTS), evidence([0.0] * 4, remembered=[[], [], [], []]),
         *(evidence([0.0] * 4, rows=[{"sites": [1, 2, 3], "memory": [1, 2, 3], "price": -1.0, **row}]) for row in ROWS),
+        *(evidence([0.0] * 4, needed=[{"moves": {"1": ["2"]}, "price": 1.0, **more}]) for more in ({}, {"price": -1.0}, {"moves": {}})),
         *(evidence([0.0] * 4, loads=[{"sites": [1, 2], "price": 1.0, **load}]) for load in LOADS),
-        *(evidence([0.0] * 4, **{key: value}) for key in ("rows", "loads") for value in ({}, 1, None, [1], [[]], [{}], "12")),
+        *(evidence([0.0] * 4, **{key: value}) for key in ("rows", "loads", "needed") for value in ({}, 1, None, [1], [[]], [{}], "12")),
     ],
 )  # fmt: skip
 def test_what_is_malformed_is_refused(data: dict[str, Any]) -> None:

@@ -128,12 +128,12 @@ def test_capacities_alone_take_branchings(seed: int) -> None:
 def test_numbers_of_routes_and_moves_are_branched_on(monkeypatch: pytest.MonkeyPatch) -> None:
     seen = set[str]()
     monkeypatch.setattr(ColumnGeneration, "cut", lambda self, solved, rows: False)
-    for seed in range(12):
-        evidence = branch_price_cut_bound(plane(seed, 9, 17.0), Stop(60.0))
+    for problem in (*(plane(seed, 9, 17.0) for seed in range(12)), *(small("time-windows", seed, "exact") for seed in range(12))):
+        evidence = branch_price_cut_bound(problem, Stop(60.0))
         if evidence.kind == "branching-tree":
             seen |= {key for node in evidence.data["nodes"] for key in node.get("branch", ())}
             assert all(leaf["kind"] == "set-partitioning-duals" for leaf in leaves(evidence) if leaf)
-    assert seen >= {"arc", "routes"}
+    assert seen >= {"arc", "moves", "routes"}
 
 
 def test_a_fleet_that_is_too_small_for_the_packing_is_proved_so() -> None:
