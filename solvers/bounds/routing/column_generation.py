@@ -383,14 +383,15 @@ class ColumnGeneration:
         most = max(gap + self.step, 0.0) if math.isfinite(gap) else math.inf
         if len(self.pool) > MANY_COLUMNS:
             most = min(most, float(np.partition(solved.reduced, MANY_COLUMNS // 2)[MANY_COLUMNS // 2]))
-        kept = (solved.reduced <= most) | (solved.values > 0.0)
+        kept = np.ones(len(self.pool), dtype=bool)  # of routes that are newer nothing is known
+        kept[: len(solved.values)] = (solved.reduced <= most) | (solved.values > 0.0)
         kept[: len(best.values)] |= best.values > 0.0
         if kept.sum() < 0.8 * len(kept):
             self.master.keep(kept)
             self.phase_one = None
             for one in {id(one): one for one in (solved, best)}.values():
                 one.values = one.values[kept[: len(one.values)]]
-            solved.reduced = solved.reduced[kept]
+            solved.reduced = solved.reduced[kept[: len(solved.reduced)]]
 
     def hopeless(self, part: Part, solved: Solved, gap: float) -> Flags | None:
         """Moves that no route makes whose reduced cost is less than ``gap`` above the least of its type, shape (nodes, nodes); None where

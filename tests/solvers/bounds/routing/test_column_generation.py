@@ -68,9 +68,10 @@ def test_routes_that_are_dropped_leave_the_value_as_it_is() -> None:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "FEW", 0)
+        columns.pool.add(columns.pool.new([(0, np.array([k, k + 1, k + 2])) for k in range(1, 9)]))  # later than the solution
         columns.purge(solved, solved, 0.0)
     assert len(columns.pool) < many and columns.value(part) == pytest.approx(before)
-    assert len(solved.values) == len(columns.pool)
+    assert len(solved.values) <= len(columns.pool)
 
 
 def test_where_labels_are_too_many_the_relaxation_is_made_weaker_step_by_step() -> None:
