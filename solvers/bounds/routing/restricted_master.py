@@ -233,9 +233,9 @@ class Master:
 
     def keep(self, kept: Flags) -> None:
         """Drop all other routes, in the pool too."""
-        self.session.remove_columns(self.own + np.nonzero(~kept)[0])
+        self.session.remove_columns(self.own + np.nonzero(~kept[: self.known])[0])
+        self.known = int(kept[: self.known].sum())
         self.pool.keep(kept)
-        self.known = len(self.pool)
 
     def hold(self, wanted: Sequence[Cut]) -> None:
         """Have those of ``branched``, rows that hold in some nodes of a tree, hold that are ``wanted``, and no others."""
