@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import threading
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -28,6 +29,7 @@ from waybound.solvers.bounds.branching_tree import branching_tree_bound
 from waybound.solvers.bounds.routing import branch_price_cut, column_generation
 from waybound.solvers.bounds.routing.branch_price_cut import branch_price_cut_bound
 from waybound.solvers.bounds.routing.column_generation import ColumnGeneration
+from waybound.solvers.bounds.routing.pricing import Pricer
 from waybound.solvers.linear_programs import LinearPrograms
 
 PROVED = (
@@ -109,6 +111,83 @@ def test_moves_that_no_better_answer_makes_are_left_out_by_a_branching_with_a_pr
         tails = [site for site in problem.sites.ids if site not in first][:1] or [next(iter(first))]
         first.update({tail: [head for head in problem.sites.ids if head != tail] for tail in tails})  # moves that better answers make
         assert verified_bound(problem, replace(evidence, data=lie)) <= best * (1.0 + 1e-9)
+
+
+def wrong_evidence(change: Callable[[dict[str, Any]], None]) -> Callable[[pytest.MonkeyPatch], None]:
+    def plant(patch: pytest.MonkeyPatch) -> None:
+        true = branch_price_cut.Tree._evidence
+
+        def told(self: Any, solved: Any, more: Any) -> Evidence:
+            evidence = true(self, solved, more)
+            change(evidence.data)
+            return evidence
+
+        patch.setattr(branch_price_cut.Tree, "_evidence", told)
+
+    return plant
+
+
+def turned_signs(data: dict[str, Any]) -> None:
+    for row in (*data.get("rows", ()), *data.get("loads", ())):
+        row["price"] *= -1.0
+
+
+def short_memories(data: dict[str, Any]) -> None:
+    for row in data.get("rows", ()):
+        row["memory"] = row["sites"]
+
+
+def dear_visits(data: dict[str, Any]) -> None:
+    data["visits"] = [1.05 * price for price in data["visits"]]
+
+
+def no_walks_below(data: dict[str, Any]) -> None:
+    data["least"] = data["least_needed"] = 0.0
+
+
+def early_stop(patch: pytest.MonkeyPatch) -> None:
+    """Nobody is looked for: the routes at hand are said to be all."""
+    patch.setattr(Pricer, "search", lambda self, stop, reduced, duals, how, most, below: (0, below, np.zeros(0), []))
+
+
+def lost_labels(patch: pytest.MonkeyPatch) -> None:
+    true = Pricer.search
+
+    def found(self: Pricer, *asked: Any) -> Any:
+        status, least, totals, routes = true(self, *asked)
+        return status, 0.5 * least, totals[1::2], routes[1::2]
+
+    patch.setattr(Pricer, "search", found)
+
+
+def wrongly_left_out(patch: pytest.MonkeyPatch) -> None:
+    """Moves that the routes at hand make are said to be made by none that matters."""
+
+    def hopeless(self: ColumnGeneration, part: Any, solved: Any, gap: float) -> Any:
+        return self.pool.flow(solved.values, part.cost.shape).sum(axis=0) > 0.0
+
+    patch.setattr(ColumnGeneration, "hopeless", hopeless)
+
+
+FAULTS: dict[str, Callable[[pytest.MonkeyPatch], None]] = {
+    "an early stop": early_stop, "lost labels": lost_labels, "moves that are wrongly left out": wrongly_left_out,
+    "signs of cuts": wrong_evidence(turned_signs), "memories of cuts": wrong_evidence(short_memories),
+    "wrong prices": wrong_evidence(dear_visits), "claims that are not true": wrong_evidence(no_walks_below),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_search_that_errs_proves_nothing_that_is_false(fault: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    problems = [*(plane(seed, 7, 17.0) for seed in range(3)), small("time-windows", 2, "exact"), small("prizes", 1, "exact")]
+    FAULTS[fault](monkeypatch)
+    for problem in problems:
+        best, sign = best_values(problem), 1.0 if problem.sense == "min" else -1.0
+        assert best is not None
+        for target in (best[0], None):
+            evidence = branch_price_cut_bound(problem, Stop(2.0), target=target)
+            if evidence is not None:
+                assert sign * (verified_bound(problem, evidence) - best[0]) <= 1e-9 * abs(best[0])
 
 
 @pytest.mark.parametrize("seed", range(3))
