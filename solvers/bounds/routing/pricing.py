@@ -170,7 +170,7 @@ class Pricer:
         from .label_kernels import DONE, NONE, STOPPED, join
 
         fines = self._fines(duals)
-        least_bar = NONE if below == np.inf else int(np.floor(below * self.unit))
+        least_bar = self._bar(below)
         halves = (self.halfway, int(self.top[0]) - self.halfway - 1) if self.bidirectional else (int(self.top[0]), -1)
         status = self._grow(stop, reduced, fines, how, halves)
         if status != DONE:
@@ -195,12 +195,18 @@ class Pricer:
         if self._grow(stop, reduced, fines, EXACT, (full, full)) != DONE:
             return None
         ahead = self.ends[0]
-        least = np.full(len(ahead.heads), int(np.floor(below * self.unit)), np.int64)
+        least = np.full(len(ahead.heads), self._bar(below), np.int64)
         if arc_costs(stop.flag, *self._meeting(fines), least) != DONE:
             return None
         costs = np.full(reduced.shape, np.inf)
         costs[ahead.tails, ahead.heads] = least / self.unit
         return costs
+
+    def _bar(self, below: float) -> int:
+        """A cost in whole numbers, those beyond all sums cut off."""
+        from .label_kernels import NONE
+
+        return int(min(max(np.floor(below * self.unit), -NONE), NONE))
 
     def _grow(self, stop: Stop, reduced: Floats, fines: Longs, how: int, halves: tuple[int, int]) -> int:
         """Labels from both ends, each up to its halfway point."""
