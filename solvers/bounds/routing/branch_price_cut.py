@@ -69,17 +69,18 @@ LEAST_GAIN = 1e-6
 class _Node(Node):
     """A node and its linear relaxation: ``prices`` of its best bound, where its children begin; ``flow``, shape (types, nodes, nodes), how
     often vehicles of each type make each move in its linear program, and its ``value``; the ``gap`` at which hopeless moves were last
-    looked for."""
+    looked for; ``rest``: it only leaves out such moves."""
 
     prices: Prices | None = None
     flow: Floats | None = None
     value: float = -math.inf
     gap: float = math.inf
+    rest: bool = False
 
     @property
     def first(self) -> bool:
         """Whether it is the root, but for moves that were left out."""
-        return all("moves" in statement for statement, _ in self.decisions())
+        return all(node.rest for node in self.above())
 
 
 class Tree(ProofTree[_Node]):
@@ -267,7 +268,7 @@ class Tree(ProofTree[_Node]):
         for i, row in enumerate(hopeless):
             heads = [site for j in np.nonzero(row)[0].tolist() for site in (self.ids[j : j + 1] if j else self.ends)]
             moves.update({site: heads for site in (self.ids[i : i + 1] if i else self.starts) if heads})
-        used, rest = _Node(node, ({"moves": moves}, True)), _Node(node, ({"moves": moves}, False))
+        used, rest = _Node(node, ({"moves": moves}, True)), _Node(node, ({"moves": moves}, False), rest=True)
         self.begin(used)
         self._prove(used, solved, more)
         if not self.reached(used.bound):
