@@ -50,7 +50,7 @@ SHARED = 0.4
 ROUNDS, WORTH = 4, 0.03
 """Cuts are added until so many rounds together close less than this share of the gap; one round where something was branched on."""
 
-SMALLER, MANY = 0.85, 0.02
+SMALLER, MANY = 0.6, 0.02
 """Moves that no better answer makes are looked for each time the gap has become so much smaller, and left out where they are more than a
 share of all."""
 
