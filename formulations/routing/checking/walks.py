@@ -108,9 +108,9 @@ class Walks:
             reduced[:, load.sites] -= price
             reduced[np.ix_(load.sites, load.sites)] += price
             self.constant += load.least * price
-        for among, price in many.moves:
-            reduced[among] -= self._whole(price)
-            self.constant += int(self._whole(price))
+        for among, each in many.moves:
+            reduced[among] -= self._whole(each)
+            self.constant += int(self._whole(each))
         # Rows of no price are of no use.
         self.rows = [(row, price) for row in many.rows if (price := -int(self._whole(row.price))) > 0]
         self.constant -= sum(row.most * price for row, price in self.rows)

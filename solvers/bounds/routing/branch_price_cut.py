@@ -389,11 +389,12 @@ class Tree(ProofTree[_Node]):
         if len(part.cost) == 1 and part.fewest < part.most and number > 1.0 and abs(number - round(number)) > WHOLE:
             return {"routes": math.floor(number)}
         moves = self._ways(node.flow[0], part) if self.partition.symmetric else self._moves(node.flow, part)
-        undecided = [*self._visits(node.flow, part), *self._types(node.flow, part), *moves]
+        undecided: list[tuple[float, dict[str, Any]]] = [*self._visits(node.flow, part), *self._types(node.flow, part), *moves]
         fractional = [(abs(value % 1.0 - 0.5), k) for k, (value, _) in enumerate(undecided) if WHOLE < value % 1.0 < 1.0 - WHOLE]
         if not fractional:
             used = [statement for value, statement in undecided if value > WHOLE]
-            return next(iter([*used, *(statement for _, statement in undecided)]), None)
+            left = used or [statement for _, statement in undecided]
+            return left[0] if left else None
         statements = [undecided[k][1] for _, k in sorted(fractional)[:CANDIDATES]]
         if not try_them or len(statements) == 1:
             return statements[0]
