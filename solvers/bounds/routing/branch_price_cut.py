@@ -399,7 +399,7 @@ class Tree(ProofTree[_Node]):
         if not try_them or len(statements) == 1:
             return statements[0]
         gains = [self._gain(node, statement) for statement in statements]
-        best = [statements[k] for k in np.argsort(gains, kind="stable")[::-1][:PRICED].tolist()]
+        best: list[dict[str, Any]] = [statements[k] for k in np.argsort(gains, kind="stable")[::-1][:PRICED].tolist()]
         gains = [self._gain(node, statement, priced=True) for statement in best] if len(best) > 1 else [1.0]
         return best[int(np.argmax(gains))]
 
