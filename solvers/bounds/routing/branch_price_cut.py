@@ -29,6 +29,7 @@ from .first_answer import RUINS, first_answer
 from .load_cuts import LoadCut
 from .move_rows import MoveRow
 from .restricted_master import Prices
+from .routes_at_hand import best_choice
 from .set_partition import SetPartition, lacks_route_costs, set_partition
 from .subset_rows import SubsetRow
 
@@ -43,6 +44,10 @@ OPENING = 0.1
 
 AGAIN, DOUBTFUL = 10, 0.006
 """Factor on the ruins of another search for an answer, and the part of its value that must still be open for that after some cuts."""
+
+CHOICES, CHOOSING = 16, 0.05
+"""Nodes after which an answer is looked for among the routes at hand, as it is at the root, and again when there are twice as many; and the
+share of the time for it at most."""
 
 SHARED = 0.4
 """Share of the time for several types of vehicle, or sites that may be left out, after which other methods have their turn."""
@@ -102,7 +107,7 @@ class Tree(ProofTree[_Node]):
         self.grain = grain(np.append(costs[np.isfinite(costs)], partition.constant))
         self.columns = ColumnGeneration(problem, partition, stop, self._enough, seed, most)
         self.cost, self.unit = self.columns.cost, self.columns.unit
-        self.fixing, self.rounds = True, 0
+        self.fixing, self.rounds, self.choosing = True, 0, CHOICES
         self.rows, self.branched = dict[tuple[Any, ...], MoveRow](), list[MoveRow]()
         ids = problem.sites.ids
         self.starts, self.ends = sorted({ids[v.start] for v in problem.fleet}), sorted({ids[v.end] for v in problem.fleet})
@@ -284,7 +289,10 @@ class Tree(ProofTree[_Node]):
         """Let a node wait for its branching, unless an answer proves it or nothing is left to branch on."""
         node.flow, node.value = self.columns.pool.flow(solved.values, part.cost.shape), solved.bound
         whole = np.abs(solved.values - np.round(solved.values)) <= WHOLE
-        if (whole.all() and self._is_best(node, solved.values)) or self._statement(node, part) is None:
+        if node.first or len(self.nodes) >= self.choosing:
+            self.choosing = max(self.choosing, 2 * len(self.nodes))
+            self._choose(solved)
+        if (whole.all() and self._is_best(node, solved.values)) or self.reached(node.bound) or self._statement(node, part) is None:
             self.close(node)
         else:
             self.wait(node)
@@ -316,6 +324,14 @@ class Tree(ProofTree[_Node]):
         if answer is not None:
             self.columns.add(answer)
             self._learn(answer, self.routing.evaluate(answer).values[0])
+
+    def _choose(self, solved: Solved) -> None:
+        """Look for a better answer among the routes at hand."""
+        gap = self.target / self.unit - solved.bound + self.columns.step
+        seconds = CHOOSING * self.whole.seconds_left
+        answer = best_choice(self.columns.pool, self.partition, solved.reduced, gap, seconds, self.whole)
+        if answer is not None and (judged := self.routing.evaluate(answer)).feasible:
+            self._learn(answer, judged.values[0])
 
     def _learn(self, answer: Routes, value: float) -> None:
         """Take an answer if it is better than the one at hand."""
