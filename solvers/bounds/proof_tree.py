@@ -23,7 +23,7 @@ MOST_NUMBERS = 4_000_000
 """In the evidence of all nodes together, some 200 megabytes: then the tree is handed over as it is."""
 
 ROOT = 0.5
-"""Share of the budget within which the root must be solved; else no tree of it would be worth having."""
+"""Share of the budget within which the root must usually be solved; else no tree of it would be worth having."""
 
 SWEEP = 256
 """Nodes after which evidence that no leaf can need any more is dropped."""
@@ -80,10 +80,12 @@ class ProofTree(ABC, Generic[N]):
     target : float or None
         Value of a known answer.
     stop : Stop
+    share : float
+        Of the time, for the root.
     """
 
-    def __init__(self, problem: Problem, root: N, target: float | None, stop: Stop) -> None:
-        self.problem, self.stop, self.root = problem, stop, root
+    def __init__(self, problem: Problem, root: N, target: float | None, stop: Stop, share: float = ROOT) -> None:
+        self.problem, self.stop, self.root, self.share = problem, stop, root, share
         self.sign = 1.0 if problem.sense == "min" else -1.0
         self.target = math.inf if target is None else self.sign * target
         self.nodes: list[N] = []
@@ -105,7 +107,7 @@ class ProofTree(ABC, Generic[N]):
 
     def grow(self) -> None:
         """Branch until nothing is open."""
-        whole, self.stop = self.stop, self.stop.within(ROOT * self.stop.seconds_left)
+        whole, self.stop = self.stop, self.stop.within(self.share * self.stop.seconds_left)
         if not self.look(self.root):
             self.closed = -math.inf
         self.stop = whole

@@ -22,7 +22,7 @@ from ....formulations.tolerance import same
 from ....instances.errors import InputError
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
-from ..proof_tree import Node, ProofTree
+from ..proof_tree import ROOT, Node, ProofTree
 from .arcs import Flags, Floats, by_site
 from .column_generation import WHOLE, ColumnGeneration, Part, Solved
 from .first_answer import RUINS, first_answer
@@ -92,15 +92,15 @@ class Tree(ProofTree[_Node]):
     """A tree over moves and numbers of routes.
 
     ``answer`` is the best answer so far; ``most`` are those of ``ColumnGeneration``; ``on_answer`` hears of better answers, ``on_step``
-    of the bound after some work, and ``gap`` is the part of the target that may stay open.
+    of the bound after some work, ``gap`` is the part of the target that may stay open, and ``share`` that of the time for the root.
     """
 
     def __init__(
         self, problem: RoutingProblem, partition: SetPartition, target: float | None, stop: Stop, seed: int, *,
-        answer: Routes | None = None, most: Mapping[str, int] | None = None, gap: float = 0.0,
+        answer: Routes | None = None, most: Mapping[str, int] | None = None, gap: float = 0.0, share: float = ROOT,
         on_answer: Callable[[Routes, float], None] = lambda answer, value: None, on_step: Callable[[float], None] = lambda bound: None,
     ) -> None:  # fmt: skip
-        super().__init__(problem, _Node(None), target, stop)
+        super().__init__(problem, _Node(None), target, stop, share)
         self.routing, self.partition, self.customers, self.seed = problem, partition, partition.customers, seed
         self.answer, self.on_answer, self.on_step, self.gap, self.whole = answer, on_answer, on_step, gap, stop
         costs = partition.cost

@@ -48,6 +48,9 @@ FEW, MANY_COLUMNS = 1000, 20_000
 SLACK = 0.05
 """Cuts further from being met are dropped."""
 
+LATE = 0.4
+"""Share of the time with which, without a bound so far, searches are no longer quick ones."""
+
 QUICK = 5
 """Quick searches for routes with which a branching is tried."""
 
@@ -220,9 +223,11 @@ class ColumnGeneration:
 
         self._restrict(master, part)
         self._restrict_pricers(master, part)
-        best, how, guess = Solved("stopped"), SINGLE, -math.inf
+        best, how, guess, began = Solved("stopped"), SINGLE, -math.inf, self.stop.seconds_left
         step = self.step if master is self.master else REDUCED
         while True:
+            if best.prices is None and self.stop.seconds_left < LATE * began:
+                how = EXACT  # while there is time for a bound
             point = master.solve(self.stop)
             if point.status != "optimal" or len(self.pool) > self.most_columns:
                 best.status = "stopped" if self.stop.reached() else "full"

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 LEAST = {"columns": 1, "labels": 2, "memory": 0}
 """Smallest values of its options."""
 
+ROOT = 0.9
+"""Share of the time for the root: nothing else is waiting for it."""
+
 NOTHING = "no answer was found that visits every required site"
 
 
@@ -88,7 +91,7 @@ class BranchPriceCut(Engine):
 
         tree = Tree(
             problem, partition, value, stop, options.seed, answer=answer, most=options.extra, on_answer=control.publish, on_step=tell,
-            gap=options.gap,
+            gap=options.gap, share=ROOT,
         )  # fmt: skip
         tree.grow()
         evidence = tree.evidence("routes")
