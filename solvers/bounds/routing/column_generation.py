@@ -45,6 +45,9 @@ SMOOTHING = 0.6
 FEW, MANY_COLUMNS = 1000, 20_000
 """With more routes those that cost too much are dropped, and with very many all but the cheapest half of that number."""
 
+CROWDED = 4000
+"""With more routes, while others are still looked for, the dearest half of that number is dropped."""
+
 SLACK = 0.05
 """Cuts further from being met are dropped."""
 
@@ -235,6 +238,10 @@ class ColumnGeneration:
                 return best
             prices = point.prices
             assert prices is not None
+            if len(self.pool) > CROWDED and master is self.master:
+                kept = (point.reduced <= np.partition(point.reduced, CROWDED // 2)[CROWDED // 2]) | (point.values > 0.0)
+                master.keep(kept)
+                point.values, point.reduced, self.phase_one = point.values[kept], point.reduced[kept], None
             fresh: list[Drive] = []
             for mixed in (True, False) if centre is not None else (False,):
                 at = prices.mixed(centre, SMOOTHING, master.cuts) if mixed and centre is not None else prices
