@@ -57,8 +57,11 @@ class BranchPriceCut(Engine):
     )
 
     def missing(self, problem: Problem) -> frozenset[str]:
+        lacking = super().missing(problem)
+        if lacking:
+            return lacking
         many = len(problem.customers) > CUSTOMERS  # type: ignore[attr-defined]
-        return super().missing(problem) or frozenset({f"more than {CUSTOMERS} customers"} if many else ())
+        return frozenset({f"more than {CUSTOMERS} customers"} if many else ())
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         stop = self.begin(problem, options, control)
