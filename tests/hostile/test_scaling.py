@@ -283,7 +283,7 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
         "vehicles-needed": {"threshold": unit("load")}, "cut-multipliers": {"out": factor, "in": factor},
         "item-prices": {"prices": unit("weight")}, "spanning-tree": {"multipliers": factor, "depot": factor},
         "arc-multipliers": {"out": factor, "in": factor, "fleet": factor}, "lp-dual": {"duals": unit("cost") / unit("load")},
-        "bin-packing": {"threshold": unit("load")}, "set-partitioning-duals": {"visits": factor},
+        "bin-packing": {"threshold": unit("load")}, "set-partitioning-duals": dict.fromkeys(("visits", "least", "least_needed"), factor),
         "customer-sets": {"longest-route": unit("distance"), "makespan": unit("time")},
         "too-little-time": {"from": unit("time"), "until": unit("time")}, "all-paths": {"target": factor},
         "path-potentials": {"potentials": factor}, "task-forest": {"tasks": factor, "robots": factor},
@@ -299,8 +299,9 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
         made[part] = {name: times(values, factor / (unit(own[name]) if name in own else 1.0)) for name, values in e.data[part].items()}
     if e.kind == "path-potentials":  # a mean + b variance, of which the one is in the square of the unit of the other
         made["weights"] = [[a, b / factor] for a, b in made["weights"]]
-    if "cuts" in e.data:
-        made["cuts"] = [{**cut, "price": factor * cut["price"]} for cut in e.data["cuts"]]
+    lists = {"cut-multipliers": ("cuts",), "set-partitioning-duals": ("rows", "loads", "needed")}.get(e.kind, ())
+    for part in (part for part in lists if part in e.data):
+        made[part] = [{**entry, "price": factor * entry["price"]} for entry in e.data[part]]
     return made
 
 
