@@ -170,8 +170,7 @@ def test_a_method_that_never_comes_back_costs_nothing_that_was_proved(registered
 @pytest.mark.parametrize("solver", ["pyvrp", "ortools"])
 def test_an_answer_that_reaches_a_verified_bound_ends_the_search(solver: str) -> None:
     problem = wb.generate("random", seed=1, customers=4)
-    solution = wb.solve(problem, solver, time_limit=40)
-    assert solution.seconds["solve"] < 20
+    solution = wb.solve(problem, solver, time_limit=HANG)  # whose end would be told as the limit
     assert (solution.status, solution.limit, solution.bound_kind) == ("optimal", "none", "verified")
 
 
