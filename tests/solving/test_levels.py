@@ -85,7 +85,8 @@ def test_levels_are_bounded_while_they_are_closed_and_then_all_is_proved(problem
     assert solution.bound_kind == "verified" and solution.bound == pytest.approx([2.0, 384.7341401])
     assert (solution.status, solution.gap) == ("optimal", 0.0)
     assert "the verified bound meets the objective" in status_line(solution).text
-    assert as_text("cpsat", [status_line(solution), *verdict_lines(solution)]) == VERDICT.format(bound=number(solution.certificate.levels[0].bound))
+    told = VERDICT.format(bound=number(solution.certificate.levels[0].bound))
+    assert as_text("cpsat", [status_line(solution), *verdict_lines(solution)]) == told
     again = wb.check(problem, solution.answer, solution.certificate)
     assert again.levels[0].bound == solution.certificate.levels[0].bound
 
