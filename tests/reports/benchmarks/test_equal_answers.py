@@ -25,7 +25,7 @@ def few(count: int, most: int) -> list[int]:
 @pytest.mark.parametrize("turn", range(len(SOLVERS)))
 def test_solvers_agree_with_enumeration_in_turn(turn: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(benchmark, "BOUND_TIME", 0.02)
-    numbers = few(draws(64), 3)
+    numbers = few(max(draws(64), 4 * len(SOLVERS)), 3)  # a few for each
     found = [benchmark.examined(k, drawn(1, k), SOLVERS[turn : turn + 1], heuristics=False) for k in numbers[turn :: len(SOLVERS)]]
     assert not [fault for record in found for fault in record.faults]
     assert {verdict for record in found for *_, verdict, _ in record.outcomes} >= {"agrees"}
