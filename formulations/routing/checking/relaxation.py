@@ -138,7 +138,7 @@ def merged_moves(problem: RoutingProblem, moves: Flags) -> Flags:
 
 
 def smallest(sets: Sequence[Flags]) -> list[Flags]:
-    """Those of which no other one is part, which says more."""
+    """The sets that contain no other set of the list: who makes a move of the smaller set makes one of the larger set, too."""
     found: list[Flags] = []
     for moves in sets:
         if not any((known <= moves).all() for known in found):

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ....instances.printable import printable
 from ...checking.evidence_numbers import number, numbers
-from ...checking.granularity import lift
+from ...checking.granularity import Grain, lift
 from ...stop import current_stop
 from ..statements import moves_of
 from .fleet_walks import FleetMoves, Rows, limiting, remembered
@@ -89,17 +89,39 @@ def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any
     claimed = [number(data, key) if key in data else None for key in ("least", "least_needed")]
     if len(problem.sites.customers) > CUSTOMERS:
         return -math.inf
-    if apart:
-        return _apart(problem, prices[problem.sites.customers], given, claimed, ray=ray)
+    try:
+        found = _apart(problem, prices, given, claimed, ray=ray) if apart else _together(problem, prices, given, claimed, ray=ray)
+    except OverflowError:
+        return -math.inf
+    if not math.isfinite(found.bound):
+        return found.bound
+    if ray:
+        return math.inf if found.bound > 0 else -math.inf
+    return lift(found.bound - found.error, "min", found.grain) if math.isfinite(found.error) else -math.inf
+
+
+class _Found(NamedTuple):
+    """A bound in exact arithmetic, the rounding of what the judge adds up, and the number of which every value is a multiple."""
+
+    bound: float
+    error: float = 0.0
+    grain: Grain | None = None
+
+
+NOTHING, NO_ANSWER = _Found(-math.inf), _Found(math.inf)
+
+
+def _together(problem: RoutingProblem, prices: Floats, given: _Given, claimed: Sequence[float | None], *, ray: bool) -> _Found:
+    """The bound by walks of all types of vehicle merged into one."""
     relaxed = relax(problem)
     if relaxed is None:
-        return -math.inf
+        return NOTHING
     usable = np.isfinite(relaxed.cost)
     if relaxed.fewest > relaxed.most or not usable[1:].any(axis=1).all() or not usable[:, 1:].any(axis=0).all():
-        return math.inf
+        return NO_ANSWER
     needed = [moves & usable for moves in needed_moves(problem)]
     if not all(moves.any() for moves in needed):
-        return math.inf
+        return NO_ANSWER
     near = remembered(problem, usable, given.memory)
     loads = [Load(s, k, p) for (s, p), k in zip(given.loads, fewest_carriers(problem, [s for s, _ in given.loads]), strict=True)]
     priced = [(merged_moves(problem, among) & usable, price) for among, price in given.moves]
@@ -107,19 +129,28 @@ def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any
     needed = [moves for moves in needed if not any(price and (among | ~moves).all() for among, price in priced)]
     multipliers = Multipliers(prices[relaxed.customers], loads, given.rows, near, priced)
     cost = np.where(usable, 0.0, math.inf) if ray else relaxed.cost
-    try:
-        walks = Walks(cost, limiting(problem, relaxed.resources), multipliers, needed, current_stop(), LABELS, WORK)
-        bound = _whole_bound(walks, relaxed, *claimed)
-    except OverflowError:
-        return -math.inf
-    if not math.isfinite(bound):
-        return bound
-    if ray:
-        return math.inf if bound > 0 else -math.inf
+    walks = Walks(cost, limiting(problem, relaxed.resources), multipliers, needed, current_stop(), LABELS, WORK)
+    bound = _whole_bound(walks, relaxed, *claimed)
     # The routes of an answer have fewer than 2 nodes moves. Each is added up from its first on, so that no sum is larger than nodes sizes.
     size, nodes = float(np.abs(cost[usable]).max()), len(cost)
-    error = 8.0 * float(np.finfo(np.float64).eps) * (2 * nodes * nodes * size + abs(bound))
-    return lift(bound - error, "min", relaxed.grain)
+    return _Found(bound, 8.0 * EPS * (2 * nodes * nodes * size + abs(bound)), relaxed.grain)
+
+
+def _apart(problem: RoutingProblem, prices: Floats, given: _Given, claimed: Sequence[float | None], *, ray: bool) -> _Found:
+    """The bound by walks of each type of vehicle by itself."""
+    relaxed, terms = relaxed_terms(problem)
+    if terms is None or (terms.peaks and not ray):
+        return NOTHING
+    terms = Terms(0.0, 0.0, 0.0, 0.0, 0.0, {}) if ray else terms
+    with np.errstate(over="ignore", invalid="ignore"):
+        fleet, parts = FleetMoves.of(relaxed, terms, *told_visits(problem)), constants(relaxed, terms)
+    if fleet is None:
+        return NO_ANSWER
+    rows = Rows(prices[problem.sites.customers], given.loads, given.rows, given.memory, given.moves)
+    found = fleet.least(rows, claimed, LABELS, WORK)
+    # Each route is added up from its first move on, so that no sum is larger than nodes sizes; there are n routes at most.
+    sizes = (len(rows.visits) + 2) ** 2 * fleet.size + sum(map(abs, parts)) + abs(found)
+    return _Found(math.fsum([found, *parts]) if math.isfinite(sizes) else found, 16.0 * EPS * sizes, value_grain(problem, terms))
 
 
 def _whole_bound(walks: Walks, relaxed: Relaxation, claimed: float | None, claimed_needed: float | None) -> float:
@@ -136,30 +167,6 @@ def _whole_bound(walks: Walks, relaxed: Relaxation, claimed: float | None, claim
             others = min((relaxed.fewest - 1) * least, (relaxed.most - 1) * least)
             bound = max(bound, max(through, least) + others)
     return math.ldexp(walks.constant + bound, -walks.exponent)
-
-
-def _apart(problem: RoutingProblem, prices: Floats, given: _Given, claimed: Sequence[float | None], *, ray: bool) -> float:
-    relaxed, terms = relaxed_terms(problem)
-    if terms is None or (terms.peaks and not ray):
-        return -math.inf
-    terms = Terms(0.0, 0.0, 0.0, 0.0, 0.0, {}) if ray else terms
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            fleet, parts = FleetMoves.of(relaxed, terms, *told_visits(problem)), constants(relaxed, terms)
-        if fleet is None:
-            return math.inf
-        found = fleet.least(Rows(prices, given.loads, given.rows, given.memory, given.moves), claimed, LABELS, WORK)
-    except OverflowError:
-        return -math.inf
-    if not math.isfinite(found):
-        return found
-    if ray:
-        return math.inf if found > 0.0 else -math.inf
-    # Each route is added up from its first move on, so that no sum is larger than nodes sizes; there are n routes at most.
-    sizes = (len(prices) + 2) ** 2 * fleet.size + sum(map(abs, parts)) + abs(found)
-    if not math.isfinite(sizes):
-        return -math.inf
-    return lift(math.fsum([found, *parts, -16.0 * EPS * sizes]), "min", value_grain(problem, terms))
 
 
 # -- reading -----------------------------------------------------------------------------------------------------------------------------

@@ -88,7 +88,7 @@ class Levels:
     most: int
 
     def backwards(self) -> Levels:
-        """Those of the walks from their ends: what is left of each level, negated."""
+        """The levels of the same walks driven backwards: what is still left of each at a node, with a minus sign, so that it grows."""
         lower, upper = -self.upper, -self.lower
         upper[0] = -self.start
         return Levels(np.ascontiguousarray(self.weight.transpose(0, 2, 1)), lower[0].copy(), lower, upper, self.most)

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....formulations.checking.granularity import grain, lift
+from ....formulations.evaluation import Evaluation
 from ....formulations.evidence import Evidence
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import NEVER, Stop
@@ -108,7 +109,7 @@ class Tree(ProofTree[_Node]):
         self.columns = ColumnGeneration(problem, partition, stop, self._enough, seed, most)
         self.cost, self.unit = self.columns.cost, self.columns.unit
         self.fixing, self.rounds, self.choosing = True, 0, CHOICES
-        self.rows, self.branched = dict[tuple[Any, ...], MoveRow](), list[MoveRow]()
+        self.branched: list[MoveRow] = []
         ids = problem.sites.ids
         self.starts, self.ends = sorted({ids[v.start] for v in problem.fleet}), sorted({ids[v.end] for v in problem.fleet})
         self.one_depot = len(self.starts) == len(self.ends) == 1
@@ -142,7 +143,7 @@ class Tree(ProofTree[_Node]):
             if "routes" in statement:
                 fewest, most = (fewest, min(most, statement["routes"])) if holds else (max(fewest, statement["routes"] + 1), most)
             elif "moves" in statement and holds:
-                rows.append(self._row(statement["moves"]))
+                rows.append(MoveRow.of(statement["moves"], self._among(statement["moves"])))
             elif "moves" in statement:
                 cost[:, self._among(statement["moves"])] = math.inf
             elif "visited" in statement:
@@ -176,13 +177,6 @@ class Tree(ProofTree[_Node]):
         for tail, heads in moves.items():
             among[self.index.get(tail, 0), [self.index.get(head, 0) for head in heads]] = True
         return among
-
-    def _row(self, moves: Mapping[str, list[str]]) -> MoveRow:
-        """The row that some of these moves are made, the same one each time that a statement on them is met."""
-        key = tuple((tail, *heads) for tail, heads in moves.items())
-        if key not in self.rows:
-            self.rows[key] = MoveRow(self._among(moves), moves)
-        return self.rows[key]
 
     def look(self, node: _Node) -> bool:
         part, parent, first = self._part(node), node.parent, node.first
@@ -231,7 +225,7 @@ class Tree(ProofTree[_Node]):
             hopeless = self._hopeless(node, part, solved)
             if hopeless is not None:
                 return solved, hopeless
-            columns.purge(solved, best, self.target / self.unit - solved.bound)
+            columns.purge(self.target / self.unit - solved.bound)
             bounds.append(solved.bound)
             self.on_step(-math.inf)
             self.rounds += node.first
@@ -287,12 +281,12 @@ class Tree(ProofTree[_Node]):
 
     def _keep(self, node: _Node, part: Part, solved: Solved) -> None:
         """Let a node wait for its branching, unless an answer proves it or nothing is left to branch on."""
-        node.flow, node.value = self.columns.pool.flow(solved.values, part.cost.shape), solved.bound
+        node.flow, node.value = solved.routes.flow(solved.values, part.cost.shape), solved.bound
         whole = np.abs(solved.values - np.round(solved.values)) <= WHOLE
         if node.first or len(self.nodes) >= self.choosing:
             self.choosing = max(self.choosing, 2 * len(self.nodes))
             self._choose(solved)
-        if (whole.all() and self._is_best(node, solved.values)) or self.reached(node.bound) or self._statement(node, part) is None:
+        if (whole.all() and self._is_best(node, solved)) or self.reached(node.bound) or self._statement(node, part) is None:
             self.close(node)
         else:
             self.wait(node)
@@ -302,18 +296,23 @@ class Tree(ProofTree[_Node]):
 
     # -- answers -----------------------------------------------------------------------------------------------------
 
-    def _is_best(self, node: _Node, values: Floats) -> bool:
-        """Whether whole routes are an answer that meets the node's bound; an answer better than known moves the target."""
-        pool = self.columns.pool
-        chosen = self.partition.routes([(kind, walk.tolist()) for kind, walk in pool.drives(np.nonzero(values > 0.5)[0])])
+    def _is_best(self, node: _Node, solved: Solved) -> bool:
+        """Whether whole routes are an answer that meets the node's bound."""
+        judged = self._judged(self.partition.routes(solved.routes.drives(np.nonzero(solved.values > 0.5)[0])))
+        return judged is not None and same(node.bound, self.sign * judged.values[0], judged.size, judged.precision)
+
+    def _judged(self, answer: Routes) -> Evaluation | None:
+        """The values of an answer, if it keeps all limits; one that is better than the answer at hand takes its place."""
         try:
-            judged = self.routing.evaluate(chosen)
+            judged = self.routing.evaluate(answer)
         except InputError:
-            return False
+            return None
         if not judged.feasible:
-            return False
-        self._learn(chosen, judged.values[0])
-        return same(node.bound, self.sign * judged.values[0], judged.size, judged.precision)
+            return None
+        if self.sign * judged.values[0] < self.target:
+            self.target, self.answer = self.sign * judged.values[0], answer
+            self.on_answer(answer, judged.values[0])
+        return judged
 
     def _look_again(self, bound: float) -> None:
         """Look for a better answer where the one at hand is far from a bound."""
@@ -323,21 +322,15 @@ class Tree(ProofTree[_Node]):
         answer = first_answer(self.routing, seconds, self.seed + 1, self.stop, ruins=AGAIN * RUINS)
         if answer is not None:
             self.columns.add(answer)
-            self._learn(answer, self.routing.evaluate(answer).values[0])
+            self._judged(answer)
 
     def _choose(self, solved: Solved) -> None:
         """Look for a better answer among the routes at hand."""
         gap = self.target / self.unit - solved.bound + self.columns.step
         seconds = CHOOSING * self.whole.seconds_left
-        answer = best_choice(self.columns.pool, self.partition, solved.reduced, gap, seconds, self.whole)
-        if answer is not None and (judged := self.routing.evaluate(answer)).feasible:
-            self._learn(answer, judged.values[0])
-
-    def _learn(self, answer: Routes, value: float) -> None:
-        """Take an answer if it is better than the one at hand."""
-        if self.sign * value < self.target:
-            self.target, self.answer = self.sign * value, answer
-            self.on_answer(answer, value)
+        answer = best_choice(self.columns.pool, self.partition, self.columns.point.reduced, gap, seconds, self.whole)
+        if answer is not None:
+            self._judged(answer)
 
     # -- evidence ----------------------------------------------------------------------------------------------------
 
@@ -361,7 +354,7 @@ class Tree(ProofTree[_Node]):
                 memory, inside = (sites[np.array(nodes) - 1].tolist() for nodes in (np.nonzero(cut.memory)[0], cut.customers))
                 rows.append({"sites": inside, "memory": memory, "price": price * self.unit})
             elif isinstance(cut, MoveRow):
-                needed.append({"moves": cut.named, "price": price * self.unit})
+                needed.append({"moves": {tail: list(heads) for tail, heads in cut.names}, "price": price * self.unit})
             elif isinstance(cut, LoadCut):
                 loads.append({"sites": sites[np.nonzero(cut.inside)[0] - 1].tolist(), "price": price * self.unit})
         ray = solved.bound == math.inf
@@ -382,20 +375,14 @@ class Tree(ProofTree[_Node]):
         self.on_step(min(self.closed, node.bound))
         statement = self._statement(node, self._part(node), try_them=True)
         assert statement is not None
-        self._forget_rows(statement)
+        if "moves" in statement:
+            self.branched.append(MoveRow.of(statement["moves"], self._among(statement["moves"])))
+        self.columns.master.forget(self.branched)  # but not those that were only tried
         children = _Node(node, (statement, True)), _Node(node, (statement, False))
         if sum(1 for _ in self.look_at_all(node, children)) < 2:
             return False
         node.children = children
         return True
-
-    def _forget_rows(self, statement: dict[str, Any]) -> None:
-        """Forget rows of statements that were only tried."""
-        if "moves" in statement:
-            self.branched.append(self._row(statement["moves"]))
-        kept = set(map(id, self.branched))
-        self.rows = {key: row for key, row in self.rows.items() if id(row) in kept}
-        self.columns.master.forget(self.branched)
 
     def _statement(self, node: _Node, part: Part, *, try_them: bool = False) -> dict[str, Any] | None:
         """The statement to branch on; None if nothing is left."""
@@ -450,8 +437,11 @@ class Tree(ProofTree[_Node]):
             yield float(merged[i, j]), {"arc": [self.ids[i] if i else self.starts[0], self.ids[j] if j else self.ends[0]]}
 
     def _ways(self, flow: Floats, part: Part) -> Iterator[tuple[float, dict[str, Any]]]:
-        """Where routes can be turned round: moves that may be made in either direction, with how often they are, and the statements on
-        them. Those at the depot may be made twice, by a route to one customer."""
+        """Pairs of places, where every route could be driven backwards at the same cost: how often routes go between them, in either
+        direction, and the statement that some route does.
+
+        Between the depot and a customer a route may go twice, to him alone; pairs with more than one are left out.
+        """
         both, usable = flow + flow.T, np.isfinite(part.cost[0])
         for row in part.rows:
             usable = usable & ~row.moves

@@ -20,7 +20,7 @@ from .arcs import Flags, Floats, Longs
 from .load_cuts import LoadCut, overloaded
 from .move_rows import MoveRow
 from .pricing import Pricer
-from .restricted_master import Cut, Drive, Master, Pool, Prices, coefficients
+from .restricted_master import Cut, Drive, Master, Point, Pool, Prices, coefficients
 from .set_partition import SetPartition
 from .subset_rows import SubsetRow, violated
 
@@ -42,11 +42,9 @@ MEMORY, MOST_MEMORY = 8, 20
 SMOOTHING = 0.6
 """Weight of the best prices so far."""
 
-FEW, MANY_COLUMNS = 1000, 20_000
-"""With more routes those that cost too much are dropped, and with very many all but the cheapest half of that number."""
-
-CROWDED = 4000
-"""With more routes, while others are still looked for, the dearest half of that number is dropped."""
+FEW, CROWDED = 1000, 4000
+"""With more routes those that cost too much are dropped between two solutions, and with so many more all but the cheapest half of that
+number while others are still looked for."""
 
 SLACK = 0.05
 """Cuts further from being met are dropped."""
@@ -82,16 +80,16 @@ class Solved:
     ``flooded`` by labels.
 
     ``bound`` and ``prices`` are the best Lagrangian bound by the labels here, ``least`` the least reduced cost of each type there;
-    ``values`` and ``reduced`` costs are those of the routes in the linear program; ``lacking`` is how many visits no route makes.
+    ``routes`` are those that the linear program uses, and ``values`` how much of each; ``lacking`` is how many visits no route makes.
     """
 
     status: str
     bound: float = -math.inf
     prices: Prices | None = None
     least: Floats = field(default_factory=lambda: np.zeros(0))
+    routes: Pool = field(default_factory=Pool)
     values: Floats = field(default_factory=lambda: np.zeros(0))
     lacking: float = 0.0
-    reduced: Floats = field(default_factory=lambda: np.zeros(0))
 
 
 class ColumnGeneration:
@@ -138,7 +136,8 @@ class ColumnGeneration:
         self.dear = 1.0
         self.master = self._new_master([])
         self.phase_one: Master | None = None
-        self.full = False  # whether labels or routes ever were too many
+        self.point = Point("unknown")  # where the linear program stood last
+        self.limit = ""  # that ended a search last: time or memory
         self.newest: Sequence[SubsetRow] = ()
         self.given_up = 0  # times that the relaxation was made weaker
 
@@ -204,15 +203,15 @@ class ColumnGeneration:
                 self.master = self._new_master([cut for cut in self.master.cuts if not isinstance(cut, MoveRow)])
                 continue
             best, remembered = solved if solved.bound >= best.bound else best, self.near.copy()
-            if not self._remember(solved.values):
+            if not self._remember(solved):
                 return solved
             centre = solved.prices
 
-    def _remember(self, values: Floats) -> bool:
+    def _remember(self, solved: Solved) -> bool:
         """Have customers remembered on routes that visit them twice; whether there were any."""
         grown = False
-        for k in np.nonzero(self.pool.twice[: len(values)] & (values > WHOLE))[0].tolist():
-            route, last = self.pool.routes[k].tolist(), dict[int, int]()
+        for k in np.nonzero(solved.routes.twice)[0].tolist():
+            route, last = solved.routes.routes[k].tolist(), dict[int, int]()
             for place, node in enumerate(route):
                 between = route[last[node] + 1 : place] if node in last else []
                 if between and all(self.near[other, node] or self.near[other].sum() <= self.most_memory for other in between):
@@ -233,23 +232,20 @@ class ColumnGeneration:
                 how = EXACT  # while there is time for a bound
             point = master.solve(self.stop)
             if point.status != "optimal" or len(self.pool) > self.most_columns:
-                best.status = "stopped" if self.stop.reached() else "full"
-                self.full = self.full or best.status == "full"
-                return best
+                return self._ended(best, "stopped" if self.stop.reached() else "full")
             prices = point.prices
             assert prices is not None
-            if len(self.pool) > CROWDED and master is self.master:
-                kept = (point.reduced <= np.partition(point.reduced, CROWDED // 2)[CROWDED // 2]) | (point.values > 0.0)
-                master.keep(kept)
-                point.values, point.reduced, self.phase_one = point.values[kept], point.reduced[kept], None
+            if master is self.master:
+                self.point = point
+                if len(self.pool) > CROWDED:
+                    self._keep(float(np.partition(point.reduced, CROWDED // 2)[CROWDED // 2]))
+                    point = self.point
             fresh: list[Drive] = []
             for mixed in (True, False) if centre is not None else (False,):
                 at = prices.mixed(centre, SMOOTHING, master.cuts) if mixed and centre is not None else prices
                 status, least, routes = self._priced(part, at, how, step)
                 if status != 0:
-                    best.status = "stopped" if status == STOPPED else "flooded"
-                    self.full = self.full or best.status == "flooded"
-                    return best
+                    return self._ended(best, "stopped" if status == STOPPED else "flooded")
                 bound = self._lagrangian(at, least, part, 0.0 if master is not self.master else self.constant)
                 if how != EXACT and bound > guess:  # no bound, but a good place to be near to
                     guess, centre = bound, at
@@ -258,8 +254,6 @@ class ColumnGeneration:
                         best.bound, best.prices, best.least, centre = bound, at, least, at
                     if best.bound > WHOLE if master is not self.master else self.enough(best.bound):
                         best.status = "enough"
-                        if master is not self.master:
-                            best.values = np.zeros(0)
                         return best
                 fresh = self._chosen(part, prices, routes, step)
                 if fresh:
@@ -271,8 +265,15 @@ class ColumnGeneration:
             elif how != EXACT:
                 how = how - 1 if how > EXACT else EXACT
             else:
-                best.status, best.values, best.reduced, best.lacking = "done", point.values, point.reduced, point.lacking
+                used = np.nonzero(point.values > WHOLE)[0]
+                best.routes.add(self.pool.drives(used))
+                best.status, best.values, best.lacking = "done", point.values[used], point.lacking
                 return best
+
+    def _ended(self, best: Solved, status: str) -> Solved:
+        """What was found before a limit."""
+        best.status, self.limit = status, "time" if status == "stopped" else "memory"
+        return best
 
     def _restrict_pricers(self, master: Master, part: Part) -> None:
         self.row_cuts = [cut for cut in master.cuts if isinstance(cut, SubsetRow)]
@@ -348,15 +349,13 @@ class ColumnGeneration:
     def cut(self, solved: Solved, *, rows: bool) -> bool:
         """Add cuts that the solution violates, subset rows too or capacities alone, and drop those that it is far from; whether there were
         any."""
-        used = np.nonzero(solved.values > WHOLE)[0]
-        some = Pool()
-        some.add(self.pool.drives(used))
-        sums = solved.values[used] @ coefficients(self.master.cuts, some, 0)
+        some, values = solved.routes, solved.values
+        sums = values @ coefficients(self.master.cuts, some, 0)
         far = [cut for cut, total in zip(self.master.cuts, sums.tolist(), strict=True) if abs(total - cut.right) > SLACK]
         idle = [cut for cut in far if not isinstance(cut, MoveRow)]
-        flow = self.pool.flow(solved.values, self.usable.shape).sum(axis=0)
+        flow = some.flow(values, self.usable.shape).sum(axis=0)
         cuts: list[Cut] = list(overloaded(self.problem, flow, self.loads, self.stop))
-        triples = violated(self.pool, solved.values, len(self.near), self.cuts) if rows and not self.given_up else []
+        triples = violated(some, values, len(self.near), self.cuts) if rows and not self.given_up else []
         replaced = [self.cuts[cut.customers] for cut in triples if cut.customers in self.cuts]
         self._drop(list({id(cut): cut for cut in [*idle, *replaced]}.values()))
         self.cuts.update((cut.customers, cut) for cut in triples)
@@ -365,8 +364,11 @@ class ColumnGeneration:
         return bool(cuts or triples)
 
     def weaken(self) -> bool:
-        """Where labels were too many: give up the newest subset rows, then all of them, then half of who is remembered; whether there was
-        anything left to give up. None of it comes back."""
+        """Make the relaxation weaker, after a search that had too many labels.
+
+        The newest subset rows are dropped, the next time all that are left, and from then on each time half of the neighbours who remember
+        a customer. None of it comes back. False where nothing was left to give up.
+        """
         rows = self.newest or [cut for cut in self.master.cuts if isinstance(cut, SubsetRow)]
         if rows:
             self._drop(rows)
@@ -387,23 +389,21 @@ class ColumnGeneration:
             elif isinstance(cut, SubsetRow):
                 self.cuts.pop(cut.customers, None)
 
-    def purge(self, solved: Solved, best: Solved, gap: float) -> None:
-        """Drop routes that no answer drives whose value is less than ``gap`` above the bound, and the dearest of very many; ``values`` of
-        both solutions follow."""
-        if len(self.pool) <= FEW:
-            return
-        most = max(gap + self.step, 0.0) if math.isfinite(gap) else math.inf
-        if len(self.pool) > MANY_COLUMNS:
-            most = min(most, float(np.partition(solved.reduced, MANY_COLUMNS // 2)[MANY_COLUMNS // 2]))
+    def purge(self, gap: float) -> None:
+        """Drop routes that no answer drives whose value is less than ``gap`` above the bound, where they are many."""
+        if len(self.pool) > FEW and math.isfinite(gap):
+            self._keep(max(gap + self.step, 0.0), unless=0.8)
+
+    def _keep(self, most: float, unless: float = 1.0) -> None:
+        """Drop routes that are not used and whose reduced cost is above ``most``, unless that leaves so large a part of all."""
         kept = np.ones(len(self.pool), dtype=bool)  # of routes that are newer nothing is known
-        kept[: len(solved.values)] = (solved.reduced <= most) | (solved.values > 0.0)
-        kept[: len(best.values)] |= best.values > 0.0
-        if kept.sum() < 0.8 * len(kept):
-            self.master.keep(kept)
-            self.phase_one = None
-            for one in {id(one): one for one in (solved, best)}.values():
-                one.values = one.values[kept[: len(one.values)]]
-            solved.reduced = solved.reduced[kept[: len(solved.reduced)]]
+        known = kept[: len(self.point.reduced)]
+        known[:] = (self.point.reduced <= most) | (self.point.values > 0.0)
+        if kept.mean() >= unless:
+            return
+        self.point = replace(self.point, values=self.point.values[known], reduced=self.point.reduced[known])
+        self.master.keep(kept)
+        self.phase_one = None
 
     def hopeless(self, part: Part, solved: Solved, gap: float) -> Flags | None:
         """Moves that no route makes whose reduced cost is less than ``gap`` above the least of its type, shape (nodes, nodes); None where

@@ -178,8 +178,7 @@ class Master:
             table[0, self.own - self.types + t], table[1 + visits + t, self.own - self.types + t] = 1.0, -1.0
             upper[self.own - self.types + t] = most[t]
         table = table.tocsr()
-        right = np.append(0.0, np.ones(visits))
-        right = np.append(right, np.zeros(self.types))
+        right = np.repeat([0.0, 1.0, 0.0], [1, visits, self.types])
         columns = Variables("columns", lower=np.zeros(self.own), upper=upper, cost=price)
         indptr, indices = table.indptr.astype(np.int32), table.indices.astype(np.int32)
         rows = Rows("rows", indptr=indptr, indices=indices, data=table.data, lower=right, upper=right)

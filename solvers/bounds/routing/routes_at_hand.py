@@ -43,7 +43,7 @@ def best_choice(pool: Pool, partition: SetPartition, reduced: Floats, gap: float
         found = Highs().search(program, options, control).answer
     if found is None:
         return None
-    return partition.routes([(kind, walk.tolist()) for kind, walk in some.drives(np.nonzero(found[: len(some)] > 0.5)[0])])
+    return partition.routes(some.drives(np.nonzero(found[: len(some)] > 0.5)[0]))
 
 
 def _program(pool: Pool, partition: SetPartition, cost: Floats) -> Program:

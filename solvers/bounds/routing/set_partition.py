@@ -7,6 +7,7 @@ docs/branch-price-cut.md
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -67,14 +68,14 @@ class SetPartition:
         """Costs of moves, shape (types, nodes, nodes)."""
         return np.array([one.cost for one in self.types])
 
-    def routes(self, walks: list[tuple[int, list[int]]]) -> Routes:
-        """The answer of some walks, each with the number of its type."""
+    def routes(self, drives: Sequence[tuple[int, Longs]]) -> Routes:
+        """The answer of some routes over nodes, each with the number of its type."""
         left = [[[vehicle, count] for vehicle, count in one.vehicles] for one in self.types]
         found = []
-        for kind, walk in walks:
+        for kind, walk in drives:
             entry = next((entry for entry in left[kind] if entry[1] > 0), left[kind][0])
             entry[1] -= 1
-            found.append(Route(tuple(self.customers[np.array(walk) - 1].tolist()), entry[0]))
+            found.append(Route(tuple(self.customers[walk - 1].tolist()), entry[0]))
         return Routes(tuple(found))
 
 

@@ -28,6 +28,8 @@ LEAST = {"columns": 1, "labels": 2, "memory": 0}
 ROOT = 0.9
 """Share of the time for the root: nothing else is waiting for it."""
 
+UNPROVED = "all cases were searched to their end, and what was verified of some leaves a gap"
+
 NOTHING = "no answer was found that visits every required site"
 
 
@@ -112,7 +114,9 @@ class BranchPriceCut(Engine):
             reached = bound >= tree.sign * value or same(bound, tree.sign * value, judged.size, judged.precision)
             status = "optimal" if reached else "feasible"
         closed = status in ("optimal", "infeasible")
-        limit = "none" if closed else "gap" if tree.reached(bound) else stop.reached() or ("memory" if tree.columns.full else "time")
+        limit = "none" if closed else "gap" if tree.reached(bound) else stop.reached() or tree.columns.limit or "none"
+        if limit == "none" and not closed:
+            message = message or UNPROVED
         return RawResult(
             status, limit, answer, value, tree.sign * bound if found else None, statistics=statistics, message=message, evidence=found,
             holds=Exactness.EXACT,

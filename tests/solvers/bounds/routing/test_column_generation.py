@@ -15,6 +15,7 @@ from truth.routing import best_values
 from waybound import RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.routing.checking.relaxation import relax
 from waybound.formulations.stop import Stop
+from waybound.solvers.bounds.routing import column_generation
 from waybound.solvers.bounds.routing.column_generation import ColumnGeneration, Part
 from waybound.solvers.bounds.routing.set_partition import set_partition
 
@@ -59,19 +60,27 @@ def test_moves_are_hopeless_only_where_every_route_over_them_costs_too_much() ->
     assert all_of_them[inner].all() and not none.any()
 
 
-def test_routes_that_are_dropped_leave_the_value_as_it_is() -> None:
+def test_routes_that_are_dropped_leave_the_value_and_what_was_solved_before_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
     problem = plane(3, 14, 30.0)
     columns, part = prepared(problem)
     solved = columns.solve(part, None)
-    before, many = columns.value(part), len(columns.pool)
-    import waybound.solvers.bounds.routing.column_generation as module
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "FEW", 0)
-        columns.pool.add(columns.pool.new([(0, np.array([k, k + 1, k + 2])) for k in range(1, 9)]))  # later than the solution
-        columns.purge(solved, solved, 0.0)
+    before, many, flow = columns.value(part), len(columns.pool), solved.routes.flow(solved.values, part.cost.shape)
+    monkeypatch.setattr(column_generation, "FEW", 0)
+    columns.pool.add(columns.pool.new([(0, np.array([k, k + 1, k + 2])) for k in range(1, 9)]))  # later than the solution
+    columns.purge(0.0)
     assert len(columns.pool) < many and columns.value(part) == pytest.approx(before)
-    assert len(solved.values) <= len(columns.pool)
+    assert (solved.routes.flow(solved.values, part.cost.shape) == flow).all()
+
+
+def test_with_room_for_few_routes_the_value_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = plane(3, 14, 30.0)
+    columns, part = prepared(problem)
+    usual = columns.solve(part, None)
+    monkeypatch.setattr(column_generation, "CROWDED", 40)
+    columns, part = prepared(problem)
+    solved = columns.solve(part, None)
+    assert solved.status == "done" and solved.bound == pytest.approx(usual.bound) and len(columns.pool) < 200
+    assert columns.cut(solved, rows=True) and columns.solve(part, solved.prices).bound >= solved.bound - 1e-6
 
 
 def test_where_labels_are_too_many_the_relaxation_is_made_weaker_step_by_step() -> None:

@@ -26,7 +26,7 @@ def test_of_all_routes_the_best_answer_is_chosen(feature: str, seed: int) -> Non
     every = [walk for size in range(1, n) for walk in itertools.permutations(range(1, n), size)]
     routes = [(kind, np.array(walk)) for kind in range(len(partition.types)) for walk in every]
     for kind, walk in routes:
-        alone = problem.evaluate(partition.routes([(kind, walk.tolist())]))
+        alone = problem.evaluate(partition.routes([(kind, walk)]))
         if {violation.check for violation in alone.violations} <= {"visits"}:  # others are missing
             pool.add([(kind, walk)])
     answer = best_choice(pool, partition, np.zeros(len(pool)), math.inf, 30.0, NEVER)

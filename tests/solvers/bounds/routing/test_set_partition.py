@@ -27,7 +27,7 @@ def test_vehicles_that_are_alike_are_one_type_with_as_many() -> None:
     assert [one.vehicles for one in partition.types] == [((0, 1), (2, 2)), ((1, 2),)]
     assert [one.most for one in partition.types] == [3, 2] and partition.most == 4
     assert partition.types[1].cost[0, 1] - partition.types[0].cost[0, 1] == 7.0
-    answer = partition.routes([(0, [1]), (0, [2]), (1, [3, 4])])
+    answer = partition.routes([(kind, np.array(nodes)) for kind, nodes in ((0, [1]), (0, [2]), (1, [3, 4]))])
     assert [(route.vehicle, route.visits) for route in answer] == [(0, (1,)), (2, (2,)), (1, (3, 4))]
 
 
