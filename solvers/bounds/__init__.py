@@ -37,7 +37,8 @@ class BoundMethod:
         Whether ``compute`` takes the keyword ``target`` too, the value of a known answer or None: such a method searches, and no bound
         beyond that value is worth its time.
     starts : bool
-        Whether ``compute`` takes the keyword ``answer`` too, the answer at hand or None.
+        Whether ``compute`` takes the keywords ``answer``, the answer at hand or None, and ``on_answer`` too, which hears of better ones
+        with their values.
     replaces : callable
         Methods that this one stands for where a problem is of its family, whether it can take it or not.
     """
@@ -61,10 +62,11 @@ class BoundMethod:
         return all(kernel.kept() for module in self.kernels for kernel in kernels(module))
 
     def evidence(
-        self, problem: Any, stop: Stop, linear: LinearPrograms, target: float | None = None, answer: Any = None
-    ) -> Evidence | None:
+        self, problem: Any, stop: Stop, linear: LinearPrograms, target: float | None = None, answer: Any = None,
+        on_answer: Callable[[Any, float], None] = lambda answer, value: None,
+    ) -> Evidence | None:  # fmt: skip
         """The evidence that ``compute`` finds, if any."""
-        known = ({"target": target} if self.aims else {}) | ({"answer": answer} if self.starts else {})
+        known = ({"target": target} if self.aims else {}) | ({"answer": answer, "on_answer": on_answer} if self.starts else {})
         return self.compute(problem, stop, linear, **known)
 
 

@@ -163,7 +163,7 @@ def test_a_method_that_never_comes_back_costs_nothing_that_was_proved(registered
     found = searching.search(find, control, 0.2, overtime=0.2)
     hanging.set()
     assert "did not stop when asked" in found.result.message
-    assert found.result.answer, "of the others"
+    assert found.result.evidence, "of the others"
 
 
 @pytest.mark.share(2)
@@ -303,8 +303,8 @@ def test_what_bounding_beside_a_search_finds_and_lacks_is_told(waits, monkeypatc
     found = find_bounds(problem, HANG, target=384.7341400721996)
 
     def bounds(work, options, control, **_):
-        control.publish(found)
-        return RawResult("unknown", answer=found, statistics={"unable": ["no bound by magic: there is none"]})
+        control.publish(evidence=tuple(found))
+        return RawResult("unknown", statistics={"unable": ["no bound by magic: there is none"]})
 
     monkeypatch.setattr("waybound.solving.bounding.run_in_process", bounds)
     monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
@@ -312,6 +312,22 @@ def test_what_bounding_beside_a_search_finds_and_lacks_is_told(waits, monkeypatc
     solution = wb.solve(problem, "waits", time_limit=1.0, bound_time=1.5, progress=events.append)
     assert "no bound by magic: there is none" in solution.message
     assert [e["bound"] for e in events if e["phase"] == "bound"] == [found[-1].value]
+
+
+def test_an_answer_that_bounding_comes_across_beside_a_search_ends_it_where_it_is_the_best(waits, monkeypatch):
+    problem = wb.read("demo-tiny")
+    best = wb.solve(problem, "highs")
+    found = find_bounds(problem, HANG, target=best.objective)
+
+    def bounds(work, options, control, **_):
+        control.publish(evidence=tuple(found))
+        control.publish(best.answer, best.objective)
+        return RawResult("unknown")
+
+    monkeypatch.setattr("waybound.solving.bounding.run_in_process", bounds)
+    solution = wb.solve(problem, "waits", time_limit=100 * HANG)
+    assert (solution.status, solution.limit, solution.objective) == ("optimal", "none", pytest.approx(best.objective))
+    assert "found while its bound was looked for" in solution.message
 
 
 def test_the_end_of_a_wait_ends_the_bounding(waits):

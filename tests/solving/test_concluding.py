@@ -16,6 +16,7 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import CheckFailedError
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
+from waybound.solvers.bounds import BOUNDS, BoundMethod
 from waybound.solving import concluding
 
 
@@ -130,3 +131,20 @@ def test_the_evidence_of_a_heuristic_leaves_better_bounds_to_be_looked_for() -> 
     free, bounded = (solve(cover, heuristic="greedy", bound_time=seconds) for seconds in (0.0, 20.0))
     assert free.certificate.evidence and isinstance(free.bound, float) and isinstance(bounded.bound, float)
     assert bounded.bound < free.bound and bounded.bound_source != free.bound_source
+
+
+def test_an_answer_that_bounding_comes_across_competes_with_that_of_an_engine(
+    square: RoutingProblem, engine_that: Any, registered: Any
+) -> None:
+    def found(problem: Any, stop: Any, linear: Any, answer: Any, on_answer: Any) -> None:
+        on_answer(Routes.of([[1, 2, 3, 4]]), 18.0)  # carries too much
+        on_answer(Routes.of([[1, 2], [3, 4]]), 24.0)
+
+    registered(BOUNDS, "finder", BoundMethod("finder", lambda problem: frozenset(), found, starts=True))
+    engine = engine_that(lambda p, o, c: RawResult("feasible", answer=Routes.of([[1, 3], [2, 4]])))
+    solution = solve(square, engine)
+    assert (solution.objective, solution.events[-1].objective) == (24.0, (24.0,))
+    assert "found while its bound was looked for" in solution.message
+    for limits in ({"iterations": 5}, {"bound_time": 0}):
+        alone = solve(square, engine_that(lambda p, o, c: RawResult("feasible", answer=Routes.of([[1, 3], [2, 4]]))), **limits)
+        assert alone.objective > 24.0

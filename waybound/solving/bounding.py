@@ -67,7 +67,7 @@ def find_bounds(
     known : sequence of Evidence
         What was found already, by whoever made the answer.
     control : Control, optional
-        Stops between and inside methods.
+        Stops between and inside methods; the evidence is published to it, and the best answer that a method comes across.
     progress : callable, optional
         Receives an event for each bound found.
     unable : list of str, optional
@@ -106,7 +106,7 @@ def find_bounds(
         try:
             with off_the_clock():
                 method.prepare()
-            evidence = method.evidence(problem, within, linear, target, answer)
+            evidence = method.evidence(problem, within, linear, target, answer, control.publish)
         except UnsupportedError:
             return False
         except Exception as fault:  # whatever it is: a bound that cannot be computed is no bound, and costs neither answer nor other bounds
@@ -116,7 +116,7 @@ def find_bounds(
             return False
         by[id(evidence)] = places[method.name]
         found.append(evidence)
-        control.publish(list(found))
+        control.publish(evidence=tuple(found))
         if progress is not None:
             seconds = bound_time - stop.seconds_left
             progress({"phase": "bound", "seconds": seconds, "objective": target, "bound": evidence.value, "source": evidence.source})
@@ -182,13 +182,13 @@ def able_methods(problem: Problem, failed: list[str], *, searching: bool = True)
 
 
 def bounded(problem: Problem, seconds: float, **settings: Any) -> Searched:
-    """``find_bounds`` as a search that Ctrl-C ends; its answer is the evidence."""
-    return search(
-        lambda control: RawResult("unknown", answer=find_bounds(problem, seconds, control=control, **settings)),
-        Control(),
-        seconds,
-        overtime=BOUND_OVERTIME,
-    )
+    """``find_bounds`` as a search that Ctrl-C ends; its answer is the best that a method came across."""
+
+    def find(control: Control) -> RawResult:
+        evidence = tuple(find_bounds(problem, seconds, control=control, **settings))
+        return RawResult("unknown", answer=control.answer, evidence=evidence)
+
+    return search(find, Control(), seconds, overtime=BOUND_OVERTIME)
 
 
 # -- before a search -----------------------------------------------------------------------------------------------------------
@@ -204,7 +204,7 @@ def first_evidence(
     large = problem.size > LARGEST
     try:
         found = bounded(problem, seconds, linear=linear, searching=False, at_once=large, compiling="never", uncompiled=uncompiled)
-        evidence = found.result.answer or []
+        evidence = list(found.result.evidence)
         if large:
             return evidence, None
         certificate = certify(problem, None, evidence)
@@ -282,16 +282,15 @@ class BoundWork:
     modules: ClassVar[tuple[str, ...]] = ("numba", "highspy")
 
     def __call__(self, control: Control) -> RawResult:
-        control.publish([])
+        control.publish()  # it has begun
         unable: list[str] = []
-        found = find_bounds(
-            self.problem, self.bound_time, known=self.known, control=control, unable=unable, linear=self.linear, compiling="first"
-        )
-        return RawResult("unknown", answer=found, statistics={"unable": unable})
+        find_bounds(self.problem, self.bound_time, known=self.known, control=control, unable=unable, linear=self.linear, compiling="first")
+        return RawResult("unknown", statistics={"unable": unable})
 
 
 class Beside:
-    """Bounds a problem while ``searched`` is the line to the search for its answer, which ends when nothing is left to gain.
+    """Bounds a problem while ``searched`` is the line to the search for its answer, which ends when nothing is left to gain; so it does
+    where bounding comes across a best answer, if ``competing``.
 
     Parameters
     ----------
@@ -300,19 +299,24 @@ class Beside:
     searched : Control
     progress : callable, optional
         Receives an event for each bound found.
+    competing : bool
 
     Attributes
     ----------
     line : Control
-        The line to bounding.
+        The line to bounding, with the evidence, and the best answer that a method came across.
     fault : str
         What kept it from beginning, such as a problem that cannot be sent to another process; empty if nothing did.
     unable : list of str
         A line for each method that failed.
     """
 
-    def __init__(self, work: BoundWork, goal: Goal, searched: Control, progress: Callable[[dict[str, Any]], None] | None = None) -> None:
+    def __init__(
+        self, work: BoundWork, goal: Goal, searched: Control, progress: Callable[[dict[str, Any]], None] | None = None,
+        competing: bool = False,
+    ) -> None:  # fmt: skip
         self._goal, self._searched, self._tell, self._done = goal, searched, progress, threading.Event()
+        self._competing, self._begun, self._told = competing, False, 0
         self.line = Control(self._heard)
         self.fault, self.unable = "", list[str]()
         threading.Thread(target=self._run, args=(work,), name="waybound-bounds", daemon=True).start()
@@ -320,29 +324,28 @@ class Beside:
     def _run(self, work: BoundWork) -> None:
         try:
             result = run_in_process(work, Options(time_limit=work.bound_time), self.line, aside=True)
-            self.fault, self.unable = "" if self.line.answer is not None else result.message, result.statistics.get("unable", [])
-            self.line.answer = self.line.answer if result.answer is None else result.answer
+            self.fault, self.unable = "" if self._begun else result.message, result.statistics.get("unable", [])
         except Exception as fault:  # costs no answer; what was published stands
-            self.fault = "" if self.line.answer is not None else in_words(fault)
+            self.fault = "" if self._begun else in_words(fault)
         finally:
             self._done.set()
 
     @property
     def evidence(self) -> list[Evidence]:
         """All that was found so far."""
-        return list(self.line.answer or ())
+        return list(self.line.evidence)
 
     def _heard(self, event: dict[str, Any]) -> None:
-        evidence = self.evidence
-        if not evidence:
-            return
-        if self._tell is not None:
+        self._begun, evidence = True, self.evidence
+        if len(evidence) > self._told and self._tell is not None:
             told = {"phase": "bound", "seconds": event["seconds"], "objective": self._searched.objective}
             self._tell({**told, "bound": evidence[-1].value, "source": evidence[-1].source})
         with suppress(Exception):  # a checker that fails is told when the certificate is made
-            self._goal.learn(evidence)
-            held = self._searched.answer
-            if self._goal.infeasible or (held is not None and self._goal(held, self._searched.objective)):
+            if len(evidence) > self._told:
+                self._told = len(evidence)
+                self._goal.learn(evidence)
+            held = [self._searched, self.line] if self._competing else [self._searched]
+            if self._goal.infeasible or any(line.answer is not None and self._goal(line.answer, line.objective) for line in held):
                 self._searched.stop()
 
     def found(self, control: Control, best: float | None = None, patience: float = math.inf) -> list[Evidence]:

@@ -162,6 +162,7 @@ class Conclusion:
             self._from_the_search()
             if self.searched.interrupted:
                 self.evidence.extend([] if beside is None else beside.evidence)
+                self._hear_bounding(None if beside is None else beside.line.answer, record)
             elif not self._search_proves():
                 self._from_bounding(budget, record, beside)
         except (Exception, KeyboardInterrupt) as fault:
@@ -198,6 +199,7 @@ class Conclusion:
         if beside is not None:  # it keeps the time itself, without what it compiles
             seen = search(lambda control: RawResult("unknown", answer=beside.found(control, target, budget)), Control(), math.inf)
             self.evidence.extend(seen.result.answer or [])
+            self._hear_bounding(beside.line.answer, record)
             notes.extend(beside.unable)
             if seen.interrupted:
                 notes.append("bounding ended early: interrupted")
@@ -206,9 +208,22 @@ class Conclusion:
         progress, linear = record.of_bounds, self.linear
         held = {"target": target, "answer": None if target is None else self.answer}
         bounding = bounded(self.problem, budget, known=known, progress=progress, unable=notes, linear=linear, **held)
-        self.evidence.extend(bounding.result.answer or [])
+        self.evidence.extend(bounding.result.evidence)
+        self._hear_bounding(bounding.result.answer, record)
         if bounding.interrupted or bounding.result.message:
             notes.append(f"bounding ended early: {bounding.result.message or 'interrupted'}")
+
+    def _hear_bounding(self, found: Any, record: Recorder) -> None:
+        """Let an answer that bounding came across compete with that of an engine; not where work is limited, which shall repeat to the bit:
+        bounding ends by the clock."""
+        if found is None or self.run.heuristic or self.options.iterations is not None:
+            return
+        self.judge.consider(found, "an answer that bounding came across", lambda answer: answer)
+        answer, better = self.judge.best()
+        if better is not None and better is not self.best:
+            self.answer, self.best = answer, better
+            record.judged("bounding", better.values)
+            self.run.notes.append("the answer was found while its bound was looked for")
 
     def verify(self, record: Recorder) -> None:
         """Ask the checkers what the evidence and the guarantee are worth; what contradicts the answer is a fault."""

@@ -61,7 +61,7 @@ def further_levels(
         left = left if target is not None else left / (count - level)  # nothing ends the search for a bound but its time
         progress = begun(f"bound of level {level + 1}", round(left, 1))
         searched = bounded(part, left, target=target, progress=progress, unable=notes, linear=linear)
-        found = best_level_bound(problem, before, evaluation, searched.result.answer or (), notes)
+        found = best_level_bound(problem, before, evaluation, searched.result.evidence, notes)
         if found is None:
             break
         levels.append(found)
@@ -93,7 +93,7 @@ def bound_alone(
         return None if progress is None else lambda event: progress({**event, "phase": phase})
 
     searched = bounded(problem, seconds / len(problem.senses), progress=progress, unable=notes, linear=linear)
-    evidence: list[Evidence] = searched.result.answer or []
+    evidence = list(searched.result.evidence)
     made = in_time(lambda: certify(problem, None, evidence, unproved=notes), lambda: certify(problem, None))
     left = seconds - (time.perf_counter() - began)
     if left > 0.0 and not searched.interrupted:

@@ -80,7 +80,8 @@ def _answered(
             if goal is not None and goal.infeasible:
                 go, budget = (lambda control: RawResult("unknown", message="proved before the search")), 0.0
             elif goal is not None and (budget > FIRST_SECONDS or (budget > 0 and uncompiled)) and free_core(options.threads):
-                beside = Beside(BoundWork(problem, budget, tuple(first), linear), goal, control, record.of_bounds)
+                work = BoundWork(problem, budget, tuple(first), linear)
+                beside = Beside(work, goal, control, record.of_bounds, competing=not run.heuristic)
         spent = time.perf_counter() - began
         if goal is None or not goal.infeasible:
             record.begin_phase("solve", round(options.time_limit, 1))

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...stop import current_stop
 from .known_features import Flags, Floats, Longs, with_fleet
-from .relaxation import Resource, customers_moves, fewest_carriers, merged_moves, smallest
+from .relaxation import Resource, carried_loads, customers_moves, fewest_carriers, merged_moves, smallest
 from .told_visits import says_more
 from .vehicle_moves import Terms, VehicleMoves, alike, worth_of_visits
 from .walk_networks import FAR, Ints, Row
@@ -93,7 +93,10 @@ class FleetMoves:
             usable[:, 1:] &= ~never
             reached, inner = reached | (usable[:, 1:].any(axis=0) & usable[1:].any(axis=1)), inner | usable[1:, 1:]
             if usable[0].any() and usable[:, 0].any():
-                limits, needed = limiting(alone, moves.resources, shifts=True), [merged_moves(alone, through) & usable for through in sets]
+                limits, needed = (
+                    limiting(alone, moves.resources, usable, shifts=True),
+                    [merged_moves(alone, through) & usable for through in sets],
+                )
                 kinds.append(KindMoves(np.where(usable, moves.cost, math.inf), limits, needed, min(n, count), alone))
         never = never | ~reached
         node = {site: k for k, site in enumerate(problem.sites.customers.tolist())}
@@ -178,13 +181,14 @@ def cheapest(slots: Sequence[Slot], fewest: int, most: int) -> int | None:
     return total if used >= fewest else None
 
 
-def limiting(problem: RoutingProblem, resources: Mapping[str, Resource], *, shifts: bool = False) -> list[Resource]:
-    """Resources that limit walks; at least one, for the length of a walk is limited all the same."""
+def limiting(problem: RoutingProblem, resources: Mapping[str, Resource], usable: Flags, *, shifts: bool = False) -> list[Resource]:
+    """Resources that limit walks over ``usable`` moves; at least one, for the length of a walk is limited all the same."""
     ends = [v.end for v in problem.fleet]
     timed = any(v.energy is not None and v.energy.charge == "elapsed-fixed-start" for v in problem.fleet)
     timed = timed or bool(np.isfinite(problem.sites.due[[*problem.sites.customers, *ends]]).any())
     timed = timed or (shifts and any(math.isfinite(v.shift[1]) for v in problem.fleet))
-    return [r for name, r in resources.items() if name != "order" and (name != "time" or timed)] or [resources["time"]]
+    limits = [r for name, r in resources.items() if name not in ("order", "load") and (name != "time" or timed)]
+    return [*limits, *carried_loads(problem, usable)] or [resources["time"]]
 
 
 def remembered(problem: RoutingProblem, usable: Flags, memory: int | Ints) -> Ints:

@@ -36,7 +36,7 @@ class Resource:
 
     ``weight`` is what each move adds at least, shape (nodes, nodes), ``start`` the level on leaving the depot, ``lower`` and ``upper``
     the levels at which a route of an accepted answer can stand at a node (``upper[0]`` on return); rounding may add ``slack``, and no
-    level, limit or weight is larger than half of ``size``.
+    level, limit or weight is larger than half of ``size``. The level is never below that of the resource ``above``.
     """
 
     weight: Floats
@@ -45,6 +45,7 @@ class Resource:
     upper: Floats
     slack: float
     size: float
+    above: Resource | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,6 +259,30 @@ def limited_resources(problem: RoutingProblem) -> dict[str, Resource]:
         rate, capacity = min(e.rate for e in stores), max(e.capacity for e in stores)
         resources["energy"] = widened(rate * weight, 0.0, zeros, np.minimum(free, capacity), rounded=max(e.rate for e in stores) * clock)
     return resources
+
+
+def carried_loads(problem: RoutingProblem, usable: Flags) -> list[Resource]:
+    """Loads that are limited, of each dimension what is delivered and what is collected; of the merged vehicles.
+
+    Where there are both, the first is what was on board at the fullest so far, if nothing but what was delivered until then had been
+    loaded: whoever is visited next adds his delivery to it, and it is no less than what has been collected.
+    """
+    problem = without_stops(problem)
+    sites, at, found = problem.sites, problem.sites.customers, list[Resource]()
+    zeros = np.zeros(len(at) + 1)
+    for k in range(sites.dimensions):
+        capacity = max((v.capacities[k] if k < len(v.capacities) else math.inf) for v in problem.fleet)
+        loads = (sites.demand, sites.pickup) if k == 0 else (sites.further_demand[:, k - 1], sites.further_pickup[:, k - 1])
+        made = {
+            str(which): _widened_resource(np.tile(np.append(0.0, load[at]), (len(zeros), 1)), 0.0, zeros, zeros + capacity, alike=True)
+            for which, load in enumerate(loads)
+            if math.isfinite(capacity) and load[at].any()
+        }
+        tight = narrowed(made, usable.copy()) if made else {}
+        collected = tight.get("1")
+        found += [replace(tight["0"], above=collected)] if "0" in tight else []
+        found += [collected] if collected is not None else []
+    return found
 
 
 def order_resource(customers: int) -> Resource:

@@ -25,8 +25,8 @@ _NAMED = (Network,)
 """The named tuple that these types name."""
 
 NETWORK = (
-    "named(Network, i8[::1], i8[:, ::1], i8[::1], i8[:, ::1], i8[:, ::1], i8[::1], i4[:, ::1], i4[:, ::1], i8[:, :, ::1], i4[:, ::1], "
-    "i4[:, ::1], i8[:, ::1], i8[:, ::1])"
+    "named(Network, i8[::1], i8[:, ::1], i8[::1], i8[:, ::1], i8[:, ::1], i8[::1], i8[::1], i4[:, ::1], i4[:, ::1], i8[:, :, ::1], "
+    "i4[:, ::1], i4[:, ::1], i8[:, ::1], i8[:, ::1])"
 )
 
 
@@ -117,7 +117,7 @@ def least_walk(flag, network, rest, least, wanted, careful, seen, room, work):  
     ``room`` and ``work`` are the most labels at a time, and the most moves and comparisons. Returns whether it was done, stopped or had no
     room, the least cost (FAR without a walk), the visits of that walk, and the moves and comparisons.
     """
-    first, moves, start, lower, upper, grid, listed, place, reach, rows_at, row_place, turned, prices = network
+    first, moves, start, lower, upper, above, grid, listed, place, reach, rows_at, row_place, turned, prices = network
     nodes, levels, rows = len(first) - 1, len(start), turned.shape[1]
     words = (listed.shape[1] + BITS - 1) // BITS
     known = 1 + levels  # a label: its cost, its levels, whom it remembers behind the bit of a needed move, its rows
@@ -133,7 +133,7 @@ def least_walk(flag, network, rest, least, wanted, careful, seen, room, work):  
     newest = np.full(nodes, -1)  # the chunks of a node, each in order of costs
     new = np.zeros(width, np.int64)
     free, used, filled, looked = -1, 1, 0, 0
-    found, length = FAR, 0
+    found, length, mixed = FAR, 0, above.max() >= 0
 
     label[0, 0], node[0], visits[0], link[0], queue[0] = 0, 0, 0, -1, 0
     for r in range(levels):
@@ -198,6 +198,12 @@ def least_walk(flag, network, rest, least, wanted, careful, seen, room, work):  
                 for r in range(1, levels):
                     new[1 + r] = max(label[one, 1 + r] + moves[m, 3 + r], lower[head, r])
                     inside = inside and new[1 + r] <= upper[head, r]
+                if mixed:
+                    for r in range(levels):
+                        if above[r] >= 0 and new[1 + above[r]] > new[1 + r]:
+                            new[1 + r] = new[1 + above[r]]
+                            inside = inside and new[1 + r] <= upper[head, r]
+                    to = (new[1] - base) >> shift
                 if not inside:
                     continue
                 if head == 0:

@@ -41,11 +41,11 @@ class Network(NamedTuple):
 
     ``first`` is the place of each node's first move in ``moves``, of shape (moves, 3 + levels): head, 1 for a needed one, cost, and what it
     adds to each level. ``start`` are the levels on leaving the depot, ``lower`` and ``upper``, shape (nodes, levels), the least and the
-    greatest at a node; ``grid`` has the least, the binary logarithm of the width, and the number of cells of the first level. ``listed``
-    are the customers who are remembered at a node, from position 1 on, ``place`` the position of each one there or -1, and ``reach`` the
-    greatest levels at the node from which he can still be reached. ``rows_at`` are the rows that are remembered at a node, by their bits,
-    ``row_place`` the bit of each one or -1, ``turned`` the bits that a visit turns over, and ``prices`` what a row costs that is turned
-    back.
+    greatest at a node, and ``above`` the level that each one is never below, -1 for none; ``grid`` has the least, the binary logarithm of
+    the width, and the number of cells of the first level. ``listed`` are the customers who are remembered at a node, from position 1 on,
+    ``place`` the position of each one there or -1, and ``reach`` the greatest levels at the node from which he can still be reached.
+    ``rows_at`` are the rows that are remembered at a node, by their bits, ``row_place`` the bit of each one or -1, ``turned`` the bits that
+    a visit turns over, and ``prices`` what a row costs that is turned back.
     """
 
     first: Longs
@@ -53,6 +53,7 @@ class Network(NamedTuple):
     start: Longs
     lower: Longs
     upper: Longs
+    above: Longs
     grid: Longs
     listed: Ints
     place: Ints
@@ -79,19 +80,24 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Levels:
-    """Whole levels, the one that cells are made of first; the visits of a walk that keeps them are at most ``most``."""
+    """Whole levels, the one that cells are made of first, each never below the one that ``above`` names, -1 for none; the visits of a walk
+    that keeps them are at most ``most``."""
 
     weight: Longs
     start: Longs
     lower: Longs
     upper: Longs
+    above: Longs
     most: int
 
     def backwards(self) -> Levels:
-        """The levels of the same walks driven backwards: what is still left of each at a node, with a minus sign, so that it grows."""
+        """The levels of the same walks driven backwards: what is still left of each at a node, with a minus sign, so that it grows. None is
+        held above another: that only adds walks."""
         lower, upper = -self.upper, -self.lower
         upper[0] = -self.start
-        return Levels(np.ascontiguousarray(self.weight.transpose(0, 2, 1)), lower[0].copy(), lower, upper, self.most)
+        return Levels(
+            np.ascontiguousarray(self.weight.transpose(0, 2, 1)), lower[0].copy(), lower, upper, np.full_like(self.above, -1), self.most
+        )
 
 
 def network_of(reduced: Longs, usable: Flags, levels: Levels, listed: Ints, rows: Sequence[tuple[Row, int]]) -> Network:
@@ -108,7 +114,9 @@ def network_of(reduced: Longs, usable: Flags, levels: Levels, listed: Ints, rows
     grid = np.array([levels.start[0], shift, (span >> shift) + 1], dtype=np.int64)
     listed, place = _memory(listed)
     reach = _reach(usable, levels, listed)
-    return Network(first, moves, levels.start, levels.lower, levels.upper, grid, listed, place, reach, *_rows(len(usable), rows))
+    return Network(
+        first, moves, levels.start, levels.lower, levels.upper, levels.above, grid, listed, place, reach, *_rows(len(usable), rows)
+    )
 
 
 def with_needed(network: Network, needed: Longs) -> Network:
@@ -164,8 +172,6 @@ def whole_levels(resources: Sequence[Resource], usable: Flags, *, counted: bool)
 
     Visits are counted too where that is asked for, or where walks could go on for ever, or for very long.
     """
-    customers = len(usable) - 1
-    made = [_whole_level(resource, usable) for resource in resources]
     inner = usable[1:, 1:]
 
     def steps(level: tuple[Longs, int, Longs, Longs]) -> tuple[bool, float]:
@@ -175,28 +181,47 @@ def whole_levels(resources: Sequence[Resource], usable: Flags, *, counted: bool)
         span = float(max(0, upper.max() - start))
         return bool((added == 0).mean() > 0.1) if added.size else False, span / float(added[added > 0].min(initial=max(1, int(span))))
 
-    made.sort(key=steps)
-    weight = made[0][0][1:, 1:][inner]
-    most = math.floor(steps(made[0])[1]) + 1
-    endless = bool((weight == 0).any()) or most > LONGEST
-    if counted or endless:
-        order = _whole_level(order_resource(customers), usable, 0)
-        made = [order, *made] if steps(made[0])[0] else [*made, order]
-        most = customers
-    weights, starts, lowers, uppers = zip(*made, strict=True)
-    return Levels(np.array(weights), np.array(starts, dtype=np.int64), np.column_stack(lowers), np.column_stack(uppers), most)
+    exponents = [_exponent(resource, usable) for resource in resources]
+    partners = [next((k for k, other in enumerate(resources) if other is one.above), -1) for one in resources]
+    for k, partner in enumerate(partners):
+        if partner >= 0:  # levels that are compared are counted in the same steps
+            exponents[k] = exponents[partner] = min(exponents[k], exponents[partner])
+    made = [_whole_level(resource, usable, exponent) for resource, exponent in zip(resources, exponents, strict=True)]
+    ranked = sorted(range(len(made)), key=lambda k: steps(made[k]))
+    first = made[ranked[0]]
+    most = math.floor(steps(first)[1]) + 1
+    if counted or bool((first[0][1:, 1:][inner] == 0).any()) or most > LONGEST:
+        made.append(_whole_level(order_resource(len(usable) - 1), usable, 0))
+        partners.append(-1)
+        ranked = [len(ranked), *ranked] if steps(first)[0] else [*ranked, len(ranked)]
+        most = len(usable) - 1
+    weights, starts, lowers, uppers = zip(*(made[k] for k in ranked), strict=True)
+    above = np.array([ranked.index(partners[k]) if partners[k] >= 0 else -1 for k in ranked], dtype=np.int64)
+    return Levels(np.array(weights), np.array(starts, dtype=np.int64), np.column_stack(lowers), np.column_stack(uppers), above, most)
 
 
-def _whole_level(resource: Resource, usable: Flags, exponent: int | None = None) -> tuple[Longs, int, Longs, Longs]:
+def _limits(resource: Resource, usable: Flags) -> tuple[Floats, Floats, Floats]:
+    """Weights of moves, and levels at nodes, which are infinite where nobody comes or nothing is limited."""
+    return (
+        np.where(usable, resource.weight, 0.0),
+        np.where(np.isfinite(resource.lower), resource.lower, resource.start),
+        resource.upper + resource.slack,
+    )
+
+
+def _top(resource: Resource, usable: Flags) -> float:
+    limits = _limits(resource, usable)
+    return max(abs(resource.start), *(float(np.abs(v).max(initial=0.0, where=np.isfinite(v))) for v in limits))
+
+
+def _exponent(resource: Resource, usable: Flags) -> int:
+    return min(52 - math.frexp(_top(resource, usable))[1], 1000)
+
+
+def _whole_level(resource: Resource, usable: Flags, exponent: int) -> tuple[Longs, int, Longs, Longs]:
     """Weights, start, lower and upper levels of a resource in whole multiples of a power of two; what is allowed stays so."""
-    weight = np.where(usable, resource.weight, 0.0)
-    upper = resource.upper + resource.slack
-    lower = np.where(np.isfinite(resource.lower), resource.lower, resource.start)
-    top = max(abs(resource.start), *(float(np.abs(v).max(initial=0.0, where=np.isfinite(v))) for v in (weight, lower, upper)))
-    upper = np.where(np.isfinite(upper), upper, top)
-    if exponent is None:
-        exponent = min(52 - math.frexp(top)[1], 1000)
-
+    weight, lower, upper = _limits(resource, usable)
+    upper = np.where(np.isfinite(upper), upper, _top(resource, usable))
     if weight.min(initial=0.0) < 0.0:
         raise OverflowError  # no level that grows
 

@@ -463,13 +463,14 @@ class Tree(ProofTree[_Node]):
 
 def branch_price_cut_bound(
     problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None, target: float | None = None,
-    answer: Routes | None = None,
+    answer: Routes | None = None, on_answer: Callable[[Routes, float], None] = lambda answer, value: None,
 ) -> Evidence | None:  # fmt: skip
     """Evidence from branch, price and cut: a branching tree, or ``set-partitioning-duals`` where no branching was needed.
 
     The tree ends where its bound reaches ``target``, the value of an ``answer``, whose routes are the first ones; better answers that it
-    meets on the way take its place. Without either, it looks for an answer first. The linear programs are solved by HiGHS, whoever solves
-    others, and go on from where the last one ended. None where the routes at the root were too many for the memory or the time.
+    meets on the way take its place, and ``on_answer`` hears of them. Without either, it looks for an answer first. The linear programs are
+    solved by HiGHS, whoever solves others, and go on from where the last one ended. None where the routes at the root were too many for
+    the memory or the time.
 
     Source: Desrochers, Desrosiers, Solomon (1992); Barnhart, Johnson, Nemhauser, Savelsbergh, Vance (1998), "Branch-and-price";
     docs/branch-price-cut.md.
@@ -484,8 +485,10 @@ def branch_price_cut_bound(
         stop = stop.within(SHARED * stop.seconds_left)
     if target is None:
         answer = first_answer(problem, OPENING * stop.seconds_left, seed, stop)
-        target = None if answer is None else problem.evaluate(answer).values[0]
-    tree = Tree(problem, partition, target, stop, seed, answer=answer)
+        if answer is not None:
+            target = float(problem.evaluate(answer).values[0])
+            on_answer(answer, target)
+    tree = Tree(problem, partition, target, stop, seed, answer=answer, on_answer=on_answer)
     tree.grow()
     return tree.evidence("routes")
 

@@ -64,24 +64,28 @@ def remembered(seen, i, j, members, position):  # type: ignore[no-untyped-def] #
 
 @kernel(
     "Tuple((i8, i8))(i8[::1], i4[::1], i4[::1], i8[::1], i8[:, ::1], i8[:, ::1], i1[::1], i8[:, ::1], i8[:, :, ::1], i8[:, ::1], "
-    "i8[:, ::1], i4[:, ::1], i1[:, ::1], i8[:, :, ::1], i8[:, ::1], i4[::1], i4[::1], i4[::1], b1[::1], i4[::1], i4[::1], i4[:, ::1], "
-    "i8[:, ::1], i8, i8)",
+    "i8[:, ::1], i8[::1], i4[:, ::1], i1[:, ::1], i8[:, :, ::1], i8[:, ::1], i4[::1], i4[::1], i4[::1], b1[::1], i4[::1], i4[::1], "
+    "i4[:, ::1], i8[:, ::1], i8, i8)",
     _nrt=False,
 )
 def grow(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    flag, arcs, heads, cost, weight, keep, place, toggle, fines, lower, upper, members, position, latest,
+    flag, arcs, heads, cost, weight, keep, place, toggle, fines, lower, upper, above, members, position, latest,
     rows, node, parent, after, gone, queue, waiting, chains, cheapest, halfway, how,
 ):  # fmt: skip
     """Extend the label of the depot, node 0, in row 0, in the order of the first level, by labels of at most ``halfway``.
 
     Arcs of node i are ``arcs[i]`` to ``arcs[i + 1]``: their ``heads``, reduced ``cost``, ``weight`` (arcs, levels), the cuts whose memory
     they ``keep`` (arcs, words), and the ``place`` of their head among those that node i remembers, -1 for none. ``toggle`` (nodes, words)
-    has the cuts that a node belongs to, ``fines`` (words, 7, 256) what the bits of each byte cost together. ``members`` (nodes, places)
+    has the cuts that a node belongs to, ``fines`` (words, 7, 256) what the bits of each byte cost together; a level is never below the one
+    that ``above`` (levels,) names, -1 for none. ``members`` (nodes, places)
     are the customers that a node remembers, itself first, ``position`` (nodes, nodes) where they stand, and ``latest`` (nodes, places,
     levels) the levels above which they are out of reach. Returns whether it was done, stopped or full, and the number of labels.
     """
     nodes, levels, words = len(chains), lower.shape[1], len(fines)
     buckets, places, exact, room, one = chains.shape[1], members.shape[1], how == EXACT, len(node), 1
+    mixed = False
+    for r in range(levels):
+        mixed = mixed or above[r] >= 0
     for i in range(nodes):
         for b in range(buckets):
             chains[i, b], cheapest[i, b] = -1, NONE
@@ -125,6 +129,10 @@ def grow(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
                     level = max(rows[label, 1 + r] + weight[a, r], lower[j, r])
                     rows[count, 1 + r] = level
                     fits = fits and level <= upper[j, r]
+                for r in range(levels if mixed else 0):
+                    if above[r] >= 0 and rows[count, 1 + above[r]] > rows[count, 1 + r]:
+                        rows[count, 1 + r] = rows[count, 1 + above[r]]
+                        fits = fits and rows[count, 1 + r] <= upper[j, r]
                 if not fits or rows[count, 1] > halfway:
                     continue
                 v = value + cost[a]

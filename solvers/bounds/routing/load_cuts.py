@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....formulations.routing.checking.vehicle_moves import needed_routes
 from ....formulations.stop import Stop
 from .arcs import Flags, Floats
 from .restricted_master import Pool
@@ -18,6 +17,9 @@ if TYPE_CHECKING:
 
 LEAST = 0.02
 """Least violation."""
+
+ROUNDED = 1e-9
+"""Part of the vehicles needed by which sums of loads may have been rounded."""
 
 MOST, LARGEST = 40, 100
 """Most cuts that are added at once, and the largest set."""
@@ -48,21 +50,28 @@ def overloaded(problem: RoutingProblem, flow: Floats, known: set[bytes], stop: S
     """Violated cuts of a flow over moves, shape (nodes, nodes), that are not ``known`` yet, which then they are."""
     from .cut_kernels import overloaded_sets
 
-    largest = max(v.capacity for v in problem.fleet)
-    demand = np.append(0.0, problem.sites.demand[problem.customers])
-    if not 0.0 < largest < np.inf or not demand.any():
-        return []
     both = flow + flow.T
     tail, head = (np.ascontiguousarray(ends) for ends in np.nonzero(both > 1e-9))
-    starts = np.searchsorted(tail, np.arange(len(flow) + 1))
-    inside = np.zeros((MOST, len(flow)), dtype=bool)
+    starts, value = np.searchsorted(tail, np.arange(len(flow) + 1)), both[tail, head]
     keys = np.random.default_rng(1).random(len(flow))
-    count = overloaded_sets(stop.flag, starts, head, both[tail, head], demand, keys, largest, 2.0 * LEAST, LARGEST, inside)
-    if not count:
-        return []
     cuts = []
-    for members, right in zip(inside[:count], needed_routes(problem, inside[:count, 1:]).tolist(), strict=True):
-        if members.tobytes() not in known and flow[~members][:, members].sum() < right - LEAST:
-            known.add(members.tobytes())
-            cuts.append(LoadCut(members.copy(), float(right)))
+    for load, largest in _carried(problem):
+        inside = np.zeros((MOST, len(flow)), dtype=bool)
+        amounts = np.append(0.0, load)
+        count = overloaded_sets(stop.flag, starts, head, value, amounts, keys, largest, 2.0 * LEAST, LARGEST, inside)
+        needed = np.ceil(inside[:count] @ amounts / largest * (1.0 - ROUNDED))
+        for members, right in zip(inside[:count], needed.tolist(), strict=True):
+            if members.tobytes() not in known and flow[~members][:, members].sum() < right - LEAST:
+                known.add(members.tobytes())
+                cuts.append(LoadCut(members.copy(), right))
     return cuts
+
+
+def _carried(problem: RoutingProblem) -> Iterator[tuple[Floats, float]]:
+    """Loads that are delivered, and those that are collected, of customers who must be visited; with the largest capacity for each."""
+    sites, at = problem.sites, problem.customers
+    for k, largest in enumerate(max(capacities) for capacities in zip(*(v.capacities for v in problem.fleet), strict=False)):
+        for first, further in ((sites.demand, sites.further_demand), (sites.pickup, sites.further_pickup)):
+            load = np.where(sites.required[at], first[at] if k == 0 else further[at, k - 1], 0.0)
+            if 0.0 < largest < np.inf and load.any():
+                yield load, largest

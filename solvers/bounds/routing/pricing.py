@@ -36,8 +36,8 @@ class _End:
     order in which ``grow`` takes it.
     """
 
-    def __init__(self, weight: Longs, lower: Longs, upper: Longs, start: Longs, room: int) -> None:
-        self.weight, self.lower, self.upper, self.start = weight, lower, upper, start
+    def __init__(self, weight: Longs, lower: Longs, upper: Longs, start: Longs, above: Longs, room: int) -> None:
+        self.weight, self.lower, self.upper, self.start, self.above = weight, lower, upper, start, above
         self.count, self.nodes, self.room = 0, len(lower), room
         self.node, self.parent, self.after, self.waiting = (np.empty(room, np.int32) for _ in range(4))
         self.gone, self.queue = np.empty(room, np.bool_), np.empty(QUEUE, np.int32)
@@ -116,13 +116,21 @@ class Pricer:
         self.levels, self.nodes = len(levels), len(usable)
         self.unit = 2.0**COST_BITS / dearest if dearest > 0.0 else 1.0
         whole = [self._whole(level, usable) for level in levels]
+        above, below = (np.full(len(levels), -1, np.int64) for _ in range(2))
+        for r, level in enumerate(levels):
+            if level.above >= 0:
+                above[r], below[level.above] = level.above, r
         w, first, low, high = (np.array(part, dtype=np.int64) for part in zip(*whole, strict=True))
         self.top = high.max(axis=1)
         self.labels = 0
         back_low, back_high = (np.ascontiguousarray((self.top[:, None] - ends).T) for ends in (high, low))
         back_high[0] = self.top - first
         mirrored = np.ascontiguousarray(w.transpose(0, 2, 1))
-        self.ends = _End(w, low.T.copy(), high.T.copy(), first, room), _End(mirrored, back_low, back_high, back_low[0].copy(), room)
+        # From behind it is the other way round: what comes on board on the rest of the way leaves room for what is delivered there.
+        self.ends = (
+            _End(w, low.T.copy(), high.T.copy(), first, above, room),
+            _End(mirrored, back_low, back_high, back_low[0].copy(), below, room),
+        )
         self.members, self.position = np.zeros((0, 0), np.int32), np.zeros((0, 0), np.int8)
         self.toggle = np.zeros((self.nodes, 0), np.int64)
         self.halfway = int((max(first[0], 0) + high[0].max()) // 2)
@@ -133,7 +141,7 @@ class Pricer:
         """A level in whole numbers, which allow all that it allows."""
         weight, start, lower, upper = level.weight, level.start, level.lower, level.upper
         size = max(float(np.abs(upper).max()), float(np.abs(lower).max()), abs(start))
-        shift = LEVEL_BITS - math.frexp(size)[1]
+        shift = LEVEL_BITS - math.frexp(size)[1]  # the same for levels that are compared, which end at the same number
         moves = np.floor(np.ldexp(np.where(usable, np.minimum(weight, 4.0 * size), 0.0), shift)).astype(np.int64)
         first, low, high = np.floor(np.ldexp(start, shift)), np.floor(np.ldexp(lower, shift)), np.ceil(np.ldexp(upper, shift))
         return moves, int(first), low.astype(np.int64), high.astype(np.int64)
@@ -215,7 +223,7 @@ class Pricer:
         for end, grid, half in zip(self.ends, (reduced, reduced.T), halves, strict=True):
             end.begin(grid, self.unit)
             status, end.count = grow(
-                stop.flag, *end.moves, self.toggle, fines, end.lower, end.upper, self.members, self.position, end.latest,
+                stop.flag, *end.moves, self.toggle, fines, end.lower, end.upper, end.above, self.members, self.position, end.latest,
                 end.rows, end.node, end.parent, end.after, end.gone, end.queue, end.waiting, end.chains, end.cheapest,
                 max(half, int(end.start[0])), how,
             )  # fmt: skip

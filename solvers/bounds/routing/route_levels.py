@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,12 +12,13 @@ from .arcs import Flags, Floats
 @dataclass(frozen=True, eq=False)
 class Level:
     """One level: the ``weight`` that moves add (nodes, nodes), the ``start`` on leaving the depot, and its range at each node, in entry 0
-    on return."""
+    on return. It is never below the level ``above``, a position in the list, -1 for none; the ranges of both end at the same number."""
 
     weight: Floats
     start: float
     lower: Floats
     upper: Floats
+    above: int = -1
 
     def grows(self, usable: Flags) -> bool:
         """Whether no cycle of customers adds nothing."""
@@ -34,7 +35,7 @@ class Level:
         lower = np.where(np.isfinite(self.lower), self.lower, self.start)
         known = np.concatenate([lower, self.upper[np.isfinite(self.upper)], [self.start]])
         beyond = float(known.max()) + len(lower) * float(self.weight[usable].max(initial=0.0))
-        return Level(self.weight, self.start, lower, np.where(np.isfinite(self.upper), self.upper, beyond))
+        return replace(self, lower=lower, upper=np.where(np.isfinite(self.upper), self.upper, beyond))
 
 
 def levels_of(levels: list[Level], usable: Flags) -> list[Level]:

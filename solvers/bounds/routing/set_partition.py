@@ -25,9 +25,6 @@ if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
     from ....instances.routing.vehicle_type import VehicleType
 
-RESOURCES = ("time", "load", "distance", "duration", "energy")
-"""Resources that the checker of set partitioning knows, too."""
-
 ROUNDED = 1e-12
 """Part of the largest number by which sums may differ by rounding."""
 
@@ -122,7 +119,8 @@ def _turns(problem: RoutingProblem, one: RouteType) -> bool:
     """Whether each route can be driven the other way round at the same cost: it ends where it begins, and nobody waits or is due."""
     vehicle, usable = problem.fleet[one.vehicles[0][0]], np.isfinite(one.cost)
     waits = (problem.sites.ready[problem.customers] > problem.sites.ready[vehicle.start]).any() or problem.sites.windows
-    if vehicle.start != vehicle.end or waits or _is_due(problem, vehicle) or (usable != usable.T).any():
+    mixed = any(level.above >= 0 for level in one.levels)
+    if vehicle.start != vehicle.end or waits or mixed or _is_due(problem, vehicle) or (usable != usable.T).any():
         return False
     return all(_adds_up_both_ways(np.where(usable, values, 0.0), usable) for values in (one.cost, *(level.weight for level in one.levels)))
 
@@ -149,12 +147,16 @@ def _route_type(problem: RoutingProblem, prep: Preparation, sign: float, vehicle
     usable = np.isfinite(cost)
     timed = _is_due(problem, kind)
 
+    limited = [name for name in prep.resources if timed or name != "time"] or ["time"]
+
     def level(name: str) -> Level:
         resource, weight = prep.resources[name], np.zeros((nodes, nodes))
         weight[prep.tail, head] = resource.weight
         lower, upper = resource.lower[:-1], np.append(resource.upper[-1], resource.upper[1:-1]) + resource.tolerance
-        return Level(weight, float(resource.lower[0]), lower, upper)
+        # What is on board at the fullest so far, if all that is delivered until then was, is no less than what has been collected.
+        collected = name.replace("load", "pickup")
+        above = limited.index(collected) if name != collected and collected in limited else -1
+        return Level(weight, float(resource.lower[0]), lower, upper, above)
 
-    limited = [name for name in RESOURCES if name in prep.resources and (timed or name != "time")] or ["time"]
     most = min(nodes - 1, sum(count for _, count in vehicles))
     return RouteType(cost, tuple(levels_of([level(name) for name in limited], usable)), most, vehicles)

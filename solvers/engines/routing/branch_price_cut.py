@@ -56,6 +56,7 @@ class BranchPriceCut(Engine):
         | {f"objective:{term}" for term in (*ARC_TERMS, "reward", "penalties", "weights")}
         | {"service-times", "separate-durations", "fixed-cost", "limited-fleet", "min-vehicles", "open-routes", "forbidden-moves"}
         | {"heterogeneous-fleet", "multiple-depots", "unit-cost", "optional-sites", "rewards", "penalties", "groups", "skills"}
+        | {"several-loads", "pickups"}
     )
 
     def missing(self, problem: Problem) -> frozenset[str]:

@@ -308,8 +308,8 @@ def test_time_limits_walks_where_windows_or_shifts_do() -> None:
         ({}, True, 1), ({"max_distance": 40.0}, True, 2), ({"shift": (0.0, 50.0)}, False, 1), ({"shift": (0.0, 50.0)}, True, 2),
     ):  # fmt: skip
         alone = replace(problem, fleet=(replace(problem.fleet[1], **change),))
-        resources = VehicleMoves.of(alone, alone.fleet[0], terms, np.zeros(3), {}).resources
-        assert len(limiting(alone, resources, shifts=shifts)) == names
+        moves = VehicleMoves.of(alone, alone.fleet[0], terms, np.zeros(3), {})
+        assert len(limiting(alone, moves.resources, np.isfinite(moves.cost), shifts=shifts)) == names
     late = bound(replace(problem, fleet=(VehicleType(shift=(0.0, 31.0)),)), [20.0, 20.0, 20.0])
     assert late == 60.0  # one at a time: two of them take 32
 

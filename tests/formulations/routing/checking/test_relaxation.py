@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from waybound.formulations.evidence import Evidence
-from waybound.formulations.routing.checking.relaxation import fewest_carriers, needed_moves, relax
+from waybound.formulations.routing.checking.relaxation import carried_loads, fewest_carriers, needed_moves, relax
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.tolerance import LIMIT
@@ -175,3 +175,31 @@ def test_where_vehicles_stop_on_their_way_no_moves_are_needed():
     problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((3, 3))), (VehicleType(1, 1.0, reloads=(0,)),))
     part = problem.restricted([({"moves": {"a": ["b"]}}, True)])
     assert needed_moves(part) == [] and part.needed and fewest_carriers(part, groups_of([1, 2])) == [1]
+
+
+@pytest.mark.parametrize("seed", range(draws(6)))
+def test_levels_of_carried_loads_keep_to_their_limits_where_the_judge_says_so(seed):
+    rng = np.random.default_rng(seed)
+    n, dimensions = 4, int(rng.integers(1, 3))
+    demand, pickup = (np.vstack([np.zeros(dimensions), rng.integers(0, 6, (n, dimensions))]) for _ in range(2))
+    vehicle = VehicleType(capacity=11.0, further_capacity=(9.0,) * (dimensions - 1))
+    sites = Sites.of(range(n + 1), demand=demand, pickup=pickup, required=False)
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((n + 1, n + 1))), (vehicle,))
+    resources = carried_loads(problem, ~np.eye(n + 1, dtype=bool))
+    outcomes = set()
+    for size in range(1, n + 1):
+        for order in itertools.permutations(range(1, n + 1), size):
+            feasible = problem.evaluate(Routes((Route(order, 0),))).feasible
+            outcomes.add(feasible)
+            assert feasible == _keeps(resources, (0, *order, 0)), order
+    assert outcomes == {True, False}
+
+
+def _keeps(resources, walk):
+    levels = {id(r): r.start for r in resources}
+    for i, j in itertools.pairwise(walk):
+        after = {id(r): max(levels[id(r)] + r.weight[i, j], r.lower[j]) for r in resources}
+        levels = {id(r): max(after[id(r)], after.get(id(r.above), 0.0)) for r in resources}
+        if any(levels[id(r)] > r.upper[j] + r.slack for r in resources):
+            return False
+    return True

@@ -64,6 +64,9 @@ def case(seed: int, customers: int | None = None) -> Case:
         lower = np.append(0.0, eighths(0, 6, n)) if rng.random() < 0.5 else np.zeros(n + 1)
         upper = np.append(eighths(8, 16), lower[1:] + eighths(3, 12, n))
         resources.append(Resource(weight, 0.0, lower, upper, 0.0, 100.0))
+    if rng.random() < 0.4:  # the first level is never below a further one
+        below = replace(resources[0], weight=eighths(0, 5, n + 1, n + 1))
+        resources = [replace(resources[0], above=below), *resources[1:], below]
     rows = []
     for _ in range(int(rng.integers(0, 4)) if n >= 3 else 0):
         sites = rng.choice(n, 3, replace=False) + 1
@@ -80,19 +83,27 @@ def case(seed: int, customers: int | None = None) -> Case:
     return Case(cost, resources, Multipliers(eighths(-2, 12, n), loads, rows, listed), needed)
 
 
+def raised(given: Case, levels: list[float]) -> list[float]:
+    """Levels, those raised that are never below another one."""
+    partner = [next((k for k, other in enumerate(given.resources) if other is r.above), r_at) for r_at, r in enumerate(given.resources)]
+    return [max(level, levels[k]) for level, k in zip(levels, partner, strict=True)]
+
+
 def every_walk(given: Case) -> Iterator[list[int]]:
     """Customers of all walks of at most as many visits as there are customers, one more visit at a time."""
     listed = [{j, *(k for k in row.tolist() if k >= 0)} for j, row in enumerate(given.multipliers.listed)]
 
     def further(walk: list[int], levels: list[float], memory: set[int]) -> Iterator[list[int]]:
         tail = walk[-1] if walk else 0
-        back = all(v + r.weight[tail, 0] <= r.upper[0] for v, r in zip(levels, given.resources, strict=True))
+        last = raised(given, [v + r.weight[tail, 0] for v, r in zip(levels, given.resources, strict=True)])
+        back = all(v <= r.upper[0] for v, r in zip(last, given.resources, strict=True))
         if walk and back and math.isfinite(given.cost[tail, 0]):
             yield walk
         for head in range(1, given.customers + 1) if len(walk) < given.customers else ():
             if head in memory or not math.isfinite(given.cost[tail, head]):
                 continue
             after = [max(r.lower[head], v + r.weight[tail, head]) for v, r in zip(levels, given.resources, strict=True)]
+            after = raised(given, after)
             if all(v <= r.upper[head] for v, r in zip(after, given.resources, strict=True)):
                 yield from further([*walk, head], after, (memory & listed[head]) | {head})
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -34,3 +35,14 @@ def test_sets_that_are_entered_too_seldom_are_found_once(seed: int) -> None:
     assert cuts and all(cut.right >= np.ceil(demand[cut.inside[1:]].sum() / 25.0 - 1e-9) for cut in cuts)
     assert all(flow[cut.moves].sum() < cut.right for cut in cuts)
     assert not overloaded(problem, flow, known, NEVER)
+
+
+def test_what_is_collected_fills_vehicles_too() -> None:
+    problem = plane(1, 6, 100.0)
+    pickup = np.append(0.0, np.full(6, 40.0))
+    flow = np.zeros((7, 7))
+    for i, j in itertools.pairwise([0, *range(1, 7), 0]):
+        flow[i, j] = 1.0
+    cuts = overloaded(problem.altered(sites=replace(problem.sites, pickup=pickup)), flow, set(), NEVER)
+    assert cuts and not overloaded(problem, flow, set(), NEVER)
+    assert all(cut.right == np.ceil(cut.inside.sum() * 0.4) for cut in cuts)

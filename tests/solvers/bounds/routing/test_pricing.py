@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from draws import draws
-from small_routing import small
+from small_routing import plane, small
 
+from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import NEVER
 from waybound.solvers.bounds.routing import label_kernels
 from waybound.solvers.bounds.routing.column_generation import ColumnGeneration
@@ -17,7 +19,16 @@ from waybound.solvers.bounds.routing.pricing import Pricer
 from waybound.solvers.bounds.routing.set_partition import set_partition
 from waybound.solvers.bounds.routing.subset_rows import SubsetRow
 
-FEATURES = ("capacity", "time-windows", "service-times", "max-distance", "max-duration")
+FEATURES = ("capacity", "time-windows", "service-times", "max-distance", "max-duration", "pickups")
+
+
+def problem_of(feature: str, seed: int) -> RoutingProblem:
+    """A small problem; with pickups, what is on board in between may be more than what is at either end."""
+    if feature != "pickups":
+        return small(feature, seed, "exact")
+    problem = plane(seed, 5, 14.0)
+    pickup = np.random.default_rng(seed).permutation(problem.sites.demand[problem.customers])
+    return problem.altered(sites=replace(problem.sites, pickup=np.append(0.0, pickup)))
 
 
 class Truth:
@@ -37,6 +48,8 @@ class Truth:
             if (then > self.ahead.upper[j]).any():
                 continue
             total = cost + self.reduced[last, j]
+            if not self._fits_on_board((*walk, j)):
+                continue
             if j == 0:
                 self.walks[walk] = total
                 continue
@@ -49,6 +62,15 @@ class Truth:
                 flipped.append(bit)
             self._extend((*walk, j), then, total, frozenset(k for k in seen if self.near[j, k]) | {j}, tuple(flipped))
 
+    def _fits_on_board(self, walk: tuple[int, ...]) -> bool:
+        """Whether what is still to be delivered and what has been collected are never too much together."""
+        for load, collected in enumerate(self.ahead.above.tolist()):
+            if collected >= 0:
+                delivered, taken = ([self.ahead.weight[r, i, j] for i, j in itertools.pairwise((0, *walk))] for r in (load, collected))
+                if any(sum(delivered[k:]) + sum(taken[:k]) > self.ahead.upper[0, load] for k in range(len(walk) + 1)):
+                    return False
+        return True
+
     def over(self, i: int, j: int) -> float:
         return min((v for w, v in self.walks.items() if (i, j) in itertools.pairwise((0, *w, 0))), default=math.inf)
 
@@ -57,7 +79,7 @@ class Truth:
 @pytest.mark.parametrize("seed", range(draws(4)))
 def test_the_cheapest_routes_are_found_and_the_cheapest_over_each_move(feature: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
-    problem = small(feature, seed, "exact")
+    problem = problem_of(feature, seed)
     partition = set_partition(problem)
     assert partition is not None
     columns = ColumnGeneration(problem, partition, NEVER, lambda bound: False, 1)

@@ -67,9 +67,9 @@ def test_types_of_vehicle_and_optional_sites_are_solved_to_a_checked_optimum(fea
     assert solution.objective == pytest.approx(best[0]) and solution.bound == pytest.approx(best[0])
 
 
-@pytest.mark.parametrize("feature", ["groups", "skills", "penalties"])
+@pytest.mark.parametrize("feature", ["groups", "skills", "penalties", "several-loads", "pickups"])
 @pytest.mark.parametrize("seed", range(4))
-def test_groups_skills_and_penalties_are_too(feature: str, seed: int) -> None:
+def test_groups_skills_penalties_and_loads_are_too(feature: str, seed: int) -> None:
     problem = replace(varied(feature, seed, 5), objective=Objective.of("total-cost + 2*penalties"))
     if BACKENDS["branch-price-cut"]().missing(problem):
         pytest.skip("other features that are drawn with it")
