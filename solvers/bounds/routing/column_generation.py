@@ -125,9 +125,8 @@ class ColumnGeneration:
         self.far, self.memory, self.most_memory = np.minimum(far, far.T), most.get("memory", MEMORY), MOST_MEMORY
         self.near = self._nearest(self.memory)
         room = max(2, most.get("labels", LABELS) // len(partition.types))
-        self.pricers = [
-            Pricer(one.levels, usable, self.dearest, room) for one, usable in zip(partition.types, self.usable, strict=True)
-        ]  # fmt: skip
+        pairs = zip(partition.types, self.usable, strict=True)
+        self.pricers = [Pricer(one.levels, usable, np.pad(self.far, (1, 0)), self.dearest, room) for one, usable in pairs]
         self.counts = np.array([one.most for one in partition.types])
         self.row_cuts: Sequence[SubsetRow] = ()
         self.pool, self.cuts, self.loads = Pool(), dict[tuple[int, ...], SubsetRow](), set[bytes]()

@@ -15,9 +15,12 @@ from ....formulations.stop_kernel import asked
 
 DONE, STOPPED, FULL = 0, 1, 2
 
-EXACT, FORGETFUL, SINGLE = 0, 1, 2
-"""Labels give way to those that remember no more and owe no cut more than they save; to any that are no worse in cost and levels; to the
-cheapest of their bucket."""
+EXACT, NEARBY, FORGETFUL, SINGLE = 0, 1, 2, 3
+"""Labels give way to those that remember no more and owe no cut more than they save; to those that remember no more of the ``CLOSE``
+nearest; to any that are no worse in cost and levels; to the cheapest of their bucket."""
+
+CLOSE = 5
+"""Places of a node that are looked at where memories count in part, its own among them."""
 
 NONE = 1 << 60
 """More than any sum of costs."""
@@ -27,14 +30,14 @@ WORD = 56
 
 
 @kernel(_nrt=False, no_cpython_wrapper=True)  # counting references would take most of its time
-def replaces(rows, one, other, levels, fines, exact):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+def replaces(rows, one, other, levels, fines, how):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Whether a label that costs no more than another one can stand for it."""
     for r in range(1, levels + 1):
         if rows[one, r] > rows[other, r]:
             return False
-    if not exact:
+    if how >= FORGETFUL:
         return True
-    if rows[one, levels + 1] & ~rows[other, levels + 2]:
+    if rows[one, levels + 1] & ~rows[other, levels + 2] & (-1 if how == EXACT else (1 << CLOSE) - 1):
         return False
     spare = rows[other, 0] - rows[one, 0]
     for w in range(len(fines)):
@@ -82,7 +85,7 @@ def grow(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     levels) the levels above which they are out of reach. Returns whether it was done, stopped or full, and the number of labels.
     """
     nodes, levels, words = len(chains), lower.shape[1], len(fines)
-    buckets, places, exact, room, one = chains.shape[1], members.shape[1], how == EXACT, len(node), 1
+    buckets, places, room, one = chains.shape[1], members.shape[1], len(node), 1
     mixed = False
     for r in range(levels):
         mixed = mixed or above[r] >= 0
@@ -111,7 +114,7 @@ def grow(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
                         continue
                     k = chains[i, b]
                     while k >= 0 and rows[k, 0] <= value:
-                        if replaces(rows, k, label, levels, fines, exact):
+                        if replaces(rows, k, label, levels, fines, how):
                             gone[label] = True
                             break
                         k = after[k]
@@ -156,7 +159,7 @@ def grow(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
                 b = (rows[count, 1] - lower[j, 0]) // ((upper[j, 0] - lower[j, 0]) // buckets + 1)
                 previous, k, kept = -1, chains[j, b], True
                 while k >= 0 and rows[k, 0] <= v:
-                    if how == SINGLE or replaces(rows, k, count, levels, fines, exact):
+                    if how == SINGLE or replaces(rows, k, count, levels, fines, how):
                         kept = False
                         break
                     previous = k
@@ -174,7 +177,7 @@ def grow(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
                     after[previous] = new
                 previous = new
                 while k >= 0:
-                    if how == SINGLE or replaces(rows, new, k, levels, fines, exact):
+                    if how == SINGLE or replaces(rows, new, k, levels, fines, how):
                         gone[k] = True
                         after[previous] = after[k]
                     else:

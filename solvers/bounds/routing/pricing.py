@@ -106,13 +106,15 @@ class Pricer:
     levels : sequence of Level
         At least one.
     usable : array of shape (nodes, nodes)
+    far : array of shape (nodes, nodes)
+        Distances, by which those who are remembered are ranked.
     dearest : float
         The largest cost of a move.
     room : int
         Most labels from each end.
     """
 
-    def __init__(self, levels: Sequence[Level], usable: Flags, dearest: float, room: int) -> None:
+    def __init__(self, levels: Sequence[Level], usable: Flags, far: Floats, dearest: float, room: int) -> None:
         self.levels, self.nodes = len(levels), len(usable)
         self.unit = 2.0**COST_BITS / dearest if dearest > 0.0 else 1.0
         whole = [self._whole(level, usable) for level in levels]
@@ -122,7 +124,7 @@ class Pricer:
                 above[r], below[level.above] = level.above, r
         w, first, low, high = (np.array(part, dtype=np.int64) for part in zip(*whole, strict=True))
         self.top = high.max(axis=1)
-        self.labels = 0
+        self.labels, self.far = 0, far
         back_low, back_high = (np.ascontiguousarray((self.top[:, None] - ends).T) for ends in (high, low))
         back_high[0] = self.top - first
         mirrored = np.ascontiguousarray(w.transpose(0, 2, 1))
@@ -159,7 +161,8 @@ class Pricer:
         self.members = np.full((n, places), -1, np.int32)
         self.position = np.full((n, n), -1, np.int8)
         for i in range(1, n):
-            own = np.concatenate([[i], np.nonzero(near[i] & (np.arange(n) != i))[0]])
+            others = np.nonzero(near[i] & (np.arange(n) != i))[0]
+            own = np.concatenate([[i], others[np.argsort(self.far[i, others], kind="stable")]])
             self.members[i, : len(own)] = own
             self.position[i, own] = np.arange(len(own))
         self.toggle = np.zeros((n, -(-len(cuts) // WORD)), np.int64)

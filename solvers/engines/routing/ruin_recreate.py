@@ -46,6 +46,9 @@ seldom gets rid of a route."""
 WARMER = 2.0, 2.0
 """The same for others in which all sites are required."""
 
+WARMER_WITH_REWARDS = 3.0, 1.0
+"""The same for others in which rewards are all that counts: which part of the plane is visited is settled early."""
+
 ANNEALS, AMPLE, FROM_NOTHING = 4, 12_000, 0.6
 """How many anneals there are from nothing where there is time for so many ruins for each customer, and their share of the time; with less,
 one long anneal is better."""
@@ -229,11 +232,13 @@ class _Search:
         began, pieces, whole = now(), 64, max(1e-9, self.options.time_limit)
         self.advance(int(min(len(self.held.customers), most)), 0.0)
         self.find_places(most, idle)
-        if self.data.prize.any() and self.sloped and self.asked["worth"]:
+        rewarded = self.data.prize.any() and self.sloped and self.asked["worth"]
+        if rewarded:
             self.held.reward(self.asked["worth"])
         move = self.mean_move()
         optional = (self.held.site[self.held.customers, k.REQUIRED] == 0).any()
-        warmer = WARMER_WITH_WINDOWS if self.held.flags & k.TIMED else (1.0, 1.0) if optional else WARMER
+        others = WARMER_WITH_REWARDS if rewarded else (1.0, 1.0) if optional else WARMER
+        warmer = WARMER_WITH_WINDOWS if self.held.flags & k.TIMED else others
         hot, cold = (self.asked[name] * move * more for name, more in zip(("hot", "cold"), warmer, strict=True))
         course = Course(max(hot, 1e-9), max(cold, 1e-9))
         at, share, limit, measured, combined = 0, 0.0, "time", not self.by_clock, 0

@@ -108,7 +108,7 @@ def test_the_cheapest_routes_are_found_and_the_cheapest_over_each_move(feature: 
             for route, total in zip(routes, totals.tolist(), strict=True):
                 assert truth.walks[tuple(route.tolist())] == pytest.approx(total, abs=close) and total < below
             assert len(routes) or least >= below or least == math.inf
-    for how in (label_kernels.FORGETFUL, label_kernels.SINGLE):
+    for how in (label_kernels.NEARBY, label_kernels.FORGETFUL, label_kernels.SINGLE):
         _, value, totals, routes = pricer.search(NEVER, reduced, fines, how, 10, 0.0)
         assert value >= least - close
         assert all(truth.walks[tuple(r.tolist())] == pytest.approx(t, abs=close) for r, t in zip(routes, totals.tolist(), strict=True))
