@@ -50,11 +50,9 @@ def check_statement(problem: RoutingProblem, statement: Any) -> None:
         return
     index = problem.site_index
     if not isinstance(arc, list) or len(arc) != 2 or not all(isinstance(site, str) and site in index for site in arc):
-        expected = (
-            '{"arc": [id, id]}, {"moves": {id: [ids]}}, {"visited": id}, {"routes": a number}, or {"term": name, "at_most": a number}'
-        )
+        expected = '{"arc": [id, id]}, {"moves": {id: [ids]}}, {"visited": id}, {"routes": a number}, or {"term": name, "at_most": x}'
         raise InputError(
-            "not a statement on moves, visits, or the number or the largest of all routes",
+            "not a statement on moves, visits, the number of routes or the largest",
             expected=expected,
             found=printable(statement, 80),
         )

@@ -129,7 +129,7 @@ def _together(problem: RoutingProblem, prices: Floats, given: _Given, claimed: S
     needed = [moves for moves in needed if not any(price and (among | ~moves).all() for among, price in priced)]
     multipliers = Multipliers(prices[relaxed.customers], loads, given.rows, near, priced)
     cost = np.where(usable, 0.0, math.inf) if ray else relaxed.cost
-    walks = Walks(cost, limiting(problem, relaxed.resources), multipliers, needed, current_stop(), LABELS, WORK)
+    walks = Walks(cost, limiting(problem, relaxed.resources, shifts=True), multipliers, needed, current_stop(), LABELS, WORK)
     bound = _whole_bound(walks, relaxed, *claimed)
     # The routes of an answer have fewer than 2 nodes moves. Each is added up from its first on, so that no sum is larger than nodes sizes.
     size, nodes = float(np.abs(cost[usable]).max()), len(cost)

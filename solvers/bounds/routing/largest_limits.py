@@ -10,6 +10,7 @@ from __future__ import annotations
 import heapq
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from ....formulations.evaluation import Evaluation
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.known_features import EPS, departure
 from ....formulations.routing.checking.round_trips import check_farthest_round_trip, longest, peak_grain, totals
+from ....formulations.routing.objective import Objective
 from ....formulations.routing.preparation import waiting_is_possible
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
@@ -26,6 +28,7 @@ from ....formulations.verified_bounds import verified_bound
 from ....instances.errors import InputError
 from ..proof_tree import MOST_NUMBERS, ROOT
 from .branch_price_cut import Tree
+from .column_generation import Solved
 from .load_cuts import LoadCut
 from .restricted_master import Drive
 from .set_partition import SetPartition, set_partition
@@ -51,16 +54,15 @@ MORE = 8
 class LimitTree(Tree):
     """The answers of ``problem`` whose largest route, by ``term``, is at most ``limit``; infinity is no limit.
 
-    It grows over ``summed``, the problem of their sum, towards the sum that no such answer exceeds, and ends with the first answer. Routes
-    and cuts of a ``former`` tree are taken over, and routes of ``known``, another answer.
+    It grows over the problem of their sum, towards the sum that no such answer exceeds, and ends with the first answer.
     """
 
     def __init__(
-        self, summed: RoutingProblem, partition: SetPartition, limit: float, most: float, stop: Stop, seed: int,
+        self, limited: RoutingProblem, summed: RoutingProblem, partition: SetPartition, limit: float, most: float, stop: Stop, seed: int,
         extra: Mapping[str, int],
     ) -> None:  # fmt: skip
         super().__init__(summed, partition, most, stop, seed, most=extra)
-        self.limit, self.looked, self.began = limit, 0, False
+        self.limited, self.limit, self.looked, self.began = limited, limit, 0, False
 
     @classmethod
     def of(
@@ -72,13 +74,15 @@ class LimitTree(Tree):
         partition = None if summed is None else set_partition(summed, stop)
         if summed is None or partition is None:
             return None
+        if term != "longest-route" and any(math.isfinite(v.max_distance) for v in problem.fleet):  # which sums of times have no place for
+            partition = _within(partition, set_partition(limited.altered(objective=Objective()), stop))
         n = len(problem.customers)
         routes = min(n, sum(n if v.count is None else v.count for v in problem.fleet))
         start = min(departure(problem, v) for v in problem.fleet) if term == "latest-return" else 0.0
         room = longest(limited, term) - start
         # What a leaf of this sum proves is more than the limit by more than its checker's rounding.
         most = routes * (room + 32.0 * EPS * (abs(room) + abs(start))) if room > 0.0 else math.inf
-        return cls(summed, partition, limit, most, stop, seed, extra)
+        return cls(limited, summed, partition, limit, most, stop, seed, extra)
 
     def take(self, known: Routes | None, former: LimitTree | None) -> None:
         """Begin with routes of an answer, and with routes and cuts of the tree of another limit, as far as the limit lets them be."""
@@ -126,9 +130,17 @@ class LimitTree(Tree):
         """Whether no answer keeps the limit."""
         return self.began and self.answer is None and self.bound >= self.target
 
+    def _prove(self, node: Any, solved: Solved, more: float | None = None) -> None:
+        self.problem = self.limited if solved.bound == math.inf else self.routing
+        super()._prove(node, solved, more)
+
+    def _evidence(self, solved: Solved, more: float | None) -> Evidence:
+        evidence = super()._evidence(solved, more)
+        return replace(evidence, data={**evidence.data, "apart": True}) if solved.bound == math.inf else evidence
+
     def _judged(self, answer: Routes) -> Evaluation | None:
         try:
-            judged = self.routing.evaluate(answer)
+            judged = self.limited.evaluate(answer)
         except InputError:
             return None
         if judged.feasible and self.answer is None:
@@ -154,9 +166,20 @@ def _once(tree: LimitTree) -> list[Drive]:
 
 
 def _averaged(node: Mapping[str, Any]) -> dict[str, Any]:
-    """A node whose evidence on the sum of all routes is one on the largest of them."""
-    inner = {"kind": "averaged-tour", "data": {key: node[key] for key in ("kind", "data")}} if "kind" in node else {}
+    """A node whose evidence on the sum of all routes, if it is that, is one on the largest of them."""
+    if "kind" not in node or node["data"].get("ray"):
+        return dict(node)
+    inner = {"kind": "averaged-tour", "data": {key: node[key] for key in ("kind", "data")}}
     return {key: value for key, value in node.items() if key == "branch"} | inner
+
+
+def _within(partition: SetPartition, limiting: SetPartition | None) -> SetPartition | None:
+    """The same routes, at the same costs, that keep the limits of another program of the same vehicles as well."""
+    if limiting is None or [one.vehicles for one in limiting.types] != [one.vehicles for one in partition.types]:
+        return partition
+    pairs = zip(partition.types, limiting.types, strict=True)
+    types = [replace(one, cost=np.where(np.isfinite(other.cost), one.cost, math.inf), levels=other.levels) for one, other in pairs]
+    return replace(partition, types=tuple(types), symmetric=partition.symmetric and limiting.symmetric)
 
 
 class LimitSearch:
