@@ -75,7 +75,8 @@ class LimitTree(Tree):
         if summed is None or partition is None:
             return None
         if term != "longest-route" and any(math.isfinite(v.max_distance) for v in problem.fleet):  # which sums of times have no place for
-            partition = _within(partition, set_partition(limited.altered(objective=Objective()), stop))
+            other = set_partition(limited.altered(objective=Objective()), stop)
+            partition = partition if other is None else _within(partition, other)
         n = len(problem.customers)
         routes = min(n, sum(n if v.count is None else v.count for v in problem.fleet))
         start = min(departure(problem, v) for v in problem.fleet) if term == "latest-return" else 0.0
@@ -173,9 +174,9 @@ def _averaged(node: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in node.items() if key == "branch"} | inner
 
 
-def _within(partition: SetPartition, limiting: SetPartition | None) -> SetPartition | None:
+def _within(partition: SetPartition, limiting: SetPartition) -> SetPartition:
     """The same routes, at the same costs, that keep the limits of another program of the same vehicles as well."""
-    if limiting is None or [one.vehicles for one in limiting.types] != [one.vehicles for one in partition.types]:
+    if [one.vehicles for one in limiting.types] != [one.vehicles for one in partition.types]:
         return partition
     pairs = zip(partition.types, limiting.types, strict=True)
     types = [replace(one, cost=np.where(np.isfinite(other.cost), one.cost, math.inf), levels=other.levels) for one, other in pairs]
