@@ -57,10 +57,10 @@ def check_farthest_round_trip(problem: RoutingProblem, data: Mapping[str, Any]) 
 
 def peak_grain(problem: RoutingProblem) -> Grain | None:
     """A number of which the first level, a sum of maxima, is a multiple in some best answer: vehicles depart, wait and return at sums and
-    differences of the data. None where they stop on the way, or move at speeds of their own."""
-    if any(v.reloads or v.stations or v.speed != 1.0 for v in problem.fleet):
+    differences of the data. None where they stop on the way."""
+    if any(v.reloads or v.stations for v in problem.fleet):
         return None
-    sites, ways = problem.sites, {id(v.travel): own_moves(problem, v) for v in problem.fleet}
+    sites, ways = problem.sites, {(id(v.travel), v.speed): own_moves(problem, v) for v in problem.fleet}
     closing = [travel.closing for travel in (problem.travel, *(v.travel for v in problem.fleet)) if travel is not None]
     times = [sites.service, sites.ready, sites.due, *(move for _, move in ways.values()), *(c for c in closing if c is not None)]
     times += [np.array(pairs) for pairs in (*sites.windows, [v.shift for v in problem.fleet])]

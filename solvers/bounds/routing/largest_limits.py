@@ -124,7 +124,7 @@ class LimitTree(Tree):
     @property
     def ended(self) -> bool:
         """Whether more work comes to nothing."""
-        return self.began and (not self.open or self.answer is not None)
+        return self.began and (not self.open or self.answer is not None or self.numbers > MOST_NUMBERS)
 
     @property
     def refuted(self) -> bool:
@@ -213,9 +213,8 @@ class LimitSearch:
         self.on_answer, self.on_step = on_answer, on_step
         ((self.weight, term),) = problem.objective.levels()[0].terms
         self.term, self.value = term.name, math.inf if value is None else value
-        size = peak_grain(problem)
-        self.grain = None if size is None or abs(self.value) > MOST_GRAINS * size.size else size.size / self.weight
-        self.bound = self.farthest = check_farthest_round_trip(problem, {})
+        self.size = peak_grain(problem)
+        self.bound = check_farthest_round_trip(problem, {})
         self.proof: list[dict[str, Any]] | None = None
         self.tree: LimitTree | None = None
         self.tried, self.nodes, self.given_up, self.limit = 0, 0, 0, ""
@@ -223,6 +222,12 @@ class LimitSearch:
     def counts(self) -> dict[str, int]:
         """Those of the tree at hand."""
         return {} if self.tree is None else self.tree.counts()
+
+    @property
+    def grain(self) -> float | None:
+        """The number of which all values of the term are multiples, if there are few enough of them."""
+        size = self.size
+        return None if size is None or abs(self.value) > MOST_GRAINS * size.size else size.size / self.weight
 
     @property
     def done(self) -> bool:
@@ -243,17 +248,20 @@ class LimitSearch:
                 nodes, limit = MORE * nodes, still_open
             if limit is None or (self.tree is not None and self.tree.limit == limit and self.tree.ended):
                 break
-            if not self._try(limit, nodes):
+            decided = self._try(limit, nodes)
+            if self.tree is None:
+                break
+            if not decided:
                 still_open = limit
             elif not self.bound < still_open * self.weight < self.value:
                 still_open = math.inf
 
     def _between(self, low: float, high: float) -> float | None:
-        """A limit between two others in whose midst it is, or just below the best value; None where there is none worth trying."""
-        top = high * self.weight >= self.value
-        if self.grain is not None:
-            first, last = math.ceil(low / self.grain - 1e-6), round(high / self.grain - (0.0 if top else ABOVE)) - 1
-            return None if first > last else (first + (last - first) // 2 + ABOVE) * self.grain
+        """A limit in the midst between two others, or just below the best value; None where there is none worth trying."""
+        top, grain = high * self.weight >= self.value, self.grain
+        if grain is not None:
+            first, last = math.ceil(low / grain - 1e-6), round(high / grain) - 1
+            return None if first > last else (first + (last - first) // 2 + ABOVE) * grain
         if high - low > NEAR * abs(high):
             return (low + high) / 2.0
         return high - LESS * abs(high) if top else None
@@ -262,11 +270,12 @@ class LimitSearch:
         """Look for an answer within a limit, or for a proof that there is none, in so many nodes; whether there is one of them."""
         tree = self.tree
         if tree is None or tree.limit != limit:
-            tree = LimitTree.of(self.problem, self.term, limit, self.stop, self.seed, self.extra)
+            former, tree = self.tree, LimitTree.of(self.problem, self.term, limit, self.stop, self.seed, self.extra)
+            self.tree = tree
             if tree is None:
                 return False
-            tree.take(self.answer, self.tree)
-            self.tree, self.tried = tree, self.tried + 1
+            tree.take(self.answer, former)
+            self.tried += 1
         before = tree.looked
         tree.on_step = lambda bound: self.on_step()
         tree.work(nodes)

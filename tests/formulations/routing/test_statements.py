@@ -321,10 +321,11 @@ def test_the_larger_of_two_numbers_is_exceeded_and_a_bound_is_the_next_multiple(
     part = problem.restricted([({"term": "longest-route", "at_most": 0.21}, False), ({"term": "longest-route", "at_most": 0.1}, False)])
     assert part.exceeded == {"longest-route": 0.21} and verified_bound(part, nothing) == 0.6
     assert verified_bound(problem, nothing) == pytest.approx(0.4) and verified_bound(part, nothing) == 0.6
-    quick = replace(problem, fleet=(VehicleType(2, speed=3.0),))  # of its durations no number is the divisor
-    part = quick.restricted([({"term": "longest-route", "at_most": 0.21}, False)])
+    uneven = np.array([[0.0, 0.1, 0.1], [0.1, 0.0, math.pi / 30.0], [0.1, math.pi / 30.0, 0.0]])  # multiples of nothing
+    plain = replace(problem, travel=Travel(EXPLICIT, matrix=uneven))
+    part = plain.restricted([({"term": "longest-route", "at_most": 0.21}, False)])
     assert verified_bound(part, nothing) == pytest.approx(0.42)
-    assert part.digest() != quick.digest() == quick.restricted([]).digest()
+    assert part.digest() != plain.restricted([]).digest()
     assert replace(part, min_vehicles=1).exceeded == part.exceeded and pickle.loads(pickle.dumps(part)).exceeded == part.exceeded
     assert part.continue_from(Routes.of([[1], [2]]), 0.0).exceeded == {}
 
