@@ -29,6 +29,7 @@ from ....instances.errors import InputError
 from ..proof_tree import MOST_NUMBERS, ROOT
 from .branch_price_cut import Tree
 from .column_generation import Solved
+from .first_answer import first_answer
 from .load_cuts import LoadCut
 from .restricted_master import Drive
 from .set_partition import SetPartition, set_partition
@@ -46,6 +47,10 @@ ABOVE = 1e-4
 
 MOST_GRAINS = 1e8
 """With more in the best value, bounds cannot be lifted to them."""
+
+SEARCH, LOWER = 0.03, (0.01, 0.003)
+"""Share of the time for ruin and recreate within a limit at most, and parts of the value by which that is below the best, each as often as
+there is a better answer."""
 
 MORE = 8
 """Factor on the nodes of a tree that was not done."""
@@ -241,6 +246,9 @@ class LimitSearch:
             self._try(math.inf, 1 << 60)
         if not math.isfinite(self.value):
             return
+        for part in LOWER:
+            while not self.done and self._searched(self.value - part * abs(self.value)):
+                pass
         nodes, still_open = 1, math.inf  # the least limit of which nothing is known
         while not self.done and not self.stop.reached():
             limit = self._between(self.bound / self.weight, min(still_open, self.value / self.weight))
@@ -255,6 +263,15 @@ class LimitSearch:
                 still_open = limit
             elif not self.bound < still_open * self.weight < self.value:
                 still_open = math.inf
+
+    def _searched(self, value: float) -> bool:
+        """Look for an answer of a value by ruin and recreate; whether there was a better one."""
+        if self.stop.reached() or value <= self.bound:
+            return False
+        summed = totals(self.problem.restricted([(stated(self.term, value / self.weight), True)]))
+        seconds = SEARCH * self.stop.seconds_left
+        answer = None if summed is None else first_answer(summed, seconds, self.seed, self.stop)
+        return answer is not None and self._better(answer)
 
     def _between(self, low: float, high: float) -> float | None:
         """A limit in the midst between two others, or just below the best value; None where there is none worth trying."""
