@@ -17,14 +17,11 @@ import numpy as np
 from ....formulations.checking.granularity import grain, lift
 from ....formulations.evaluation import Evaluation
 from ....formulations.evidence import Evidence
-from ....formulations.routing.checking.known_features import unknown_features
-from ....formulations.routing.objective import PEAKS
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import NEVER, Stop
 from ....formulations.tolerance import same
 from ....instances.errors import InputError
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
 from ..proof_tree import ROOT, Node, ProofTree
 from .arcs import Flags, Floats, by_site
 from .column_generation import WHOLE, ColumnGeneration, Part, Solved
@@ -33,7 +30,7 @@ from .load_cuts import LoadCut
 from .move_rows import MoveRow
 from .restricted_master import Prices
 from .routes_at_hand import best_choice
-from .set_partition import SetPartition, lacks_route_costs, set_partition
+from .set_partition import SetPartition, set_partition
 from .subset_rows import SubsetRow
 
 if TYPE_CHECKING:
@@ -478,12 +475,10 @@ def branch_price_cut_bound(
     """
     if stop.reached() or not 0 < len(problem.customers) <= CUSTOMERS:
         return None
-    seed = 1 if linear is None else linear.seed
-    if holds_peaks(problem):
-        return _by_limits(problem, stop, seed, target, answer)
     partition = set_partition(problem, stop)
     if partition is None:
         return None
+    seed = 1 if linear is None else linear.seed
     if not partition.merged:
         stop = stop.within(SHARED * stop.seconds_left)
     if target is None:
@@ -494,49 +489,7 @@ def branch_price_cut_bound(
     return tree.evidence("routes")
 
 
-def holds_peaks(problem: RoutingProblem) -> bool:
-    """Whether a largest of all routes is in the first level of the objective."""
-    return any(term.name in PEAKS for _, term in problem.objective.levels()[0].terms)
-
-
-def lacks_one_peak(problem: RoutingProblem) -> frozenset[str]:
-    """What keeps the first level from being a single maximum that limits of routes can take the place of; all of its terms where it holds
-    none at all."""
-    terms = problem.objective.levels()[0].terms
-    names = frozenset(f"objective:{term.name}" for _, term in terms)
-    ((weight, term), *others) = terms
-    if others or term.name not in PEAKS or weight < 0:
-        return unknown_features(problem) | names
-    risks = problem.features() & {"route-risk", "team-risk"} if term.name == "makespan" else frozenset[str]()
-    return unknown_features(problem) | risks
-
-
-def lacks_routes(problem: RoutingProblem) -> frozenset[str]:
-    """What keeps it from being solved by choosing among routes."""
-    return lacks_one_peak(problem) if holds_peaks(problem) else lacks_route_costs(problem)
-
-
-def _by_limits(
-    problem: RoutingProblem, stop: Stop, seed: int, target: float | None, answer: Routes | None
-) -> Evidence | None:  # fmt: skip
-    """Evidence on the largest of all routes."""
-    from .largest_limits import LimitSearch
-
-    stop = stop.within(SHARED * stop.seconds_left)
-    if target is None:
-        answer = first_answer(problem, OPENING * stop.seconds_left, seed, stop)
-        target = None if answer is None else problem.evaluate(answer).values[0]
-    search = LimitSearch(problem, stop, seed, answer=answer, value=target)
-    search.run()
-    return search.evidence() if search.proof is not None else None
-
-
 KERNELS = (
     *(f"waybound.solvers.bounds.routing.{name}_kernels" for name in ("label", "subset_row", "cut")),
     "waybound.formulations.routing.checking.walk_kernels",
-)
-
-BOUNDS.add(
-    "branch-price-cut",
-    BoundMethod("branch-price-cut", of_family("routing", lacks_routes), branch_price_cut_bound, 1, aims=True, starts=True, kernels=KERNELS),
 )

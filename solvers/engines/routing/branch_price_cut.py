@@ -14,7 +14,8 @@ from ....formulations.tolerance import same
 from ....instances.errors import InputError, UsageError
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...bounds.routing.arcs import ARC_TERMS, LIMITS
-from ...bounds.routing.branch_price_cut import CUSTOMERS, OPENING, Tree, holds_peaks, lacks_one_peak
+from ...bounds.routing.branch_price_cut import CUSTOMERS, OPENING, Tree
+from ...bounds.routing.choice_of_routes import holds_peaks, lacks_one_peak
 from ...bounds.routing.column_generation import LABELS, MEMORY, MOST_COLUMNS
 from ...bounds.routing.first_answer import first_answer
 from ...bounds.routing.largest_limits import LimitSearch

@@ -22,7 +22,7 @@ from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.errors import InputError
 from waybound.instances.routing.travel import EXPLICIT
 from waybound.solvers.bounds.routing import branch_price_cut, largest_limits
-from waybound.solvers.bounds.routing.branch_price_cut import branch_price_cut_bound, lacks_one_peak
+from waybound.solvers.bounds.routing.choice_of_routes import largest_route_bound
 from waybound.solvers.bounds.routing.largest_limits import LimitSearch, LimitTree, stated
 
 
@@ -48,7 +48,7 @@ def spread(seed: int, term: str = "longest-route", vehicles: int = 2) -> Routing
 
 def proof(problem: RoutingProblem) -> tuple[float, Evidence]:
     """The best value, and a tree that proves it."""
-    (best,), evidence = best_values(problem), branch_price_cut_bound(problem, Stop(200.0), target=None)
+    (best,), evidence = best_values(problem), largest_route_bound(problem, Stop(200.0), target=None)
     assert evidence is not None and evidence.kind == "branching-tree" and verified_bound(problem, evidence) == pytest.approx(float(best))
     return float(best), evidence
 
@@ -59,7 +59,7 @@ def proof(problem: RoutingProblem) -> tuple[float, Evidence]:
 def test_nothing_but_the_optimum_is_proved(feature: str, term: str) -> None:
     for seed in range(draws(3)):
         problem = tight(feature, seed, term, ("round", "exact", "trunc1")[seed % 3])
-        best, evidence = best_values(problem), branch_price_cut_bound(problem, Stop(60.0))
+        best, evidence = best_values(problem), largest_route_bound(problem, Stop(60.0))
         if evidence is None:  # the farthest site says as much
             other = verified_bound(problem, Evidence("farthest-round-trip", "", 0.0, {}))
             assert best is not None and other == pytest.approx(float(best[0]))
@@ -204,27 +204,10 @@ def test_routes_beyond_the_limit_and_of_waiting_vehicles_are_not_taken_over() ->
     assert not len(tree.columns.pool)
 
 
-def test_what_limits_cannot_take_the_place_of_is_named() -> None:
-    problem = spread(0)
-    assert not lacks_one_peak(problem)
-    assert lacks_one_peak(replace(problem, objective=Objective.of("makespan + longest-route"))) == {
-        "objective:makespan",
-        "objective:longest-route",
-    }
-    assert lacks_one_peak(replace(problem, objective=Objective.of("-1*makespan"))) == {"objective:makespan"}
-    variances = np.full((7, 7), 0.01)
-    risky = replace(
-        problem, travel=Travel(EXPLICIT, matrix=problem.travel.distances, variances=variances),
-        fleet=(VehicleType(2, max_duration=1e4, risk=0.1),),
-    )  # fmt: skip
-    assert not lacks_one_peak(risky)
-    assert lacks_one_peak(replace(risky, objective=Objective.of("makespan"))) == {"route-risk"}
-
-
 def test_a_problem_without_an_answer_is_proved_to_have_none() -> None:
     sites = Sites.of(range(4), demand=[0, 2, 2, 2])
     problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((4, 4))), (VehicleType(2, 3.0),), "makespan")
-    evidence = branch_price_cut_bound(problem, Stop(60.0))
+    evidence = largest_route_bound(problem, Stop(60.0))
     assert evidence is not None and verified_bound(problem, evidence) == math.inf
 
 
