@@ -6,6 +6,7 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from scipy.optimize import linprog
 from truth.base import Values
 from truth.routing import RoutingTruth
 
+from waybound.formulations.routing.objective import PEAKS, Objective
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Routes
 
@@ -34,6 +36,9 @@ class Answers(RoutingTruth):
 def holds(problem: RoutingProblem, answer: Routes, statement: dict[str, Any]) -> bool:
     """Whether a statement is true of an answer."""
     index = problem.site_index
+    if "term" in statement:
+        asked = replace(problem, objective=Objective.of(statement["term"]))
+        return asked.evaluate(answer).values[0] <= statement["at_most"]
     if "routes" in statement:
         return len(answer) <= statement["routes"]
     if "visited" in statement:
@@ -64,9 +69,16 @@ def drawn_statement(problem: RoutingProblem, rng: np.random.Generator) -> dict[s
     into = {a: [site] for a, depot in zip(ids, problem.sites.depot, strict=True) if a != site and (depot or rng.random() < 0.6)}
     choices: list[dict[str, Any]] = [
         {"visited": site}, {"visited": site, "by": kinds}, arc, {"moves": moves}, {"moves": into},
-        {"routes": int(rng.integers(1, len(ids)))},
+        {"routes": int(rng.integers(1, len(ids)))}, drawn_limit(problem, rng),
     ]  # fmt: skip
-    return choices[int(rng.choice(len(choices), p=[0.25, 0.25, 0.2, 0.1, 0.1, 0.1]))]
+    return choices[int(rng.choice(len(choices), p=[0.2, 0.2, 0.2, 0.1, 0.1, 0.1, 0.1]))]
+
+
+def drawn_limit(problem: RoutingProblem, rng: np.random.Generator) -> dict[str, Any]:
+    """A limit of the largest route, in the midst of what routes of a few visits take."""
+    opens = max(float(problem.sites.ready[v.start]) for v in problem.fleet)
+    size = float(problem.travel.distances.max()) * float(rng.choice([0.5, 1.5, 2.5, 4.0]))
+    return {"term": str(rng.choice(PEAKS)), "at_most": float(opens + np.round(size, int(rng.integers(0, 3))))}
 
 
 def drawn_evidence(problem: RoutingProblem, rng: np.random.Generator, scale: float) -> dict[str, Any]:

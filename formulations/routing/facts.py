@@ -164,6 +164,7 @@ def digested(problem: RoutingProblem) -> str:
         further += [] if travel is None else [*_moves(travel), travel.closing, *_variances(travel)]
     further += [part for part in (problem.travel.closing, problem.forbidden) if part is not None]
     further += ["needed", *problem.needed] if problem.needed else []
+    further += ["exceeded", *sorted(problem.exceeded.items())] if problem.exceeded else []
     further += _variances(problem.travel)
     further += [] if problem.team_risk is None else ["team-risk", problem.team_risk]
     return digest(

@@ -119,6 +119,10 @@ TERMS: dict[str, type[Term]] = {
 }
 
 
+PEAKS = (Makespan.name, LongestRoute.name, LatestReturn.name)
+"""Terms that are the largest value of all routes."""
+
+
 @dataclass(frozen=True)
 class Weighted(Composable):
     """A weighted sum of terms: one level of an objective. Its sense is that of its first term.

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -72,6 +73,9 @@ class RoutingProblem(Problem):
     needed : sequence of such arrays, keyword-only
         Sets of moves, as proofs distinguish cases by them: of each set at least one is made in the answers that bounds speak of.
         ``evaluate`` does not look whether it is.
+    exceeded : mapping from the name of a term to a number, keyword-only
+        Makespan, longest route and latest return, as proofs distinguish cases by them: in the answers that bounds speak of the term is
+        more than the number. ``evaluate`` does not look whether it is.
     team_risk : float, optional
         Largest probability that any route overruns a limit, where durations are uncertain.
     clock : Clock, optional
@@ -100,6 +104,7 @@ class RoutingProblem(Problem):
     team_risk: float | None
     clock: Clock | None
     needed: tuple[NDArray[np.bool_], ...]
+    exceeded: Mapping[str, float]
 
     def __init__(
         self,
@@ -116,11 +121,13 @@ class RoutingProblem(Problem):
         clock: Clock | None = None,
         *,
         needed: Sequence[NDArray[np.bool_]] = (),
+        exceeded: Mapping[str, float] = MappingProxyType({}),
     ) -> None:
         aim = Objective() if objective is None else Objective.of(objective)
         self.__dict__.update(
             sites=sites, travel=travel, fleet=tuple(fleet), objective=aim, min_vehicles=min_vehicles, name=name, problem=problem,
             notes=tuple(notes), forbidden=forbidden, team_risk=team_risk, clock=clock, needed=tuple(needed),
+            exceeded=dict(exceeded),
         )  # fmt: skip
         check_moves(sites, forbidden)
         for moves in self.needed:

@@ -74,7 +74,7 @@ def continued(problem: RoutingProblem, plan: Routes, time: float) -> RoutingProb
     )  # fmt: skip
     forbidden = None if problem.forbidden is None else problem.forbidden[np.ix_(keep, keep)]
     return replace(
-        problem, forbidden=forbidden, needed=(), sites=changed.subset(keep), travel=problem.travel.subset(keep),
+        problem, forbidden=forbidden, needed=(), exceeded={}, sites=changed.subset(keep), travel=problem.travel.subset(keep),
         fleet=tuple(placed(v, keep) for v in fleet), min_vehicles=0, name=f"{problem.name} from {time:g}",
     )  # fmt: skip
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...instances.errors import InputError
 from ...instances.printable import printable
 from ..problem import Decision
-from .objective import Objective, Penalties, Reward, Vehicles
+from .objective import PEAKS, LatestReturn, LongestRoute, Objective, Penalties, Reward, Vehicles
 
 if TYPE_CHECKING:
     from ...instances.routing.sites import Sites
@@ -32,10 +32,14 @@ SETS = 1 << 20
 def check_statement(problem: RoutingProblem, statement: Any) -> None:
     """``{"arc": [id, id]}``: some route goes from the one site to the other without a stop between; ``{"routes": k}``: at most k routes;
     ``{"moves": {id: [id, ...], ...}}``: some route goes from one of the sites straight to one of those in its list; ``{"visited": id}``:
-    the site is visited, and with ``"by": [k, ...]`` by a vehicle of one of these types, as they are numbered in the fleet."""
+    the site is visited, and with ``"by": [k, ...]`` by a vehicle of one of these types, as they are numbered in the fleet; ``{"term": name,
+    "at_most": x}``: the makespan, the longest route or the latest return is at most x."""
     parts = statement if isinstance(statement, Mapping) else {}
     if "visited" in parts and len(parts) == 1 + ("by" in parts):
         _check_visit(problem, parts)
+        return
+    if parts.keys() == {"term", "at_most"}:
+        _check_peak(parts)
         return
     parts = parts if len(parts) == 1 else {}
     arc, routes, moves = parts.get("arc"), parts.get("routes"), parts.get("moves")
@@ -46,8 +50,12 @@ def check_statement(problem: RoutingProblem, statement: Any) -> None:
         return
     index = problem.site_index
     if not isinstance(arc, list) or len(arc) != 2 or not all(isinstance(site, str) and site in index for site in arc):
-        expected = '{"arc": [the id of a site, the id of a site]}, {"moves": {id: [ids]}}, {"visited": id}, or {"routes": a number of them}'
-        raise InputError("not a statement on moves, visits or the number of routes", expected=expected, found=printable(statement, 80))
+        expected = '{"arc": [id, id]}, {"moves": {id: [ids]}}, {"visited": id}, {"routes": a number}, or {"term": name, "at_most": x}'
+        raise InputError(
+            "not a statement on moves, visits, the number of routes or the largest",
+            expected=expected,
+            found=printable(statement, 80),
+        )
 
 
 def _check_visit(problem: RoutingProblem, statement: Mapping[str, Any]) -> None:
@@ -59,6 +67,15 @@ def _check_visit(problem: RoutingProblem, statement: Mapping[str, Any]) -> None:
         expected = f"different numbers from 0 to {most}, of one type at least"
         message = "a statement on a visit does not say by which types of vehicle"
         raise InputError(message, "unknown-name", expected=expected, found=printable(kinds, 80))
+
+
+def _check_peak(statement: Mapping[str, Any]) -> None:
+    term, most = statement["term"], statement["at_most"]
+    if not isinstance(term, str) or term not in PEAKS:
+        message = "a statement on the largest of all routes names no such term"
+        raise InputError(message, "unknown-name", expected=", ".join(PEAKS), found=printable(term, 80))
+    if type(most) not in (int, float) or not abs(most) < math.inf:
+        raise InputError("a statement on the largest of all routes has no finite number", found=printable(most, 80))
 
 
 def moves_of(problem: RoutingProblem, moves: Any) -> NDArray[np.int64]:
@@ -99,6 +116,8 @@ def in_words(problem: RoutingProblem, statement: Any, holds: bool) -> str:
     if "routes" in statement:
         routes = statement["routes"] if holds else statement["routes"] + 1
         return f"there {'is' if routes == 1 else 'are'} at {'most' if holds else 'least'} {routes} route{'' if routes == 1 else 's'}"
+    if "term" in statement:
+        return f"the {statement['term'].replace('-', ' ')} is {'at most' if holds else 'more than'} {statement['at_most']:.10g}"
     if "visited" in statement:
         by = " or ".join(problem.fleet[kind].name for kind in statement.get("by", ()))
         return f"{statement['visited']} is {'' if holds else 'not '}visited{by and f' by {by}'}"
@@ -116,16 +135,25 @@ def restricted(problem: RoutingProblem, decisions: Sequence[Decision]) -> Routin
     """The same problem without moves: those that are not made, and those beside one that is, for a customer is left and entered once.
 
     Sets of which some move is made are kept with the problem; whoever is visited is so by one of those that come to him. Types of vehicle
-    that do not visit a site lack a skill. Of each type there are as many as there are routes at most.
+    that do not visit a site lack a skill. Of each type there are as many as there are routes at most. Where the largest of all routes has a
+    limit each vehicle has it; where that is exceeded the number is kept with the problem.
     """
     sites, needed = problem.sites, list(problem.needed)
     moves = np.zeros((len(sites),) * 2, dtype=bool) if problem.forbidden is None else problem.forbidden.copy()
     least, most = problem.min_vehicles, len(sites)
+    fleet, exceeded = problem.fleet, dict(problem.exceeded)
     able: list[tuple[int, set[int]]] = []
     for statement, holds in decisions:
         problem.check_statement(statement)
         if "routes" in statement:
             least, most = (least, min(most, statement["routes"])) if holds else (max(least, statement["routes"] + 1), most)
+            continue
+        if "term" in statement:
+            term, limit = statement["term"], float(statement["at_most"])
+            if holds:
+                fleet = _limited(problem, fleet, term, limit)
+            else:
+                exceeded[term] = max(limit, exceeded.get(term, limit))
             continue
         if "moves" in statement:
             among = moves_of(problem, statement["moves"])
@@ -159,9 +187,19 @@ def restricted(problem: RoutingProblem, decisions: Sequence[Decision]) -> Routin
         if not sites.depot[j]:
             moves[:, j] = True
         moves[i, j] = kept
-    fleet = _at_most(problem.fleet, most) if most < len(sites) else problem.fleet
+    fleet = _at_most(fleet, most) if most < len(sites) else fleet
     sites, fleet = _skilled(sites, fleet, able) if able else (sites, fleet)
-    return problem.altered(forbidden=moves, needed=tuple(needed), min_vehicles=least, fleet=fleet, sites=sites)
+    return problem.altered(forbidden=moves, needed=tuple(needed), min_vehicles=least, fleet=fleet, sites=sites, exceeded=exceeded)
+
+
+def _limited(problem: RoutingProblem, fleet: tuple[VehicleType, ...], term: str, most: float) -> tuple[VehicleType, ...]:
+    """Vehicles none of which drives a route of more than ``most``; a longest duration stays as it is where a risk hangs on it."""
+    if term == LatestReturn.name:
+        return tuple(replace(v, shift=(v.shift[0], max(v.shift[0], min(v.shift[1], most)))) for v in fleet)
+    if term == LongestRoute.name:
+        return tuple(replace(v, max_distance=max(0.0, min(v.max_distance, most))) for v in fleet)
+    certain = [problem.team_risk is None and v.risk is None for v in fleet]
+    return tuple(replace(v, max_duration=max(0.0, min(v.max_duration, most))) if c else v for v, c in zip(fleet, certain, strict=True))
 
 
 def _skilled(sites: Sites, fleet: tuple[VehicleType, ...], able: Sequence[tuple[int, set[int]]]) -> tuple[Sites, tuple[VehicleType, ...]]:

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...stop import Stopped, current_stop
+from ..objective import PEAKS
 from .known_features import EPS, Flags, Floats, Longs, departure, own_moves, routing_evidence
 from .no_answer import verdict
-from .round_trips import PEAKS
 from .route_limits import Limits, able, allowed, limits_of, summable, walk_orders
 from .vehicle_moves import Terms, terms_of
 

@@ -94,7 +94,7 @@ class FleetMoves:
             reached, inner = reached | (usable[:, 1:].any(axis=0) & usable[1:].any(axis=1)), inner | usable[1:, 1:]
             if usable[0].any() and usable[:, 0].any():
                 limits, needed = (
-                    limiting(alone, moves.resources, usable, shifts=True),
+                    limiting(alone, moves.resources, usable),
                     [merged_moves(alone, through) & usable for through in sets],
                 )
                 kinds.append(KindMoves(np.where(usable, moves.cost, math.inf), limits, needed, min(n, count), alone))
@@ -181,12 +181,12 @@ def cheapest(slots: Sequence[Slot], fewest: int, most: int) -> int | None:
     return total if used >= fewest else None
 
 
-def limiting(problem: RoutingProblem, resources: Mapping[str, Resource], usable: Flags, *, shifts: bool = False) -> list[Resource]:
+def limiting(problem: RoutingProblem, resources: Mapping[str, Resource], usable: Flags) -> list[Resource]:
     """Resources that limit walks over ``usable`` moves; at least one, for the length of a walk is limited all the same."""
     ends = [v.end for v in problem.fleet]
     timed = any(v.energy is not None and v.energy.charge == "elapsed-fixed-start" for v in problem.fleet)
     timed = timed or bool(np.isfinite(problem.sites.due[[*problem.sites.customers, *ends]]).any())
-    timed = timed or (shifts and any(math.isfinite(v.shift[1]) for v in problem.fleet))
+    timed = timed or any(math.isfinite(v.shift[1]) for v in problem.fleet)
     limits = [r for name, r in resources.items() if name not in ("order", "load") and (name != "time" or timed)]
     return [*limits, *carried_loads(problem, usable)] or [resources["time"]]
 

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...checking.granularity import Grain, grain
+from ..objective import PEAKS
 from .known_features import EPS, Flags, Floats, Longs, own_moves, unknown_features, with_fleet, without_stops
 from .relaxation import Resource, limited_resources, moves_left, narrowed, order_resource, with_depot
-from .round_trips import PEAKS, least_peak
+from .round_trips import least_peak
 from .route_limits import allowed
 
 if TYPE_CHECKING:

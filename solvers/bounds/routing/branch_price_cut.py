@@ -22,7 +22,6 @@ from ....formulations.stop import NEVER, Stop
 from ....formulations.tolerance import same
 from ....instances.errors import InputError
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
 from ..proof_tree import ROOT, Node, ProofTree
 from .arcs import Flags, Floats, by_site
 from .column_generation import WHOLE, ColumnGeneration, Part, Solved
@@ -31,7 +30,7 @@ from .load_cuts import LoadCut
 from .move_rows import MoveRow
 from .restricted_master import Prices
 from .routes_at_hand import best_choice
-from .set_partition import SetPartition, lacks_route_costs, set_partition
+from .set_partition import SetPartition, set_partition
 from .subset_rows import SubsetRow
 
 if TYPE_CHECKING:
@@ -484,23 +483,25 @@ def branch_price_cut_bound(
     if not partition.merged:
         stop = stop.within(SHARED * stop.seconds_left)
     if target is None:
-        answer = first_answer(problem, OPENING * stop.seconds_left, seed, stop)
-        if answer is not None:
-            target = float(problem.evaluate(answer).values[0])
-            on_answer(answer, target)
+        answer, target = opening_answer(problem, stop, seed, on_answer)
     tree = Tree(problem, partition, target, stop, seed, answer=answer, on_answer=on_answer)
     tree.grow()
     return tree.evidence("routes")
 
 
+def opening_answer(
+    problem: RoutingProblem, stop: Stop, seed: int, on_answer: Callable[[Routes, float], None]
+) -> tuple[Routes | None, float | None]:
+    """An answer to begin with where none is known, and its value."""
+    answer = first_answer(problem, OPENING * stop.seconds_left, seed, stop)
+    if answer is None:
+        return None, None
+    value = float(problem.evaluate(answer).values[0])
+    on_answer(answer, value)
+    return answer, value
+
+
 KERNELS = (
     *(f"waybound.solvers.bounds.routing.{name}_kernels" for name in ("label", "subset_row", "cut")),
     "waybound.formulations.routing.checking.walk_kernels",
-)
-
-BOUNDS.add(
-    "branch-price-cut",
-    BoundMethod(
-        "branch-price-cut", of_family("routing", lacks_route_costs), branch_price_cut_bound, 1, aims=True, starts=True, kernels=KERNELS
-    ),
 )

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
-from ....formulations.routing.checking.round_trips import PEAKS, check_farthest_round_trip, totals
+from ....formulations.routing.checking.round_trips import check_farthest_round_trip, totals
+from ....formulations.routing.objective import PEAKS
 from ....formulations.stop import NEVER, Stop
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms

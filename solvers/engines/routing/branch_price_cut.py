@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from ....formulations.programs.exactness import Exactness
+from ....formulations.routing.objective import PEAKS
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
 from ....formulations.tolerance import same
@@ -14,11 +15,14 @@ from ....instances.errors import InputError, UsageError
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...bounds.routing.arcs import ARC_TERMS, LIMITS
 from ...bounds.routing.branch_price_cut import CUSTOMERS, OPENING, Tree
+from ...bounds.routing.choice_of_routes import holds_peaks, lacks_one_peak
 from ...bounds.routing.column_generation import LABELS, MEMORY, MOST_COLUMNS
 from ...bounds.routing.first_answer import first_answer
+from ...bounds.routing.largest_limits import LimitSearch
 from ...bounds.routing.set_partition import set_partition
 
 if TYPE_CHECKING:
+    from ....formulations.evidence import Evidence
     from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
 
@@ -53,7 +57,7 @@ class BranchPriceCut(Engine):
     bounds_itself = True
     features = (
         LIMITS
-        | {f"objective:{term}" for term in (*ARC_TERMS, "reward", "penalties", "weights")}
+        | {f"objective:{term}" for term in (*ARC_TERMS, *PEAKS, "reward", "penalties", "weights")}
         | {"service-times", "separate-durations", "fixed-cost", "limited-fleet", "min-vehicles", "open-routes", "forbidden-moves"}
         | {"heterogeneous-fleet", "multiple-depots", "unit-cost", "optional-sites", "rewards", "penalties", "groups", "skills"}
         | {"several-loads", "pickups"}
@@ -64,7 +68,8 @@ class BranchPriceCut(Engine):
         if lacking:
             return lacking
         many = len(problem.customers) > CUSTOMERS  # type: ignore[attr-defined]
-        return frozenset({f"more than {CUSTOMERS} customers"} if many else ())
+        mixed = lacks_one_peak(problem) if holds_peaks(problem) else frozenset[str]()  # type: ignore[arg-type]
+        return mixed | ({f"more than {CUSTOMERS} customers"} if many else set())
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         stop = self.begin(problem, options, control)
@@ -87,6 +92,8 @@ class BranchPriceCut(Engine):
             answer, value = (None, None) if first is None else _judged(problem, first)
         if answer is not None:
             control.publish(answer, value)
+        if holds_peaks(problem):
+            return self._bisect(problem, options, control, stop, answer, value, statistics)
         partition = set_partition(problem, stop)
         if partition is None:
             return RawResult("unknown" if answer is None else "feasible", "time", answer, value, statistics=statistics, message=NOTHING)
@@ -104,24 +111,51 @@ class BranchPriceCut(Engine):
         bound, answer = tree.bound, tree.answer
         found = () if evidence is None else (evidence,)
         statistics |= {"nodes": len(tree.nodes), **tree.counts()}
-        weaker = tree.columns.given_up
-        message = f"labels were too many: cuts or memories were given up {weaker} time{'s' if weaker > 1 else ''}" if weaker else ""
-        if answer is None:
-            status = "infeasible" if bound == math.inf else "unknown"
-            message = "no choice of routes visits all sites within the limits" if status == "infeasible" else NOTHING
-        else:
-            judged = problem.evaluate(answer)
-            value = judged.values[0]
-            reached = bound >= tree.sign * value or same(bound, tree.sign * value, judged.size, judged.precision)
-            status = "optimal" if reached else "feasible"
-        closed = status in ("optimal", "infeasible")
-        limit = "none" if closed else "gap" if tree.reached(bound) else stop.reached() or tree.columns.limit or "none"
-        if limit == "none" and not closed:
-            message = message or UNPROVED
-        return RawResult(
-            status, limit, answer, value, tree.sign * bound if found else None, statistics=statistics, message=message, evidence=found,
-            holds=Exactness.EXACT,
+        limit = "gap" if tree.reached(bound) else stop.reached() or tree.columns.limit
+        return _concluded(problem, answer, tree.sign * bound, found, limit, tree.columns.given_up, statistics)
+
+    def _bisect(
+        self, problem: RoutingProblem, options: Options, control: Control, stop: Stop, answer: Routes | None, value: float | None,
+        statistics: dict[str, Any],
+    ) -> RawResult:  # fmt: skip
+        """The largest of all routes, by limits of each."""
+
+        def tell() -> None:
+            control.count(search.nodes, **search.counts())
+            control.publish(bound=search.bound if math.isfinite(search.bound) else None)
+
+        search = LimitSearch(
+            problem, stop, options.seed, answer=answer, value=value, most=options.extra, gap=options.gap, on_answer=control.publish,
+            on_step=tell,
         )  # fmt: skip
+        search.run()
+        statistics |= {"nodes": search.nodes, "limits_tried": search.tried, **search.counts()}
+        limit = "gap" if search.done else stop.reached() or search.limit
+        return _concluded(problem, search.answer, search.bound, (search.evidence(),), limit, search.given_up, statistics)
+
+
+def _concluded(
+    problem: RoutingProblem, answer: Routes | None, bound: float, found: tuple[Evidence, ...], limit: str, weaker: int,
+    statistics: dict[str, Any],
+) -> RawResult:  # fmt: skip
+    """What a search ends with, whose ``limit`` counts where the bound does not meet the answer."""
+    sign, value = 1.0 if problem.sense == "min" else -1.0, None
+    message = f"labels were too many: cuts or memories were given up {weaker} time{'s' if weaker > 1 else ''}" if weaker else ""
+    if answer is None:
+        status = "infeasible" if sign * bound == math.inf else "unknown"
+        message = "no choice of routes visits all sites within the limits" if status == "infeasible" else NOTHING
+    else:
+        judged = problem.evaluate(answer)
+        value = judged.values[0]
+        reached = sign * bound >= sign * value or same(bound, value, judged.size, judged.precision)
+        status = "optimal" if reached else "feasible"
+    closed = status in ("optimal", "infeasible")
+    if not closed and not limit:
+        message = message or UNPROVED
+    return RawResult(
+        status, "none" if closed else limit or "none", answer, value, bound if found else None, statistics=statistics, message=message,
+        evidence=found, holds=Exactness.EXACT,
+    )  # fmt: skip
 
 
 def _judged(problem: RoutingProblem, answer: Routes) -> tuple[Routes | None, float | None]:

@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 from coded import coded
 from draws import draws
-from routing_answers import holds
+from routing_answers import drawn_limit, holds
 from small_routing import small
 
 from waybound.formulations.evidence import Evidence
+from waybound.formulations.routing.objective import PEAKS, Objective
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.verified_bounds import verified_bound
@@ -79,7 +80,8 @@ def drawn(problem: RoutingProblem, rng: np.random.Generator) -> list[tuple[dict[
     numbers = [({"routes": int(rng.integers(1, 5))}, bool(rng.random() < 0.5)) for _ in range(int(rng.integers(0, 3)))]
     sets = [(some_moves(problem, rng), bool(rng.random() < 0.6)) for _ in range(int(rng.integers(0, 3)))]
     visits = [(some_visit(problem, rng), bool(rng.random() < 0.7)) for _ in range(int(rng.integers(0, 3)))]
-    return [*(({"arc": list(pairs[k])}, bool(rng.random() < 0.35)) for k in some), *numbers, *sets, *visits]
+    limits = [(drawn_limit(problem, rng), bool(rng.random() < 0.6)) for _ in range(int(rng.integers(0, 2)))]
+    return [*(({"arc": list(pairs[k])}, bool(rng.random() < 0.35)) for k in some), *numbers, *sets, *visits, *limits]
 
 
 def some_visit(problem: RoutingProblem, rng: np.random.Generator) -> dict[str, Any]:
@@ -101,7 +103,7 @@ def test_restricted_problems_keep_every_answer_of_their_decisions_and_no_evidenc
         problem = whole.restricted(decisions[: len(decisions) // 2]).restricted(decisions[len(decisions) // 2 :])
         left = [(answer, e) for answer, _, e in judged if all(holds(whole, answer, s) is truth for s, truth in decisions)]
         assert all(problem.evaluate(answer).feasible for answer, _ in left)
-        if not problem.needed:  # the judge does not look whether needed moves are made
+        if not problem.needed and not problem.exceeded:  # the judge does not look whether needed moves are made
             left = [(answer, e) for answer, _, e in judged if problem.evaluate(answer).feasible]
         best = min((e.values[0] for _, e in left), default=math.inf)
         for evidence in _attempts(whole, n, rng):
@@ -291,6 +293,74 @@ def test_made_up_skills_are_not_those_of_the_data() -> None:
     fleet = (problem.fleet[0], replace(problem.fleet[1], skills=frozenset({"statement 1", "statement 2"})), problem.fleet[2])
     part = replace(problem, sites=replace(problem.sites, skills=skills), fleet=fleet).restricted([({"visited": "1", "by": [0]}, True)])
     assert part.sites.skills[1] == {"statement 1", "statement 3"} and part.fleet[0].skills == {"statement 3"}
+
+
+@pytest.mark.parametrize("term", PEAKS)
+@pytest.mark.parametrize("feature", ["capacity", "time-windows", "depot-windows", "service-times", "heterogeneous-fleet", "open-routes"])
+def test_a_limit_of_the_largest_route_keeps_those_that_meet_it_exactly_and_the_others_are_longer(feature: str, term: str) -> None:
+    whole = few(feature, 2)
+    whole = replace(whole, objective=Objective.of(term), fleet=tuple(replace(v, count=2) for v in whole.fleet))
+    judged = [(answer, e.values[0]) for answer in answers(whole) if (e := whole.evaluate(answer)).feasible]
+    for limit in sorted({value for _, value in judged})[:: 1 + len(judged) // 8]:
+        statement = {"term": term, "at_most": limit}
+        held, other = (whole.restricted([(statement, truth)]) for truth in (True, False))
+        assert {a for a, _ in judged if held.evaluate(a).feasible} >= {a for a, value in judged if value <= limit}
+        assert all(value <= limit * (1.0 + 1e-9) for a, value in judged if held.evaluate(a).feasible)
+        assert all(other.evaluate(a).feasible for a, _ in judged) and other.exceeded == {term: limit}
+        beyond = min((value for _, value in judged if value > limit), default=math.inf)
+        bound = verified_bound(other, Evidence("farthest-round-trip", "", 0.0, {}))
+        assert limit * (1.0 - 1e-14) <= bound <= beyond * (1.0 + 1e-14)
+        prices = Evidence("set-partitioning-duals", "", 0.0, {"visits": [1.0] * len(whole.sites), "memory": 9, "ray": True, "apart": True})
+        assert verified_bound(held, prices) == -math.inf
+
+
+def test_the_larger_of_two_numbers_is_exceeded_and_a_bound_is_the_next_multiple() -> None:
+    sites = Sites.of("abc")
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=0.1 * (np.ones((3, 3)) - np.eye(3))), (VehicleType(2),), "2*longest-route")
+    nothing = Evidence("farthest-round-trip", "", 0.0, {})
+    part = problem.restricted([({"term": "longest-route", "at_most": 0.21}, False), ({"term": "longest-route", "at_most": 0.1}, False)])
+    assert part.exceeded == {"longest-route": 0.21} and verified_bound(part, nothing) == 0.6
+    assert verified_bound(problem, nothing) == pytest.approx(0.4) and verified_bound(part, nothing) == 0.6
+    uneven = np.array([[0.0, 0.1, 0.1], [0.1, 0.0, math.pi / 30.0], [0.1, math.pi / 30.0, 0.0]])  # multiples of nothing
+    plain = replace(problem, travel=Travel(EXPLICIT, matrix=uneven))
+    part = plain.restricted([({"term": "longest-route", "at_most": 0.21}, False)])
+    assert verified_bound(part, nothing) == pytest.approx(0.42)
+    assert part.digest() != plain.restricted([]).digest()
+    assert replace(part, min_vehicles=1).exceeded == part.exceeded and pickle.loads(pickle.dumps(part)).exceeded == part.exceeded
+    assert part.continue_from(Routes.of([[1], [2]]), 0.0).exceeded == {}
+
+
+def test_a_longest_duration_on_which_a_risk_hangs_stays_as_it_is() -> None:
+    matrix = np.ones((3, 3)) - np.eye(3)
+    travel = Travel(EXPLICIT, matrix=matrix, variances=0.1 * matrix)
+    fleet = (VehicleType(1, max_duration=9.0, risk=0.1), VehicleType(1, max_duration=9.0, name="certain"))
+    problem = RoutingProblem(Sites.of("abc"), travel, fleet, "makespan")
+    statement = {"term": "makespan", "at_most": 3.0}
+    assert [v.max_duration for v in problem.restricted([(statement, True)]).fleet] == [9.0, 3.0]
+    team = replace(problem, team_risk=0.1)
+    assert [v.max_duration for v in team.restricted([(statement, True)]).fleet] == [9.0, 9.0]
+    answer = Routes((Route((1, 2), 0),))  # takes 3, and may take longer with more than its risk
+    assert problem.restricted([(statement, True)]).evaluate(answer).feasible
+
+
+@pytest.mark.parametrize("term", ["total-cost", "", None, 1, ["makespan"]])
+def test_a_limit_of_no_largest_route_is_refused(term: object) -> None:
+    with pytest.raises(InputError, match="names no such term", check=coded("unknown-name")):
+        few("capacity", 0).check_statement({"term": term, "at_most": 1.0})
+
+
+@pytest.mark.parametrize("most", [math.inf, math.nan, None, "1", True, [1.0]])
+def test_a_limit_that_is_no_number_is_refused(most: object) -> None:
+    with pytest.raises(InputError, match="no finite number"):
+        few("capacity", 0).check_statement({"term": "makespan", "at_most": most})
+
+
+def test_limits_in_words() -> None:
+    problem, statement = few("capacity", 0), {"term": "latest-return", "at_most": 12.5}
+    problem.check_statement(statement)
+    problem.check_statement({"term": "makespan", "at_most": -3})
+    assert problem.in_words(statement, True) == "the latest return is at most 12.5"
+    assert problem.in_words(statement, False) == "the latest return is more than 12.5"
 
 
 def test_sets_of_moves_are_forbidden_or_kept_with_the_problem() -> None:

@@ -304,12 +304,10 @@ def test_time_limits_walks_where_windows_or_shifts_do() -> None:
     problem = two_types()
     terms = relaxed_terms(problem)[1]
     assert terms is not None
-    for change, shifts, names in (
-        ({}, True, 1), ({"max_distance": 40.0}, True, 2), ({"shift": (0.0, 50.0)}, False, 1), ({"shift": (0.0, 50.0)}, True, 2),
-    ):  # fmt: skip
+    for change, names in (({}, 1), ({"max_distance": 40.0}, 2), ({"shift": (0.0, 50.0)}, 2)):
         alone = replace(problem, fleet=(replace(problem.fleet[1], **change),))
         moves = VehicleMoves.of(alone, alone.fleet[0], terms, np.zeros(3), {})
-        assert len(limiting(alone, moves.resources, np.isfinite(moves.cost), shifts=shifts)) == names
+        assert len(limiting(alone, moves.resources, np.isfinite(moves.cost))) == names
     late = bound(replace(problem, fleet=(VehicleType(shift=(0.0, 31.0)),)), [20.0, 20.0, 20.0])
     assert late == 60.0  # one at a time: two of them take 32
 

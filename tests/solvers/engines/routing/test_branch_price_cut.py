@@ -54,8 +54,34 @@ def test_a_gap_ends_it_early_and_is_kept_to() -> None:
 
 
 def test_what_it_cannot_price_it_refuses_by_name() -> None:
-    with pytest.raises(UnsupportedError, match="objective:longest-route"):
-        wb.solve(replace(small("capacity", 1, "exact"), objective=Objective.of("longest-route")), "branch-price-cut")
+    for objective in ("total-cost + longest-route", "makespan + longest-route", "reward - makespan"):
+        with pytest.raises(UnsupportedError, match=r"objective:(longest-route|makespan)"):
+            wb.solve(replace(small("capacity", 1, "exact"), objective=Objective.of(objective)), "branch-price-cut")
+
+
+@pytest.mark.parametrize("term", ["makespan", "longest-route", "2*latest-return"])
+@pytest.mark.parametrize("feature", ["limited-fleet", "service-times", "max-distance", "multiple-depots", "separate-durations"])
+@pytest.mark.parametrize("seed", range(draws(2)))
+def test_the_largest_route_ends_optimal_and_verified_or_without_an_answer(feature: str, term: str, seed: int) -> None:
+    problem = small(feature, seed, "exact")
+    fleet = tuple(replace(v, count=1 if len(problem.fleet) > 1 else 2, capacity=2.0 * v.capacity) for v in problem.fleet)
+    problem = replace(problem, objective=Objective.of(term), fleet=fleet)
+    best, solution = best_values(problem), wb.solve(problem, "branch-price-cut", bound_time=0)
+    if best is None:
+        assert solution.status == "infeasible" and solution.certificate.infeasible
+    else:
+        assert (solution.status, solution.bound_kind) == ("optimal", "verified") and solution.objective == pytest.approx(best[0])
+        assert solution.bound == pytest.approx(best[0]) and solution.statistics["limits_tried"] >= 0
+
+
+def test_limits_leave_both_ends_of_the_largest_route() -> None:
+    problem = replace(plane(4, 14, 30.0, 3), objective=Objective.of("longest-route"))
+    whole = wb.solve(problem, "branch-price-cut", bound_time=0)
+    few = wb.solve(problem, "branch-price-cut", labels=5, bound_time=0)
+    near = wb.solve(problem, "branch-price-cut", gap=0.2, bound_time=0)
+    assert whole.status == "optimal" and (few.status, few.limit, few.bound_kind) == ("feasible", "memory", "verified")
+    assert few.bound < whole.objective == pytest.approx(whole.bound) and near.objective - near.bound <= 0.2 * near.objective
+    assert near.bound <= whole.objective <= near.objective
 
 
 @pytest.mark.parametrize("feature", ["heterogeneous-fleet", "multiple-depots", "prizes", "reward"])
