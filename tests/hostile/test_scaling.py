@@ -273,7 +273,11 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
     if e.kind == "branching-tree":
         leaves = [Evidence(node.get("kind", ""), "", 0.0, node.get("data", {})) for node in e.data["nodes"]]
         pairs = zip(e.data["nodes"], leaves, strict=True)
-        return {"nodes": [{**node, "data": in_units(leaf, factor, unit)} if "data" in node else node for node, leaf in pairs]}
+        return {
+            "nodes": [
+                node_in_units(node, unit) | ({"data": in_units(leaf, factor, unit)} if "data" in node else {}) for node, leaf in pairs
+            ]
+        }
     if e.kind in ("averaged-tour", "deviation-chord"):
         return {**e.data, "data": in_units(Evidence(e.data["kind"], "", 0.0, e.data["data"]), factor, unit)}
     own = {"time": "time", "duration": "time", "load": "load", "distance": "distance", "energy": "energy"}
@@ -303,6 +307,15 @@ def in_units(e: Evidence, factor: float, unit: Callable[[str], float]) -> dict[s
     for part in (part for part in lists if part in e.data):
         made[part] = [{**entry, "price": factor * entry["price"]} for entry in e.data[part]]
     return made
+
+
+def node_in_units(node: dict[str, Any], unit: Callable[[str], float]) -> dict[str, Any]:
+    """A node whose statement may name a limit of the largest route."""
+    branch = node.get("branch")
+    if not isinstance(branch, dict) or "at_most" not in branch:
+        return node
+    per = unit("distance" if branch["term"] == "longest-route" else "time")
+    return {**node, "branch": {**branch, "at_most": branch["at_most"] * per}}
 
 
 def times(value: Any, factor: float) -> Any:
