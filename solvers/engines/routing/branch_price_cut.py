@@ -16,7 +16,9 @@ from ...bounds.routing.arcs import ARC_TERMS, LIMITS
 from ...bounds.routing.branch_price_cut import CUSTOMERS, OPENING, Tree
 from ...bounds.routing.column_generation import LABELS, MEMORY, MOST_COLUMNS
 from ...bounds.routing.first_answer import first_answer
+from ...bounds.routing.memory_shares import least_limit
 from ...bounds.routing.set_partition import set_partition
+from ...bounds.routing.stabilisation import KINDS
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
@@ -37,8 +39,9 @@ NOTHING = "no answer was found that visits every required site"
 class BranchPriceCut(Engine):
     """A first answer by ruin and recreate, then branch, price and cut, which betters and proves it.
 
-    Options: ``columns``, the most routes at hand, ``labels``, the most labels of one search, and ``memory``, how many neighbours are
-    remembered at a customer to begin with.
+    Options: ``columns``, the most routes at hand, ``labels``, the most labels of one search, ``memory``, how many neighbours are
+    remembered at a customer to begin with, and ``stabilisation`` of the prices: ``smoothing``, ``trust-region`` or ``none``. Labels, routes
+    and the tree share what ``memory_limit`` leaves.
     """
 
     name = "branch-price-cut"
@@ -46,7 +49,7 @@ class BranchPriceCut(Engine):
     modules = ("numba", "highspy")
     summary = "branch, price and cut over routes, with a proof at every leaf"
     family: ClassVar[str] = "routing"
-    options = MappingProxyType({"columns": MOST_COLUMNS, "labels": LABELS, "memory": MEMORY})
+    options = MappingProxyType({"columns": MOST_COLUMNS, "labels": LABELS, "memory": MEMORY, "stabilisation": KINDS[0]})
     order = 90
     honours = frozenset({"gap"})
     one_thread = True
@@ -73,6 +76,13 @@ class BranchPriceCut(Engine):
         for name, least in LEAST.items():
             if options.extra.get(name, least) < least:
                 raise UsageError(f"{self.name}: option {name} must be at least {least}, not {options.extra[name]}", "out-of-range")
+        kind = options.extra.get("stabilisation", KINDS[0])
+        if kind not in KINDS:
+            raise UsageError(f"{self.name}: option stabilisation must be one of {', '.join(KINDS)}, not {kind!r}", "unknown-name")
+        least = least_limit(len(problem.customers) + 1, len(problem.fleet))
+        if options.memory_limit is not None and options.memory_limit < least:
+            message = f"{self.name}: the memory limit must be at least {least} MB for this problem, not {options.memory_limit:g}"
+            raise UsageError(message, "out-of-range")
         if not len(problem.customers):
             none = problem.evaluate(Routes(())).values[0]
             return RawResult("optimal", answer=Routes(()), objective=none, bound=none, message="there are no customers")
@@ -94,8 +104,9 @@ class BranchPriceCut(Engine):
             control.count(len(tree.nodes), **tree.counts())
             control.publish(bound=tree.sign * bound if math.isfinite(bound) else None)
 
+        most = {"memory_limit": options.memory_limit, **options.extra}
         tree = Tree(
-            problem, partition, value, stop, options.seed, answer=answer, most=options.extra, on_answer=control.publish, on_step=tell,
+            problem, partition, value, stop, options.seed, answer=answer, most=most, on_answer=control.publish, on_step=tell,
             gap=options.gap, share=ROOT,
         )  # fmt: skip
         tree.grow()
