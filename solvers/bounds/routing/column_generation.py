@@ -25,6 +25,7 @@ from .restricted_master import Cut, Drive, Master, Point, Pool, Prices, coeffici
 from .set_partition import SetPartition
 from .stabilisation import BOXED, KINDS, Smoothing, Stabilisation, stabilised
 from .subset_rows import SubsetRow, violated
+from .window_cuts import WindowCuts
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
@@ -131,6 +132,7 @@ class ColumnGeneration:
         self.counts = np.array([one.most for one in partition.types])
         self.row_cuts: Sequence[SubsetRow] = ()
         self.pool, self.cuts, self.loads = Pool(), dict[tuple[int, ...], SubsetRow](), set[bytes]()
+        self.windows = WindowCuts(partition.types[0].levels[0], self.usable[0])
         self.finite = np.where(self.usable, self.cost, self.dearest)
         _, self.one_each = np.unique(partition.row, return_index=True)  # a node of each row
         self.dear = 1.0
@@ -370,6 +372,8 @@ class ColumnGeneration:
         idle = [cut for cut in far if not isinstance(cut, MoveRow)]
         flow = some.flow(values, self.usable.shape).sum(axis=0)
         cuts: list[Cut] = list(overloaded(self.problem, flow, self.loads, self.stop))
+        if self.partition.merged and not self.partition.symmetric:
+            cuts += self.windows.violated(flow, self.loads)
         triples = violated(some, values, len(self.near), self.cuts) if rows and not self.given_up else []
         replaced = [self.cuts[cut.customers] for cut in triples if cut.customers in self.cuts]
         self._drop(list({id(cut): cut for cut in [*idle, *replaced]}.values()))
