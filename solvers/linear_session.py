@@ -78,6 +78,10 @@ class LinearSession:
         columns = np.arange(self._program.num_variables, dtype=np.int32)
         self._model.changeColsCost(len(columns), columns, np.zeros(len(columns)))
 
+    def price(self, columns: Longs, cost: Floats) -> None:
+        """Costs of some columns from now on."""
+        self._model.changeColsCost(len(columns), columns.astype(np.int32), cost)
+
     def add(self, cost: Floats, starts: Longs, rows: Longs, values: Floats, upper: Floats | None = None) -> None:
         """Further columns from 0 up to ``upper``, or without an end; ``starts`` says where the entries of each begin."""
         size, none = len(cost), np.zeros(len(cost))

@@ -63,6 +63,7 @@ ELSEWHERE = {
     "reports/missions/_study_figures": "reports/missions/sata/test_tracking_study.py",
     "reports/plots/positions": "reports/plots/routing/test_routes.py",
     "reports/benchmarks/_bare_highs": "reports/benchmarks/test_highs_versions.py",  # a script that knows nothing of waybound
+    "reports/benchmarks/_bare_routepricer": "reports/benchmarks/test_pricing_alone.py",
     **{f"reports/benchmarks/_bare_{name}": "reports/benchmarks/test_overhead.py" for name in ("ortools", "pyvrp", "routing", "vroom")},
     "solvers/engines/sata/local_max_min/records": "solvers/engines/sata/local_max_min/test_search.py",  # names of arrays
     "solvers/engines/sata/saddle_steps/layout": "solvers/engines/sata/saddle_steps/test_game.py",  # names of arrays

@@ -111,7 +111,7 @@ class ProofTree(ABC, Generic[N]):
         if not self.look(self.root):
             self.closed = -math.inf
         self.stop = whole
-        while self.open and self.numbers <= MOST_NUMBERS and not self.stop.reached():
+        while self.open and not self.full and not self.stop.reached():
             if self.reached(self.open[0][0]):  # by an answer that was found later
                 break
             node = heapq.heappop(self.open)[-1]
@@ -119,6 +119,11 @@ class ProofTree(ABC, Generic[N]):
                 self.wait(node)
                 break
             self.release(node)
+
+    @property
+    def full(self) -> bool:
+        """Whether it is handed over as it is, because it holds so much."""
+        return self.numbers > MOST_NUMBERS
 
     @property
     def bound(self) -> float:
@@ -178,7 +183,7 @@ class ProofTree(ABC, Generic[N]):
         try:
             with until(self.stop):
                 bound = self.sign * verified_bound(problem, evidence)
-        except InputError:
+        except (InputError, MemoryError):
             return -math.inf
         return -math.inf if math.isnan(bound) else bound
 

@@ -100,3 +100,11 @@ def test_columns_that_are_added_count_as_if_they_had_always_been_there(seed: int
     assert found.status == {0: "optimal", 2: "infeasible"}[status]
     if status == 0:
         assert found.value == pytest.approx(value, abs=1e-7)
+
+
+def test_changed_costs_count_from_then_on() -> None:
+    p = program(np.ones(3), np.ones((1, 3)), np.array([2.0]), np.array([9.0]), 0.0, 5.0)
+    session = LinearSession(p)
+    assert session.solve(NEVER).value == pytest.approx(2.0)
+    session.price(np.array([1]), np.array([0.25]))
+    assert session.solve(NEVER).value == pytest.approx(0.5)

@@ -23,6 +23,7 @@ from ...stop import current_stop
 from ..statements import moves_of
 from .fleet_walks import FleetMoves, Rows, limiting, remembered
 from .known_features import EPS, Flags, Floats, Longs, routing_evidence, without_stops
+from .one_route import beyond_one_route
 from .relaxation import Relaxation, customers_moves, fewest_carriers, merged_moves, needed_moves, relax
 from .told_visits import told_visits
 from .vehicle_moves import Terms, constants, relaxed_terms, value_grain
@@ -62,9 +63,9 @@ def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any
         of each type of vehicle by itself; then sites may be left out. ``ray``: true for prices alone, as if no arc cost anything and no
         visit were worth anything. ``rows``: subset rows of multiplier 1/2, each with the indices of its ``sites``, an odd number
         of customers, its ``memory``, customers with those among them, and its ``price``, 0 or less. ``loads``: sets of customers that as
-        many moves enter at least as vehicles are needed to carry the demands of those who are visited in each answer, each with its
-        ``sites`` and its ``price``, 0 or more. ``needed``: sets of ``moves``, as statements name them, that hold all of a set of which some
-        move is needed, each with its ``price``, 0 or more.
+        many moves enter at least as vehicles are needed to carry the demands of those who are visited in each answer, and two where no
+        route serves a few of them in time (not with ``apart``), each with its ``sites`` and its ``price``, 0 or more. ``needed``: sets of
+        ``moves``, as statements name them, that hold all of a set of which some move is needed, each with its ``price``, 0 or more.
         ``least`` and ``least_needed``: numbers below which no walk, and none that makes a needed move, is said to cost; of walks that cost
         as much only that is looked at.
 
@@ -123,7 +124,11 @@ def _together(problem: RoutingProblem, prices: Floats, given: _Given, claimed: S
     if not all(moves.any() for moves in needed):
         return NO_ANSWER
     near = remembered(problem, usable, given.memory)
-    loads = [Load(s, k, p) for (s, p), k in zip(given.loads, fewest_carriers(problem, [s for s, _ in given.loads]), strict=True)]
+    groups = [sites for sites, _ in given.loads]
+    carriers = fewest_carriers(problem, groups)
+    late = beyond_one_route(problem, [group if least == 1 else group[:0] for group, least in zip(groups, carriers, strict=True)])
+    least = [routes + int(more) for routes, more in zip(carriers, late.tolist(), strict=True)]
+    loads = [Load(sites, routes, price) for (sites, price), routes in zip(given.loads, least, strict=True)]
     priced = [(merged_moves(problem, among) & usable, price) for among, price in given.moves]
     # Once a set has a price, the least walk through it seldom proves more.
     needed = [moves for moves in needed if not any(price and (among | ~moves).all() for among, price in priced)]

@@ -27,6 +27,7 @@ from .arcs import Flags, Floats, by_site
 from .column_generation import WHOLE, ColumnGeneration, Part, Solved
 from .first_answer import RUINS, first_answer
 from .load_cuts import LoadCut
+from .memory_shares import NUMBER
 from .move_rows import MoveRow
 from .restricted_master import Prices
 from .routes_at_hand import best_choice
@@ -97,7 +98,7 @@ class Tree(ProofTree[_Node]):
 
     def __init__(
         self, problem: RoutingProblem, partition: SetPartition, target: float | None, stop: Stop, seed: int, *,
-        answer: Routes | None = None, most: Mapping[str, int] | None = None, gap: float = 0.0, share: float = ROOT,
+        answer: Routes | None = None, most: Mapping[str, Any] | None = None, gap: float = 0.0, share: float = ROOT,
         on_answer: Callable[[Routes, float], None] = lambda answer, value: None, on_step: Callable[[float], None] = lambda bound: None,
     ) -> None:  # fmt: skip
         super().__init__(problem, _Node(None), target, stop, share)
@@ -119,6 +120,13 @@ class Tree(ProofTree[_Node]):
 
     def reached(self, bound: float) -> bool:
         return super().reached(bound) or bound >= self.target - self.gap * abs(self.target)
+
+    @property
+    def full(self) -> bool:
+        if super().full or NUMBER * self.numbers + 8 * self.cost.size * len(self.open) > self.columns.shares.tree:
+            self.columns.limit = "memory"
+            return True
+        return False
 
     def _enough(self, bound: float) -> bool:
         return self.reached(lift(bound * self.unit, "min", self.grain))

@@ -1,7 +1,7 @@
 """Column generation: the linear program that chooses routes for one node of a tree, its cuts, and the routes that it still lacks.
 
-Routes of negative reduced cost are found by labels, and added until there are none (Desrochers, Desrosiers, Solomon 1992), at prices
-smoothed towards those of the best Lagrangian bound (Wentges 1997). Where a solution visits a customer twice on one route, he is remembered
+Routes of negative reduced cost are found by labels, and added until there are none (Desrochers, Desrosiers, Solomon 1992), at prices that
+``stabilisation`` chooses. Where a solution visits a customer twice on one route, he is remembered
 in between (Roberti, Mingozzi 2014).
 """
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,11 +18,14 @@ from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
 from .arcs import Flags, Floats, Longs
 from .load_cuts import LoadCut, overloaded
+from .memory_shares import MemoryShares
 from .move_rows import MoveRow
 from .pricing import Pricer
 from .restricted_master import Cut, Drive, Master, Point, Pool, Prices, coefficients
 from .set_partition import SetPartition
+from .stabilisation import BOXED, KINDS, Smoothing, Stabilisation, stabilised
 from .subset_rows import SubsetRow, violated
+from .window_cuts import WindowCuts
 
 if TYPE_CHECKING:
     from ....formulations.routing.problem import RoutingProblem
@@ -38,9 +41,6 @@ MOST_COLUMNS = 100_000
 
 MEMORY, MOST_MEMORY = 8, 20
 """Neighbours that are remembered at a customer to begin with, and in the end."""
-
-SMOOTHING = 0.6
-"""Weight of the best prices so far."""
 
 FEW, CROWDED = 1000, 4000
 """With more routes those that cost too much are dropped between two solutions, and with so many more all but the cheapest half of that
@@ -105,12 +105,12 @@ class ColumnGeneration:
         Whether a bound, in ``unit``, is all that is asked for.
     seed : int
     most : mapping, optional
-        ``columns``, ``labels`` and ``memory`` other than the usual ones.
+        ``columns``, ``labels``, ``memory``, ``memory_limit`` and ``stabilisation`` other than the usual ones.
     """
 
     def __init__(
         self, problem: RoutingProblem, partition: SetPartition, stop: Stop, enough: Callable[[float], bool], seed: int,
-        most: Mapping[str, int] | None = None,
+        most: Mapping[str, Any] | None = None,
     ) -> None:  # fmt: skip
         most = most or {}
         self.problem, self.stop, self.enough, self.seed = problem, stop, enough, seed
@@ -124,15 +124,20 @@ class ColumnGeneration:
         far = problem.travel.distances[np.ix_(partition.customers, partition.customers)]
         self.far, self.memory, self.most_memory = np.minimum(far, far.T), most.get("memory", MEMORY), MOST_MEMORY
         self.near = self._nearest(self.memory)
-        room = max(2, most.get("labels", LABELS) // len(partition.types))
-        pairs = zip(partition.types, self.usable, strict=True)
-        self.pricers = [Pricer(one.levels, usable, np.pad(self.far, (1, 0)), self.dearest, room) for one, usable in pairs]
+        self.shares = MemoryShares.of(most.get("memory_limit"), len(partition.row), len(partition.types))
+        room, share = max(2, most.get("labels", LABELS) // len(partition.types)), self.shares.labels / len(partition.types)
+        pairs, way = zip(partition.types, self.usable, strict=True), np.pad(self.far, (1, 0))
+        self.pricers = [Pricer(one.levels, usable, way, self.dearest, room, share) for one, usable in pairs]
         self.counts = np.array([one.most for one in partition.types])
         self.row_cuts: Sequence[SubsetRow] = ()
         self.pool, self.cuts, self.loads = Pool(), dict[tuple[int, ...], SubsetRow](), set[bytes]()
+        self.windows = WindowCuts(partition.types[0].levels[0], self.usable[0])
         self.finite = np.where(self.usable, self.cost, self.dearest)
         _, self.one_each = np.unique(partition.row, return_index=True)  # a node of each row
         self.dear = 1.0
+        there_and_back = np.abs(self.finite[:, 0, :]).max(axis=0) + np.abs(self.finite[:, :, 0]).max(axis=0)
+        self.there_and_back = Prices(np.zeros(len(self.counts)), there_and_back, {})
+        self.stabilisation = most.get("stabilisation", KINDS[0])
         self.master = self._new_master([])
         self.phase_one: Master | None = None
         self.point = Point("unknown")  # where the linear program stood last
@@ -155,12 +160,12 @@ class ColumnGeneration:
         return near
 
     def _new_master(self, cuts: Sequence[Cut]) -> Master:
-        there_and_back = np.abs(self.finite[:, 0, :]).max(axis=0) + np.abs(self.finite[:, :, 0]).max(axis=0)
-        lacking = self.dear * np.append(self.dearest, there_and_back[self.one_each[1:]])
+        lacking = self.dear * np.append(self.dearest, self.there_and_back.visits[self.one_each[1:]])
         return self._master(self.finite, np.maximum(lacking, 1e-3 * self.dear * self.dearest), cuts)
 
     def _master(self, cost: Floats, lacking: Floats, cuts: Sequence[Cut] = ()) -> Master:
-        return Master(self.pool, cost, self.partition.row, lacking, self.counts.tolist(), self.seed, cuts)
+        boxed = self.stabilisation == BOXED
+        return Master(self.pool, cost, self.partition.row, lacking, self.counts.tolist(), self.seed, cuts, boxed=boxed)
 
     def add(self, answer: Routes) -> None:
         """Take the routes of an answer."""
@@ -224,33 +229,35 @@ class ColumnGeneration:
 
         self._restrict(master, part)
         self._restrict_pricers(master, part)
-        best, how, guess, began = Solved("stopped"), SINGLE, -math.inf, self.stop.seconds_left
-        step = self.step if master is self.master else REDUCED
+        best, how, began = Solved("stopped"), SINGLE, self.stop.seconds_left
+        step, near = (self.step, self._near(centre)) if master is self.master else (REDUCED, Smoothing())
         while True:
             if best.prices is None and self.stop.seconds_left < LATE * began:
                 how = EXACT  # while there is time for a bound
+            if math.isfinite(near.radius) and near.centre is not None:
+                master.box(near.centre, near.radius)
             point = master.solve(self.stop)
-            if point.status != "optimal" or len(self.pool) > self.most_columns:
+            if point.status != "optimal" or len(self.pool) > self.most_columns or self.pool.bytes > self.shares.routes:
                 return self._ended(best, "stopped" if self.stop.reached() else "full")
             prices = point.prices
             assert prices is not None
             if master is self.master:
                 self.point = point
-                if len(self.pool) > CROWDED:
-                    self._keep(float(np.partition(point.reduced, CROWDED // 2)[CROWDED // 2]))
+                if len(self.pool) > CROWDED or self.pool.bytes > self.shares.routes / 2:
+                    half = min(CROWDED, len(self.pool)) // 2
+                    self._keep(float(np.partition(point.reduced, half)[half]))
                     point = self.point
             fresh: list[Drive] = []
-            for mixed in (True, False) if centre is not None else (False,):
-                at = prices.mixed(centre, SMOOTHING, master.cuts) if mixed and centre is not None else prices
+            constant = self.constant if master is self.master else 0.0
+            for at in near.places(prices, master.cuts):
                 status, least, routes = self._priced(part, at, how, step)
                 if status != 0:
                     return self._ended(best, "stopped" if status == STOPPED else "flooded")
-                bound = self._lagrangian(at, least, part, 0.0 if master is not self.master else self.constant)
-                if how != EXACT and bound > guess:  # no bound, but a good place to be near to
-                    guess, centre = bound, at
-                elif how == EXACT:
+                bound = self._lagrangian(at, least, part, constant)
+                near.told(at, bound, point.value + constant, how)
+                if how == EXACT:
                     if best.prices is None or bound > best.bound:
-                        best.bound, best.prices, best.least, centre = bound, at, least, at
+                        best.bound, best.prices, best.least = bound, at, least
                     if best.bound > WHOLE if master is not self.master else self.enough(best.bound):
                         best.status = "enough"
                         return best
@@ -261,6 +268,8 @@ class ColumnGeneration:
                 self.pool.add(fresh)
                 master.refresh()
                 how = SINGLE if how != EXACT else how
+            elif point.held > WHOLE:
+                near.held(prices)
             elif how != EXACT:
                 how = how - 1 if how > EXACT else EXACT
             else:
@@ -268,6 +277,14 @@ class ColumnGeneration:
                 best.routes.add(self.pool.drives(used))
                 best.status, best.values, best.lacking = "done", point.values[used], point.lacking
                 return best
+
+    def _near(self, centre: Prices | None) -> Stabilisation:
+        """A way to choose prices that begins near some; a box at first with what it costs to go there and back."""
+        if self.stabilisation == BOXED:
+            centre = centre or self.point.prices or self.there_and_back
+        near = stabilised(self.stabilisation, 0.0 if centre is None else float(np.abs(centre.visits).mean()))
+        near.begin(centre)
+        return near
 
     def _ended(self, best: Solved, status: str) -> Solved:
         """What was found before a limit."""
@@ -354,6 +371,8 @@ class ColumnGeneration:
         idle = [cut for cut in far if not isinstance(cut, MoveRow)]
         flow = some.flow(values, self.usable.shape).sum(axis=0)
         cuts: list[Cut] = list(overloaded(self.problem, flow, self.loads, self.stop))
+        if self.partition.merged and not self.partition.symmetric:
+            cuts += self.windows.violated(flow, self.loads)
         triples = violated(some, values, len(self.near), self.cuts) if rows and not self.given_up else []
         replaced = [self.cuts[cut.customers] for cut in triples if cut.customers in self.cuts]
         self._drop(list({id(cut): cut for cut in [*idle, *replaced]}.values()))

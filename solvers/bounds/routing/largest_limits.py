@@ -64,14 +64,14 @@ class LimitTree(Tree):
 
     def __init__(
         self, limited: RoutingProblem, summed: RoutingProblem, partition: SetPartition, limit: float, most: float, stop: Stop, seed: int,
-        extra: Mapping[str, int],
+        extra: Mapping[str, Any],
     ) -> None:  # fmt: skip
         super().__init__(summed, partition, most, stop, seed, most=extra)
         self.limited, self.limit, self.looked, self.began = limited, limit, 0, False
 
     @classmethod
     def of(
-        cls, problem: RoutingProblem, term: str, limit: float, stop: Stop, seed: int, extra: Mapping[str, int]
+        cls, problem: RoutingProblem, term: str, limit: float, stop: Stop, seed: int, extra: Mapping[str, Any]
     ) -> LimitTree | None:  # fmt: skip
         """None where moves are too many for the time."""
         limited = problem.restricted([(stated(term, limit), True)]) if math.isfinite(limit) else problem
@@ -211,7 +211,7 @@ class LimitSearch:
 
     def __init__(
         self, problem: RoutingProblem, stop: Stop, seed: int, *, answer: Routes | None = None, value: float | None = None,
-        most: Mapping[str, int] | None = None, gap: float = 0.0,
+        most: Mapping[str, Any] | None = None, gap: float = 0.0,
         on_answer: Callable[[Routes, float], None] = lambda answer, value: None, on_step: Callable[[], None] = lambda: None,
     ) -> None:  # fmt: skip
         self.problem, self.stop, self.seed, self.answer, self.extra, self.gap = problem, stop, seed, answer, most or {}, gap

@@ -29,6 +29,10 @@ UNEVEN, SHIFT = 1.2, 0.05
 """Ratio of the numbers of labels from both ends above which the halfway point is moved, and by what part of the first level."""
 
 
+BESIDE, MEETING = 17, 16
+"""Bytes of a label beside its row, and where labels are put together."""
+
+
 class _End:
     """All that labels from one end of the routes take; nodes, moves and levels are those seen from there, nodes come first.
 
@@ -36,9 +40,12 @@ class _End:
     order in which ``grow`` takes it.
     """
 
-    def __init__(self, weight: Longs, lower: Longs, upper: Longs, start: Longs, above: Longs, room: int) -> None:
+    def __init__(
+        self, weight: Longs, lower: Longs, upper: Longs, start: Longs, above: Longs, room: int, most_bytes: float
+    ) -> None:  # fmt: skip
         self.weight, self.lower, self.upper, self.start, self.above = weight, lower, upper, start, above
-        self.count, self.nodes, self.room = 0, len(lower), room
+        room = int(min(room, most_bytes / (BESIDE + MEETING + 8 * (len(start) + 3))))
+        self.count, self.nodes, self.room, self.most_bytes = 0, len(lower), room, most_bytes
         self.node, self.parent, self.after, self.waiting = (np.empty(room, np.int32) for _ in range(4))
         self.gone, self.queue = np.empty(room, np.bool_), np.empty(QUEUE, np.int32)
         self.chains, self.cheapest = np.empty((self.nodes, BUCKETS), np.int32), np.empty((self.nodes, BUCKETS), np.int64)
@@ -65,7 +72,9 @@ class _End:
         self.latest = self._latest(usable, members)
         width = len(self.start) + 3 + words
         if self.rows.shape[1] != width:
-            self.rows = np.empty((self.room + 1, width), np.int64)
+            self.rows = np.empty((0, width), np.int64)  # let go of the old ones first
+            fitting = int(min(self.room, (self.most_bytes - BESIDE * self.room) / (MEETING + 8 * width)))
+            self.rows = np.empty((fitting + 1, width), np.int64)
 
     def _latest(self, usable: Flags, members: Ints) -> Longs:
         """Levels at each node above which those whom it remembers are out of reach."""
@@ -84,6 +93,13 @@ class _End:
         self.cost = np.floor(cost[self.tails, self.heads] * unit).astype(np.int64)
         self.rows[0] = 0
         self.rows[0, 1 : 1 + len(self.start)] = self.start
+
+    @property
+    def labels(self) -> tuple[NDArray[Any], ...]:
+        """What is written to, for as many labels as there is room for."""
+        beside = (part[: len(self.rows) - 1] for part in (self.node, self.parent, self.after, self.gone, self.waiting))
+        node, parent, after, gone, waiting = beside
+        return self.rows, node, parent, after, gone, self.queue, waiting, self.chains, self.cheapest
 
     @property
     def moves(self) -> tuple[NDArray[Any], ...]:
@@ -112,9 +128,13 @@ class Pricer:
         The largest cost of a move.
     room : int
         Most labels from each end.
+    most_bytes : float
+        For the labels from both ends.
     """
 
-    def __init__(self, levels: Sequence[Level], usable: Flags, far: Floats, dearest: float, room: int) -> None:
+    def __init__(
+        self, levels: Sequence[Level], usable: Flags, far: Floats, dearest: float, room: int, most_bytes: float = math.inf
+    ) -> None:  # fmt: skip
         self.levels, self.nodes = len(levels), len(usable)
         self.unit = 2.0**COST_BITS / dearest if dearest > 0.0 else 1.0
         whole = [self._whole(level, usable) for level in levels]
@@ -128,11 +148,10 @@ class Pricer:
         back_low, back_high = (np.ascontiguousarray((self.top[:, None] - ends).T) for ends in (high, low))
         back_high[0] = self.top - first
         mirrored = np.ascontiguousarray(w.transpose(0, 2, 1))
+        half = most_bytes / 2.0
+        ahead, back = (low.T.copy(), high.T.copy(), first, above), (back_low, back_high, back_low[0].copy(), below)
         # From behind it is the other way round: what comes on board on the rest of the way leaves room for what is delivered there.
-        self.ends = (
-            _End(w, low.T.copy(), high.T.copy(), first, above, room),
-            _End(mirrored, back_low, back_high, back_low[0].copy(), below, room),
-        )
+        self.ends = _End(w, *ahead, room, half), _End(mirrored, *back, room, half)
         self.members, self.position = np.zeros((0, 0), np.int32), np.zeros((0, 0), np.int8)
         self.toggle = np.zeros((self.nodes, 0), np.int64)
         self.halfway = int((max(first[0], 0) + high[0].max()) // 2)
@@ -227,8 +246,7 @@ class Pricer:
             end.begin(grid, self.unit)
             status, end.count = grow(
                 stop.flag, *end.moves, self.toggle, fines, end.lower, end.upper, end.above, self.members, self.position, end.latest,
-                end.rows, end.node, end.parent, end.after, end.gone, end.queue, end.waiting, end.chains, end.cheapest,
-                max(half, int(end.start[0])), how,
+                *end.labels, max(half, int(end.start[0])), how,
             )  # fmt: skip
             self.labels += end.count
             if status != DONE:

@@ -15,6 +15,7 @@ from ....formulations.programs.program import Program, Rows, Variables
 from ....formulations.stop import Stop
 from ...linear_session import LinearResult, LinearSession
 from .arcs import Flags, Floats, Longs
+from .memory_shares import ROUTE, VISIT
 
 Drive = tuple[int, Longs]
 """The number of a type of vehicle, and the nodes that one of them visits."""
@@ -58,6 +59,11 @@ class Pool:
 
     def __len__(self) -> int:
         return len(self.routes)
+
+    @property
+    def bytes(self) -> int:
+        """Memory that the routes take, with their columns, at most."""
+        return ROUTE * len(self.routes) + VISIT * len(self.tail)
 
     def new(self, drives: Sequence[Drive]) -> list[Drive]:
         """The routes that are not in the pool, each once."""
@@ -140,13 +146,14 @@ class Prices:
 @dataclass(eq=False)
 class Point:
     """The end of a linear program: ``values`` and ``reduced`` costs of the routes, ``lacking``, how much of the visits no route makes up
-    for."""
+    for, and ``held``, how much of them the box around the prices does."""
 
     status: str
     value: float = math.nan
     values: Floats = field(default_factory=lambda: np.zeros(0))
     reduced: Floats = field(default_factory=lambda: np.zeros(0))
     lacking: float = 0.0
+    held: float = 0.0
     prices: Prices | None = None
 
 
@@ -155,25 +162,30 @@ class Master:
 
     ``cost``, shape (types, nodes, nodes), is that of moves, finite, and ``row``, shape (nodes,), has the row of each node's visits;
     ``lacking``, shape (1 + rows,), is the price of a visit that no route makes, in entry 0 that of a route too few or too many; ``most``
-    has the largest number of routes of each type.
+    has the largest number of routes of each type. ``boxed``: the prices of visits can be kept within a box.
     """
 
     def __init__(
-        self, pool: Pool, cost: Floats, row: Longs, lacking: Floats, most: Sequence[int], seed: int, cuts: Sequence[Cut] = ()
+        self, pool: Pool, cost: Floats, row: Longs, lacking: Floats, most: Sequence[int], seed: int, cuts: Sequence[Cut] = (), *,
+        boxed: bool = False,
     ) -> None:  # fmt: skip
         self.pool, self.cost, self.row, self.lacking, self.seed, self.known = pool, cost, row, lacking, seed, 0
         visits, self.types = len(lacking) - 1, len(most) if len(most) > 1 else 0
-        # Columns: missing visits, routes too few, too many, their number, visits that need not be made, and the number of each type.
-        self.number, self.own = visits + 2, 2 * visits + 3 + self.types
+        # Columns: missing visits, routes too few, too many, their number, visits that need not be made, visits more and less at the prices
+        # of the box, and the number of each type.
+        self.number, self.box_at, self.boxes = visits + 2, 2 * visits + 3, visits if boxed else 0
+        self.own = self.box_at + 2 * self.boxes + self.types
         self.own_rows = 1 + visits + self.types
         upper = np.full(self.own, math.inf)
-        upper[self.number], upper[self.number + 1 : self.number + 1 + visits] = len(row), 0.0
+        upper[self.number], upper[self.number + 1 : self.box_at + 2 * self.boxes] = len(row), 0.0
         price = np.zeros(self.own)
         price[:visits], price[visits : visits + 2] = lacking[1:], lacking[0]
         table = sparse.lil_array((self.own_rows, self.own))
         table[0, visits], table[0, visits + 1], table[0, self.number] = 1.0, -1.0, -1.0
         for v in range(visits):
             table[1 + v, v] = table[1 + v, self.number + 1 + v] = 1.0
+        for v in range(self.boxes):
+            table[1 + v, self.box_at + v], table[1 + v, self.box_at + visits + v] = 1.0, -1.0
         for t in range(self.types):
             table[0, self.own - self.types + t], table[1 + visits + t, self.own - self.types + t] = 1.0, -1.0
             upper[self.own - self.types + t] = most[t]
@@ -254,13 +266,26 @@ class Master:
         self.branched = [row for row in self.branched if row in kept]
 
     def restrict(self, shut: Flags, fewest: int, most: int, left_out: Flags) -> None:
-        """Shut some routes, limit their number, and have the visits ``left_out``, shape (1 + rows,), be left out at no cost."""
+        """Shut some routes, limit their number, have the visits ``left_out``, shape (1 + rows,), be left out at no cost, and take the box
+        away."""
         lower, upper = self.session.lower.copy(), self.session.upper.copy()
         lower[self.number], upper[self.number] = fewest, most
-        upper[self.number + 1 : self.number + len(left_out)] = np.where(left_out[1:], 1.0, 0.0)
+        upper[self.number + 1 : self.box_at] = np.where(left_out[1:], 1.0, 0.0)
+        upper[self.number - 1], upper[self.box_at : self.box_at + 2 * self.boxes] = math.inf, 0.0
         upper[self.own :] = np.where(shut, 0.0, math.inf)
         self.session.primal(False)
         self.session.bound(lower, upper)
+
+    def box(self, centre: Prices, radius: float) -> None:
+        """Keep the prices of visits within ``radius`` of a centre until the next ``restrict``."""
+        at = np.arange(self.box_at, self.box_at + 2 * self.boxes)
+        middle = np.zeros(self.boxes)
+        middle[self.row[1:] - 1] = centre.visits[1:]
+        upper = self.session.upper.copy()
+        upper[at], upper[self.number - 1] = math.inf, 0.0  # else, with a route too many at a price, the box may hold no prices at all
+        self.session.primal(True)
+        self.session.price(at, np.concatenate([middle + radius, radius - middle]))
+        self.session.bound(self.session.lower, upper)
 
     def solve(self, stop: Stop) -> Point:
         result: LinearResult = self.session.solve(stop)
@@ -271,5 +296,5 @@ class Master:
         visits = result.duals[self.row]
         visits[0] = 0.0
         prices = Prices(routes.copy(), visits, {cut: max(0.0, dual) * cut.sign for cut, dual in duals if dual > 0.0})
-        lacking = float(result.x[: self.number].sum())
-        return Point("optimal", result.value, result.x[self.own :], result.reduced[self.own :], lacking, prices)
+        lacking, held = (float(part.sum()) for part in (result.x[: self.number], result.x[self.box_at : self.box_at + 2 * self.boxes]))
+        return Point("optimal", result.value, result.x[self.own :], result.reduced[self.own :], lacking, held, prices)

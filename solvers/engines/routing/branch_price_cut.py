@@ -19,7 +19,9 @@ from ...bounds.routing.choice_of_routes import holds_peaks, lacks_one_peak
 from ...bounds.routing.column_generation import LABELS, MEMORY, MOST_COLUMNS
 from ...bounds.routing.first_answer import first_answer
 from ...bounds.routing.largest_limits import LimitSearch
+from ...bounds.routing.memory_shares import least_limit
 from ...bounds.routing.set_partition import set_partition
+from ...bounds.routing.stabilisation import KINDS
 
 if TYPE_CHECKING:
     from ....formulations.evidence import Evidence
@@ -41,8 +43,9 @@ NOTHING = "no answer was found that visits every required site"
 class BranchPriceCut(Engine):
     """A first answer by ruin and recreate, then branch, price and cut, which betters and proves it.
 
-    Options: ``columns``, the most routes at hand, ``labels``, the most labels of one search, and ``memory``, how many neighbours are
-    remembered at a customer to begin with.
+    Options: ``columns``, the most routes at hand, ``labels``, the most labels of one search, ``memory``, how many neighbours are
+    remembered at a customer to begin with, and ``stabilisation`` of the prices: ``smoothing``, ``trust-region`` or ``none``. Labels, routes
+    and the tree share what ``memory_limit`` leaves.
     """
 
     name = "branch-price-cut"
@@ -50,7 +53,7 @@ class BranchPriceCut(Engine):
     modules = ("numba", "highspy")
     summary = "branch, price and cut over routes, with a proof at every leaf"
     family: ClassVar[str] = "routing"
-    options = MappingProxyType({"columns": MOST_COLUMNS, "labels": LABELS, "memory": MEMORY})
+    options = MappingProxyType({"columns": MOST_COLUMNS, "labels": LABELS, "memory": MEMORY, "stabilisation": KINDS[0]})
     order = 90
     honours = frozenset({"gap"})
     one_thread = True
@@ -79,6 +82,13 @@ class BranchPriceCut(Engine):
         for name, least in LEAST.items():
             if options.extra.get(name, least) < least:
                 raise UsageError(f"{self.name}: option {name} must be at least {least}, not {options.extra[name]}", "out-of-range")
+        kind = options.extra.get("stabilisation", KINDS[0])
+        if kind not in KINDS:
+            raise UsageError(f"{self.name}: option stabilisation must be one of {', '.join(KINDS)}, not {kind!r}", "unknown-name")
+        least = least_limit(len(problem.customers) + 1, len(problem.fleet))
+        if options.memory_limit is not None and options.memory_limit < least:
+            message = f"{self.name}: the memory limit must be at least {least} MB for this problem, not {options.memory_limit:g}"
+            raise UsageError(message, "out-of-range")
         if not len(problem.customers):
             none = problem.evaluate(Routes(())).values[0]
             return RawResult("optimal", answer=Routes(()), objective=none, bound=none, message="there are no customers")
@@ -92,8 +102,9 @@ class BranchPriceCut(Engine):
             answer, value = (None, None) if first is None else _judged(problem, first)
         if answer is not None:
             control.publish(answer, value)
+        most = {"memory_limit": options.memory_limit, **options.extra}
         if holds_peaks(problem):
-            return self._bisect(problem, options, control, stop, answer, value, statistics)
+            return self._bisect(problem, options, most, control, stop, answer, value, statistics)
         partition = set_partition(problem, stop)
         if partition is None:
             return RawResult("unknown" if answer is None else "feasible", "time", answer, value, statistics=statistics, message=NOTHING)
@@ -103,7 +114,7 @@ class BranchPriceCut(Engine):
             control.publish(bound=tree.sign * bound if math.isfinite(bound) else None)
 
         tree = Tree(
-            problem, partition, value, stop, options.seed, answer=answer, most=options.extra, on_answer=control.publish, on_step=tell,
+            problem, partition, value, stop, options.seed, answer=answer, most=most, on_answer=control.publish, on_step=tell,
             gap=options.gap, share=ROOT,
         )  # fmt: skip
         tree.grow()
@@ -115,8 +126,8 @@ class BranchPriceCut(Engine):
         return _concluded(problem, answer, tree.sign * bound, found, limit, tree.columns.given_up, statistics)
 
     def _bisect(
-        self, problem: RoutingProblem, options: Options, control: Control, stop: Stop, answer: Routes | None, value: float | None,
-        statistics: dict[str, Any],
+        self, problem: RoutingProblem, options: Options, most: dict[str, Any], control: Control, stop: Stop, answer: Routes | None,
+        value: float | None, statistics: dict[str, Any],
     ) -> RawResult:  # fmt: skip
         """The largest of all routes, by limits of each."""
 
@@ -125,7 +136,7 @@ class BranchPriceCut(Engine):
             control.publish(bound=search.bound if math.isfinite(search.bound) else None)
 
         search = LimitSearch(
-            problem, stop, options.seed, answer=answer, value=value, most=options.extra, gap=options.gap, on_answer=control.publish,
+            problem, stop, options.seed, answer=answer, value=value, most=most, gap=options.gap, on_answer=control.publish,
             on_step=tell,
         )  # fmt: skip
         search.run()

@@ -66,7 +66,8 @@ def assert_no_more_is_proved(problem: RoutingProblem, name: str, stop: Stop) -> 
         return
     evidence, best = BOUNDS[name].evidence(problem, stop, LinearPrograms()), best_values(problem)
     if evidence is not None:
-        assert verified_bound(problem, evidence) <= (math.inf if best is None else best[0] + 1e-9 * abs(best[0]))
+        sign = 1.0 if problem.sense == "min" else -1.0
+        assert sign * verified_bound(problem, evidence) <= (math.inf if best is None else sign * best[0] + 1e-9 * abs(best[0]))
 
 
 @pytest.mark.share(3)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from waybound.formulations.stop import NEVER
-from waybound.solvers.bounds.routing.restricted_master import Master, Pool
+from waybound.solvers.bounds.routing.restricted_master import Master, Pool, Prices
 
 
 def test_routes_are_kept_once_and_their_moves_are_counted() -> None:
@@ -60,3 +60,19 @@ def test_members_of_a_group_share_a_row() -> None:
     master.restrict(np.zeros(2, dtype=bool), 0, 2, np.zeros(2, dtype=bool))
     point = master.solve(NEVER)
     assert point.value == pytest.approx(6.0) and point.prices is not None and point.prices.visits[1] == point.prices.visits[2]
+
+
+def test_prices_are_kept_within_a_box_and_what_it_makes_up_for_is_told() -> None:
+    pool = Pool()
+    pool.add([(0, np.array([1])), (0, np.array([2])), (0, np.array([1, 2]))])
+    master = Master(pool, COST[None], np.arange(3), np.full(3, 100.0), [2], 1, boxed=True)
+    every = np.zeros(3, dtype=bool)
+    master.restrict(every, 1, 2, NOBODY)
+    free = master.solve(NEVER)
+    for middle, radius in ((2.0, 1.0), (50.0, 3.0), (6.0, 100.0)):
+        master.box(Prices(np.zeros(1), np.array([0.0, middle, middle]), {}), radius)
+        point = master.solve(NEVER)
+        assert point.prices is not None and (abs(point.prices.visits[1:] - middle) <= radius + 1e-9).all()
+        assert point.value <= free.value + 1e-9 and (point.held > 0.0) == (radius < 100.0)
+    master.restrict(every, 1, 2, NOBODY)
+    assert master.solve(NEVER).value == pytest.approx(free.value)

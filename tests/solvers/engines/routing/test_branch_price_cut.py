@@ -42,6 +42,11 @@ def test_options_are_checked_and_limits_are_kept_to() -> None:
     for name, value in (("columns", 0), ("labels", 1), ("memory", -1)):
         with pytest.raises(UsageError, match=f"option {name} must be at least"):
             wb.solve(problem, "branch-price-cut", **{name: value})
+    with pytest.raises(UsageError, match="stabilisation must be one of smoothing, trust-region, none, not 'box'"):
+        wb.solve(problem, "branch-price-cut", stabilisation="box")
+    with pytest.raises(UsageError, match="the memory limit must be at least 271 MB for this problem, not 5"):
+        wb.solve(problem, "branch-price-cut", memory_limit=5)
+    assert wb.solve(problem, "branch-price-cut", memory_limit=271, bound_time=0).status == "optimal"
     few = wb.solve(problem, "branch-price-cut", labels=5, bound_time=0)
     assert (few.status, few.limit) == ("feasible", "memory") and few.objective >= wb.solve(problem, "branch-price-cut").objective
 
@@ -51,6 +56,15 @@ def test_a_gap_ends_it_early_and_is_kept_to() -> None:
     whole, near = wb.solve(problem, "branch-price-cut"), wb.solve(problem, "branch-price-cut", gap=0.5)
     assert whole.status == "optimal" and near.bound_kind == "verified"
     assert near.bound <= whole.objective <= near.objective and near.objective - near.bound <= 0.5 * near.objective
+
+
+@pytest.mark.parametrize("stabilisation", ["smoothing", "trust-region", "none"])
+@pytest.mark.parametrize("seed", range(draws(4)))
+def test_proofs_are_verified_however_prices_are_stabilised(stabilisation: str, seed: int) -> None:
+    problem = plane(seed, 12, 25.0)
+    solution = wb.solve(problem, "branch-price-cut", stabilisation=stabilisation, bound_time=0)
+    assert (solution.status, solution.bound_kind) == ("optimal", "verified")
+    assert solution.objective == pytest.approx(wb.solve(problem, "branch-price-cut").objective)
 
 
 def test_what_it_cannot_price_it_refuses_by_name() -> None:
