@@ -11,7 +11,7 @@ import waybound as wb
 from waybound.cli.app import app
 
 COMMANDS = {
-    "bound", "check", "compare", "convert", "explain", "export", "generate", "heuristics", "info", "instances", "ratio", "run", "solve",
+    "bench", "bound", "check", "compare", "convert", "explain", "export", "generate", "heuristics", "info", "instances", "ratio", "run", "solve",
     "solvers", "warm",
 }  # fmt: skip
 
