@@ -147,12 +147,12 @@ def _methods(top: Keys) -> Iterator[dict[str, Any]]:
     """Each method with each combination of its options, as parts of a ``Setting``."""
     entries = [(False, entry) for entry in top.entries("solvers", "name")]
     entries += [(True, entry) for entry in top.entries("heuristics", "name")]
-    names = [entry.get("name") for _, entry in entries]
+    names = [str(entry.get("name")) for _, entry in entries]
     for part in ("options", "grid"):
-        for name in top.inner(part):
-            if name not in names:
-                hint = did_you_mean(name, [str(n) for n in names])
-                raise top.fault(f"{part} has a table for {name!r}, which is no method of this campaign{hint}", "unknown-name")
+        for other in top.inner(part):
+            if other not in names:
+                hint = did_you_mean(other, names)
+                raise top.fault(f"{part} has a table for {other!r}, which is no method of this campaign{hint}", "unknown-name")
     for heuristic, entry in entries:
         kind = "a heuristic" if heuristic else "a solver"
         own = Keys(entry, top.file, kind, ("name", "options", "grid", *(_LIMITING if heuristic else _SEARCHING)))

@@ -97,7 +97,7 @@ class DaskWorkers:
 
     def _places(self) -> int:
         """Runs that the cluster can do at a time; at least one, which waits for a worker to come."""
-        return max(1, sum(self._client.nthreads().values()))
+        return max(1, int(sum(self._client.nthreads().values())))
 
     def _outcome(self, future: Any, task: Task) -> Outcome:
         from distributed import KilledWorker

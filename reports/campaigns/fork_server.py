@@ -31,6 +31,9 @@ PRELOADED = ("waybound.api", "waybound.solving.solve", "waybound.instances.readi
 _INHERITED = {"waybound", "numpy", "scipy", "numba", "llvmlite", *sys.stdlib_module_names}
 """Packages that are loaded here once a run has loaded them; libraries of solvers, which may keep threads, are not."""
 
+SHORT = 10.0
+"""Seconds up to which a run that had to load compiled loops is done once more, so that its times are those of the search."""
+
 _PICKED_UP = "outcome"
 _SAID = "output"
 
@@ -44,6 +47,7 @@ class _Running:
     task: Task
     news: Connection
     place: Path
+    again: bool = False
     began: float = field(default_factory=time.monotonic)
     standing: int = 0
     since: float = 0.0
@@ -110,8 +114,8 @@ class ForkServer:
         with suppress(BlockingIOError):
             os.read(self._woken, 4096)
         for end in ready:
-            if end in news and not news[end].hear():  # type: ignore[index]
-                end.close()  # type: ignore[union-attr]
+            if end in news and not news[end].hear():
+                end.close()
         for one in list(self.running.values()):
             if one.left <= 0.0:
                 one.late = True
@@ -127,7 +131,7 @@ class ForkServer:
             self._begin(number, task)
         return True
 
-    def _begin(self, number: int, task: Task) -> None:
+    def _begin(self, number: int, task: Task, again: bool = False) -> None:
         place = self.folder / f"run-{number}"
         mine, theirs = Pipe(duplex=False)
         place.mkdir()
@@ -139,20 +143,25 @@ class ForkServer:
                 other.news.close()
             _be_a_run(task, place, theirs)
         theirs.close()
-        self.running[number] = _Running(number, pid, task, mine, place)
+        self.running[number] = _Running(number, pid, task, mine, place, again)
 
     def _end(self, one: _Running, code: int) -> None:
         del self.running[one.number]
         one.news.close()
-        outcome, learned = None, None
+        outcome: Outcome | None = None
+        learned: tuple[list[str], list[tuple[str, str]]] = ([], [])
         if not code:
             with suppress(OSError, pickle.UnpicklingError, EOFError):
                 outcome, learned = pickle.loads((one.place / _PICKED_UP).read_bytes())
         if outcome is None:
             outcome = _obituary(one, code)
-        self.connection.send_bytes(pickle.dumps((one.number, outcome)))
         shutil.rmtree(one.place, ignore_errors=True)
-        if learned is not None and any(learned):
+        if learned[1] and not one.again and time.monotonic() - one.began < SHORT:
+            _learn(*learned)
+            self._begin(one.number, one.task, again=True)
+            return
+        self.connection.send_bytes(pickle.dumps((one.number, outcome)))
+        if any(learned):
             _learn(*learned)
 
 
@@ -167,10 +176,10 @@ def _be_a_run(task: Task, place: Path, news: Connection) -> None:
         os.dup2(said, 2)
         from ...formulations.stop import hearing
 
-        before = set(sys.modules)
+        before, made = set(sys.modules), set(_ready())
         with hearing(lambda _, seconds: news.send_bytes(b"stands" if math.isnan(seconds) else b"runs on")):
             outcome = run_task(task)
-        data = pickle.dumps((outcome, _loaded(before)))
+        data = pickle.dumps((outcome, _loaded(before, made)))
         (place / f"{_PICKED_UP}.part").write_bytes(data)
         (place / f"{_PICKED_UP}.part").rename(place / _PICKED_UP)
         os._exit(0)
@@ -210,12 +219,13 @@ def _discover() -> None:
     from ...solvers.backend import BACKENDS
 
     for registry in (FORMATS, PROBLEMS, HEURISTICS, BACKENDS, CHECKERS):
-        registry.names()  # type: ignore[attr-defined]
+        registry.names()
 
 
-def _loaded(before: set[str]) -> tuple[list[str], list[tuple[str, str]]]:
-    """Modules that a run has loaded, and compiled loops that it had made ready."""
-    return [name for name in sys.modules if name not in before and name.partition(".")[0] in _INHERITED], list(_ready())
+def _loaded(before: set[str], made: set[tuple[str, str]]) -> tuple[list[str], list[tuple[str, str]]]:
+    """Modules that a run has loaded, and compiled loops that it had made ready, beside what was there before."""
+    modules = [name for name in sys.modules if name not in before and name.partition(".")[0] in _INHERITED]
+    return modules, [loop for loop in _ready() if loop not in made]
 
 
 def _ready() -> dict[tuple[str, str], Callable[[], Any]]:
@@ -238,6 +248,7 @@ def _learn(modules: list[str], loops: list[tuple[str, str]]) -> None:
                 loop = getattr(importlib.import_module(module), name)
                 if loop.kept():
                     loop.make()
+    gc.freeze()
 
 
 def main(descriptor: int, folder: str) -> None:

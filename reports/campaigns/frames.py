@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Collection, Sequence
 from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...instances.errors import InputError, MissingPackageError, UsageError
+from ...instances.errors import MissingPackageError, UsageError
 from ...instances.suggestions import did_you_mean
 from .campaign import Key
 from .one_run import COLUMNS
@@ -26,7 +25,8 @@ _SOURCES = {
 }  # fmt: skip
 
 FIRST = (
-    "instance", "solver", "seed", "objective", "bound", "bound_kind", "status", "seconds", "gap", "verified_bound", "checked", "limit", "method",
+    "instance", "solver", "seed", "objective", "bound", "bound_kind", "status", "seconds", "gap", "verified_bound", "checked", "limit",
+    "method",
 )  # fmt: skip
 
 NAMES = (*FIRST, *(name for name in _SOURCES if name not in FIRST))

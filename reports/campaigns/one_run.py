@@ -36,7 +36,7 @@ COLUMNS = {
 """
 
 DOCUMENTS = ("solution", "certificate", "history")
-"""What is kept of a run in full, each as JSON: the solution with its answer, the certificate with its evidence, the course of the search."""
+"""What is kept of a run in full, as JSON: the solution with its answer, the certificate with its evidence, the course of the search."""
 
 
 @dataclass(frozen=True)

@@ -168,9 +168,6 @@ class ResultsFile:
 
 _KEYS = "SELECT i.name, i.hash, s.hash, r.seed FROM runs r JOIN instances i ON i.id = r.instance JOIN settings s ON s.id = r.setting"
 
-STATUSES = _KEYS.replace(" FROM", ", r.status FROM", 1)
-"""Asks for the key of each run and how it ended."""
-
 
 def check_schema(connection: sqlite3.Connection, path: Path) -> None:
     """Raise InputError for a database that is none of ours, or of a newer schema; an empty one passes."""

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, suppress
-from dataclasses import dataclass
 from typing import Protocol
 
 from ...instances.errors import InputError, UnsupportedError
 from .campaign import Campaign, Planned
 from .one_run import Outcome, Task
-from .results_file import STATUSES, ResultsFile, opened
+from .results_file import ResultsFile
 from .setting import canonical
 
 Told = Callable[[int, int, str], None]
@@ -23,19 +22,6 @@ class Workers(Protocol):
     def outcomes(self, tasks: Iterator[tuple[Planned, Task]]) -> Iterator[tuple[Planned, Outcome]]:
         """Each run with its outcome, in the order in which they end; tasks are taken as they can be done."""
         ...
-
-
-@dataclass(frozen=True)
-class Progress:
-    """How far a campaign is: runs in all, those that are in its results file, and those of them that ended in an error."""
-
-    planned: int
-    done: int
-    failed: int = 0
-
-    @property
-    def missing(self) -> int:
-        return self.planned - self.done
 
 
 def run_campaign(campaign: Campaign, workers: AbstractContextManager[Workers], *, again: bool = False, progress: Told | None = None) -> int:
@@ -78,23 +64,6 @@ def run_campaign(campaign: Campaign, workers: AbstractContextManager[Workers], *
                 if progress is not None:
                     progress(planned - len(missing) + done, planned, f"{run.instance.name} by {run.setting.label}, seed {run.seed}")
         return done
-
-
-def progress_of(campaign: Campaign) -> Progress:
-    """How far a campaign is, by its results file, which is only read.
-
-    Raises
-    ------
-    InputError
-        For a results file that is damaged, or of a newer schema.
-    """
-    planned = {run.key for run in campaign.runs}
-    if not campaign.results.exists():
-        return Progress(len(planned), 0)
-    with opened(campaign.results) as connection:
-        there = {tuple(key): status for *key, status in connection.execute(STATUSES)}
-    ended = [there[key] for key in planned if key in there]
-    return Progress(len(planned), len(ended), ended.count("error"))
 
 
 def check_reading(runs: list[Planned]) -> None:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...formulations.rendering import percent
 from ..tables.table import Column, Table
-from .best_known import Value
-from .counting import counted
 from .measures import shifted_geometric_mean
 from .primal_integrals import primal_integrals
 
@@ -53,31 +50,29 @@ class MethodSummary:
 
 @dataclass(frozen=True)
 class Summary:
-    """A campaign, method by method, and what a reader must know of the comparison."""
+    """A campaign, method by method, what a reader must know of the comparison, and how many runs failed a check."""
 
     methods: tuple[MethodSummary, ...]
     notes: tuple[str, ...]
+    failed_checks: int = 0
 
     def to_json(self) -> list[dict[str, Any]]:
         return [asdict(one) for one in self.methods]
 
 
-def summary_of(frame: pd.DataFrame, path: Path, known: Mapping[str, list[Value]] | None = None) -> Summary:
+def summary_of(runs: pd.DataFrame, path: Path) -> Summary:
     """The summary of results.
 
     Parameters
     ----------
-    frame : DataFrame
-        Of ``results``.
+    runs : DataFrame
+        Of ``counted``.
     path : Path
         The results file, for the courses of the searches.
-    known : mapping, optional
-        Best known values, of ``best_known``.
     """
     import numpy as np
 
-    runs = counted(frame, known)
-    runs["primal_integral"] = primal_integrals(runs, path) if len(runs) <= MANY else np.nan
+    runs = runs.assign(primal_integral=primal_integrals(runs, path) if len(runs) <= MANY else np.nan)
     methods = int(runs["who"].nunique())
     answered = runs[runs["counts"]].groupby(["case", "seed"])["who"].nunique()
     common = set(answered[answered == methods].index)
@@ -87,7 +82,8 @@ def summary_of(frame: pd.DataFrame, path: Path, known: Mapping[str, list[Value]]
     by_method = dict(iter(fair.groupby("who")))
     made = [_method(str(who), own, by_method.get(who, fair.iloc[:0])) for who, own in runs.groupby("who")]
     made.sort(key=lambda one: (one.gap_to_best is None, one.gap_to_best or 0.0, one.method))
-    return Summary(tuple(made), tuple(notes))
+    failing = int(((runs["faults"].fillna(0) > 0) | (runs["error_code"] == "check-failed")).sum())
+    return Summary(tuple(made), tuple(notes), failing)
 
 
 def _method(who: str, own: pd.DataFrame, fair: pd.DataFrame) -> MethodSummary:
