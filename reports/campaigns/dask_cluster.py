@@ -82,7 +82,7 @@ class DaskWorkers:
         from distributed import as_completed
 
         running: dict[Any, tuple[Planned, Task]] = {}
-        ended = as_completed()
+        ended = as_completed(loop=self._client.loop)
         while True:
             for run, task in islice(tasks, max(0, AHEAD * self._places() - len(running))):
                 future = self._client.submit(run_here, task, pure=False)

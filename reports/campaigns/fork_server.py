@@ -25,14 +25,17 @@ from typing import Any
 
 from .one_run import Outcome, Task, lost, run_task
 
-PRELOADED = ("waybound.api", "waybound.solving.solve", "waybound.instances.reading", "waybound.formulations.json_text")
+PRELOADED = ("waybound.api", "waybound.solving.solve", "waybound.instances.reading", "waybound.formulations.kernels", "scipy.sparse")
 """Modules that every run needs."""
 
 _INHERITED = {"waybound", "numpy", "scipy", "numba", "llvmlite", *sys.stdlib_module_names}
 """Packages that are loaded here once a run has loaded them; libraries of solvers, which may keep threads, are not."""
 
 SHORT = 10.0
-"""Seconds up to which a run that had to load compiled loops is done once more, so that its times are those of the search."""
+"""Seconds up to which a run that had to load what later ones have is done once more, so that its limits and times are the search's."""
+
+LOADS = 2
+"""How often that may be: what had no time to be loaded in the first one is in the second."""
 
 _PICKED_UP = "outcome"
 _SAID = "output"
@@ -47,7 +50,7 @@ class _Running:
     task: Task
     news: Connection
     place: Path
-    again: bool = False
+    before: int = 0
     began: float = field(default_factory=time.monotonic)
     standing: int = 0
     since: float = 0.0
@@ -131,7 +134,7 @@ class ForkServer:
             self._begin(number, task)
         return True
 
-    def _begin(self, number: int, task: Task, again: bool = False) -> None:
+    def _begin(self, number: int, task: Task, before: int = 0) -> None:
         place = self.folder / f"run-{number}"
         mine, theirs = Pipe(duplex=False)
         place.mkdir()
@@ -143,7 +146,7 @@ class ForkServer:
                 other.news.close()
             _be_a_run(task, place, theirs)
         theirs.close()
-        self.running[number] = _Running(number, pid, task, mine, place, again)
+        self.running[number] = _Running(number, pid, task, mine, place, before)
 
     def _end(self, one: _Running, code: int) -> None:
         del self.running[one.number]
@@ -156,13 +159,12 @@ class ForkServer:
         if outcome is None:
             outcome = _obituary(one, code)
         shutil.rmtree(one.place, ignore_errors=True)
-        if learned[1] and not one.again and time.monotonic() - one.began < SHORT:
-            _learn(*learned)
-            self._begin(one.number, one.task, again=True)
-            return
-        self.connection.send_bytes(pickle.dumps((one.number, outcome)))
         if any(learned):
             _learn(*learned)
+            if one.before < LOADS and time.monotonic() - one.began < SHORT:
+                self._begin(one.number, one.task, one.before + 1)
+                return
+        self.connection.send_bytes(pickle.dumps((one.number, outcome)))
 
 
 def _be_a_run(task: Task, place: Path, news: Connection) -> None:
@@ -230,9 +232,11 @@ def _loaded(before: set[str], made: set[tuple[str, str]]) -> tuple[list[str], li
 
 def _ready() -> dict[tuple[str, str], Callable[[], Any]]:
     """Loops that are ready to be called, each with what makes it so."""
+    modules = [name for name in sys.modules if name.startswith("waybound.") and name.endswith("_kernels")]
+    if not modules:
+        return {}
     from ...formulations.kernels import kernels
 
-    modules = [name for name in sys.modules if name.startswith("waybound.") and name.endswith("_kernels")]
     return {(module, one.__name__): one.make for module in modules for one in kernels(module) if one.made}
 
 

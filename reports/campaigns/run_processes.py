@@ -29,10 +29,12 @@ class RunProcesses:
     ----------
     jobs : int
         How many ``outcomes`` does at a time.
+    program : str
+        Module whose ``main`` the process that starts runs is to call.
     """
 
-    def __init__(self, jobs: int = 1) -> None:
-        self.jobs = jobs
+    def __init__(self, jobs: int = 1, program: str = f"{__package__}.fork_server") -> None:
+        self.jobs, self.program = jobs, program
         self._lock = threading.Lock()
         self._stack = ExitStack()
         self._connection: Connection | None = None
@@ -91,10 +93,7 @@ class RunProcesses:
         """Start a fork server."""
         mine, theirs = Pipe()
         folder = self._stack.enter_context(scratch())
-        code = (
-            f"import sys; sys.path[:] = {sys.path!r}; from waybound.reports.campaigns.fork_server import main; "
-            f"main({theirs.fileno()}, {str(folder)!r})"
-        )
+        code = f"import sys; sys.path[:] = {sys.path!r}; from {self.program} import main; main({theirs.fileno()}, {str(folder)!r})"
         started = child(
             [sys.executable, "-c", code], folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
             pass_fds=[theirs.fileno()], env={**os.environ, "TMPDIR": str(folder)},
