@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .best_known import Value, value_for
 
@@ -54,19 +55,15 @@ def counted(frame: pd.DataFrame, known: Mapping[str, list[Value]] | None = None)
         gap to the best known value is a better answer.
     """
     f = frame.copy()
-    f["case"] = f.groupby(CASE, sort=True, dropna=False).ngroup()
-    several = f.groupby("method")["limits"].nunique() > 1
-    f["who"] = f["method"].where(~f["method"].map(several), f["method"] + " " + f["limits"].map(_in_words))
+    f["case"] = f[CASE].astype("category").groupby(CASE, observed=True, sort=True).ngroup()
+    f["who"] = _named_apart(f)
     faultless = f["faults"].fillna(0) == 0
     f["counts"] = f["checked"] & faultless & f["objective"].notna()
     sign = np.where(f["sense"] == "max", -1.0, 1.0)
     of_case = f["case"]
     f["best"] = sign * (sign * f["objective"]).where(f["counts"]).groupby(of_case).transform("min")
     f["best_bound"] = sign * (sign * f["verified_bound"]).where(faultless).groupby(of_case).transform("max")
-    asked = f[["file_hash", "convention", "sense"]].drop_duplicates()
-    values = {tuple(key): value_for((known or {}).get(key[0], []), key[1], key[2]) for key in asked.itertuples(index=False, name=None)}
-    keys = zip(f["file_hash"], f["convention"], f["sense"], strict=True)
-    f["known"] = np.array([values[key] for key in keys], dtype=np.float64) if known else np.nan
+    f["known"] = _known(f, known) if known else np.nan
     objective = f["objective"].where(f["counts"])
     for name, other in (("gap_to_best", "best"), ("gap_to_known", "known")):
         f[name] = sign * (objective - f[other]) / f[other].abs().clip(lower=_LEAST)
@@ -75,6 +72,26 @@ def counted(frame: pd.DataFrame, known: Mapping[str, list[Value]] | None = None)
 
 
 _LEAST = 1e-9
+
+
+def _named_apart(f: pd.DataFrame) -> pd.Series[str]:
+    """Methods, each with its limits where it has several."""
+    import pandas as pd
+
+    ways = f[["method", "limits"]].drop_duplicates()
+    several = ways["method"].duplicated(keep=False)
+    if not several.any():
+        return f["method"]
+    words = {(method, limits): f"{method} {_in_words(limits)}" for method, limits in ways[several].itertuples(index=False, name=None)}
+    keys = zip(f["method"], f["limits"], strict=True)
+    return pd.Series([words.get(key, key[0]) for key in keys], index=f.index)
+
+
+def _known(f: pd.DataFrame, known: Mapping[str, list[Value]]) -> NDArray[np.float64]:
+    """The best known value of each row."""
+    keys = list(zip(f["file_hash"], f["convention"], f["sense"], strict=True))
+    values = {key: value_for(known.get(key[0], []), key[1], key[2]) for key in set(keys)}
+    return np.array([values[key] for key in keys], dtype=np.float64)
 
 
 def _in_words(limits: str) -> str:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import sqlite3
 from collections.abc import Callable, Collection, Sequence
 from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...instances.errors import MissingPackageError, UsageError
 from ...instances.suggestions import did_you_mean
@@ -17,19 +21,28 @@ from .results_file import opened, readable
 if TYPE_CHECKING:
     import pandas as pd
 
-_SOURCES = {
-    "instance": "i.name", "solver": "s.solver", "method": "s.method", "options": "s.options", "seed": "r.seed",
-    **{name: f'r."{name}"' for name in COLUMNS},
-    "limits": "s.limits", "reading": "s.reading", "file": "i.file", "file_hash": "i.hash", "setting": "s.setting",
-    "setting_hash": "s.hash", "versions": "e.versions", "machine": "e.machine",
+_OF_INSTANCE = {"instance": "name", "file": "file", "file_hash": "hash"}
+_OF_SETTING = {
+    "solver": "solver", "method": "method", "options": "options", "limits": "limits", "reading": "reading", "setting": "setting",
+    "setting_hash": "hash",
 }  # fmt: skip
+_OF_ENVIRONMENT = {"versions": "versions", "machine": "machine"}
+_TABLES = {"instance": ("instances", _OF_INSTANCE), "setting": ("settings", _OF_SETTING), "environment": ("environments", _OF_ENVIRONMENT)}
+"""What stands once for many runs: the column of ``runs`` that refers to it, its table, and the columns that come from there."""
 
 FIRST = (
     "instance", "solver", "seed", "objective", "bound", "bound_kind", "status", "seconds", "gap", "verified_bound", "checked", "limit",
     "method",
 )  # fmt: skip
 
-NAMES = (*FIRST, *(name for name in _SOURCES if name not in FIRST))
+NAMES = (
+    *FIRST,
+    *(
+        name
+        for name in ("options", *COLUMNS, "limits", "reading", "file", "file_hash", "setting", "setting_hash", "versions", "machine")
+        if name not in FIRST
+    ),
+)
 """Columns of a row, in their order."""
 
 
@@ -64,23 +77,42 @@ def results(path: str | PathLike[str], columns: Sequence[str] | None = None) -> 
 
     names = NAMES if columns is None else tuple(columns)
     for name in names:
-        if name not in _SOURCES:
+        if name not in NAMES:
             raise UsageError(f"there is no column {name!r}; there are {', '.join(NAMES)}{did_you_mean(name, NAMES)}", "unknown-name")
     if not names:
         raise UsageError("no column is asked for", "missing")
-    chosen = ", ".join(f'{_SOURCES[name]} AS "{name}"' for name in names)
-    file = Path(path)
+    file, own = Path(path), [name for name in names if name in COLUMNS]
     with opened(file) as connection, readable(file):
-        rows = connection.execute(f"SELECT {chosen} {_FROM} ORDER BY i.name, i.hash, s.method, s.hash, r.seed").fetchall()
-    frame = pd.DataFrame(rows, columns=list(names))
-    numbers = [name for name in names if COLUMNS.get(name) == "REAL"]
-    frame = frame.astype(dict.fromkeys(numbers, float))
+        connection.execute("BEGIN")  # one state of the file for all that follows
+        chosen = ", ".join(f'"{name}"' for name in (*_TABLES, "seed", *own))
+        runs = pd.DataFrame(connection.execute(f"SELECT {chosen} FROM runs").fetchall(), columns=[*_TABLES, "the seed", *own])
+        shared = {refers: _looked_up(connection, table, known, names) for refers, (table, known) in _TABLES.items()}
+    places = {refers: np.searchsorted(numbers, runs[refers].to_numpy(dtype=np.int64)) for refers, (numbers, _, _) in shared.items()}
+    order = np.lexsort((runs["the seed"], shared["setting"][1][places["setting"]], shared["instance"][1][places["instance"]]))
+    columns: dict[str, Any] = {"seed": runs["the seed"].to_numpy(dtype=np.int64)[order]}
+    for refers, (_, _, texts) in shared.items():
+        columns.update({name: values[places[refers][order]] for name, values in texts.items()})
+    for name in own:
+        columns[name] = runs[name].to_numpy()[order].astype(float) if COLUMNS[name] == "REAL" else runs[name].to_numpy()[order]
+    frame = pd.DataFrame({name: columns[name] for name in names})
     if "checked" in names:
         frame["checked"] = frame["checked"].fillna(0).astype(bool)
     return frame
 
 
-_FROM = "FROM runs r JOIN instances i ON i.id = r.instance JOIN settings s ON s.id = r.setting JOIN environments e ON e.id = r.environment"
+def _looked_up(
+    connection: sqlite3.Connection, table: str, known: dict[str, str], names: Collection[str]
+) -> tuple[NDArray[np.int64], NDArray[np.int64], dict[str, NDArray[Any]]]:
+    """The rows of a small table by their numbers, the place of each in the order of names, and the columns that are asked for."""
+    first = {"instances": "name, hash", "settings": "method, hash", "environments": "id"}[table]
+    rows = connection.execute(f"SELECT id, {', '.join(known.values())} FROM {table} ORDER BY {first}").fetchall()
+    numbers = np.array([row[0] for row in rows], dtype=np.int64)
+    by_number = np.argsort(numbers)
+    texts = {}
+    for k, name in enumerate(known, start=1):
+        if name in names:
+            texts[name] = np.array([row[k] for row in rows], dtype=object)[by_number]
+    return numbers[by_number], by_number, texts
 
 
 def documents(path: str | PathLike[str], name: str) -> pd.DataFrame:
@@ -95,10 +127,10 @@ def documents(path: str | PathLike[str], name: str) -> pd.DataFrame:
     import pandas as pd
 
     file, names = Path(path), ["instance", "method", "seed", "file_hash", "setting_hash"]
-    chosen = ", ".join(_SOURCES[one] for one in names)
     with opened(file) as connection, readable(file):
         rows = connection.execute(
-            f"SELECT {chosen}, d.{name} {_FROM} JOIN documents d ON d.run = r.id ORDER BY i.name, i.hash, s.method, s.hash, r.seed"
+            f"SELECT i.name, s.method, r.seed, i.hash, s.hash, d.{name} FROM documents d JOIN runs r ON r.id = d.run "
+            "JOIN instances i ON i.id = r.instance JOIN settings s ON s.id = r.setting ORDER BY i.name, i.hash, s.method, s.hash, r.seed"
         ).fetchall()
     return pd.DataFrame(rows, columns=[*names, name])
 

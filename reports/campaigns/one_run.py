@@ -150,16 +150,17 @@ def machine() -> dict[str, Any]:
 def _told(s: Solution) -> dict[str, Any]:
     """The row of a solution."""
     objective, bound = _first(s.objective), _first(s.bound)
-    levels = None
+    levels, seconds, reason = None, s.seconds, "; ".join(s.faults)
     if isinstance(s.objective, list) or isinstance(s.bound, list):
         levels = json.dumps(finite({"objective": s.objective, "bound": s.bound}))
-    seconds = s.seconds
+    if s.answer is None:
+        reason = reason or s.message
     return {
         "form": s.form, "instance_hash": s.certificate.instance_hash or None, "status": s.status, "limit": s.limit, "objective": objective,
         "bound": bound, "bound_kind": s.bound_kind, "bound_source": s.bound_source, "gap": s.gap, "verified_bound": s.certificate.bound,
-        "levels": levels, "checked": int(s.evaluation is not None and not s.faults), "faults": len(s.faults),
-        "reason": "; ".join(s.faults) or (s.message or None if s.answer is None else None), "error_code": "check-failed" if s.faults else None, "seconds": seconds["solve"],
-        "compile_seconds": seconds["compile"], "bound_seconds": seconds["bound"], "check_seconds": seconds["check"],
+        "levels": levels, "checked": int(s.evaluation is not None and not s.faults), "faults": len(s.faults), "reason": reason or None,
+        "error_code": "check-failed" if s.faults else None, "seconds": seconds["solve"], "compile_seconds": seconds["compile"],
+        "bound_seconds": seconds["bound"], "check_seconds": seconds["check"],
     }  # fmt: skip
 
 

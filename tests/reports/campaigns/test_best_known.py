@@ -44,7 +44,9 @@ def test_two_columns_are_enough(tmp_path: Path) -> None:
     assert best_known([named(tmp_path, "a")]) == {}
 
 
-@pytest.mark.parametrize(("text", "told"), [("instance,best\na,1\n", "no column 'value'"), ("instance,value\na,x\n", ":2: 'x' is no number")])
+@pytest.mark.parametrize(
+    ("text", "told"), [("instance,best\na,1\n", "no column 'value'"), ("instance,value\na,x\n", ":2: 'x' is no number")]
+)
 def test_a_table_that_is_none_is_told_with_its_place(tmp_path: Path, text: str, told: str) -> None:
     (tmp_path / "own.csv").write_text(text)
     with pytest.raises(InputError, match=told):

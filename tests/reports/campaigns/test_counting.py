@@ -35,7 +35,11 @@ def test_an_answer_that_failed_a_check_counts_for_nobody(tmp_path: Path) -> None
 
 def test_the_best_is_the_greatest_where_it_is_maximised_and_bounds_are_shared(tmp_path: Path) -> None:
     up = {"sense": "max"}
-    made = counted(frame(tmp_path, (planned(), outcome(10.0, verified_bound=20.0, **up)), (planned(method="b"), outcome(8.0, verified_bound=12.0, **up))))
+    made = counted(
+        frame(
+            tmp_path, (planned(), outcome(10.0, verified_bound=20.0, **up)), (planned(method="b"), outcome(8.0, verified_bound=12.0, **up))
+        )
+    )
     assert set(made["best"]) == {10.0} and set(made["best_bound"]) == {12.0}
     assert dict(zip(made["method"], made["gap_to_best"], strict=True)) == {"b": pytest.approx(0.2), "savings": 0.0}
 
@@ -53,5 +57,7 @@ def test_best_known_values_are_those_of_the_convention_and_a_better_answer_has_a
 
 
 def test_a_method_with_several_limits_is_several_methods(tmp_path: Path) -> None:
-    made = counted(frame(tmp_path, (planned(time_limit=1.0), outcome()), (planned(time_limit=2.0), outcome()), (planned(method="b"), outcome())))
+    made = counted(
+        frame(tmp_path, (planned(time_limit=1.0), outcome()), (planned(time_limit=2.0), outcome()), (planned(method="b"), outcome()))
+    )
     assert set(made["who"]) == {"b", "savings gap 0, threads 1, time limit 1", "savings gap 0, threads 1, time limit 2"}

@@ -43,7 +43,9 @@ def test_lists_are_read_as_they_are_meant() -> None:
     assert keys.truth("e") is False and keys.inner("e") == {} and "a" in keys and "e" not in keys
 
 
-@pytest.mark.parametrize(("value", "told"), [([1, 1], "names 1 twice"), ([], "whole numbers"), ([True], "whole numbers"), (1, "whole numbers")])
+@pytest.mark.parametrize(
+    ("value", "told"), [([1, 1], "names 1 twice"), ([], "whole numbers"), ([True], "whole numbers"), (1, "whole numbers")]
+)
 def test_seeds_are_whole_numbers_each_once(value: Any, told: str) -> None:
     with pytest.raises(InputError, match=told):
         Keys({"k": value}, FILE, "", ("k",)).numbers("k", [1])

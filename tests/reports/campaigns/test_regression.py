@@ -73,9 +73,9 @@ def test_lost_answers_lost_proofs_worse_bounds_and_slower_searches_are_told(made
     assert worse(before, made(lambda name, seed: outcome(None, status="unknown") if name == "b" else proved(name, seed)))["answers"] == "b"
     assert "optima" in worse(before, made(lambda name, seed: outcome(10.0, verified_bound=10.0, seconds=5.0)))
     assert "bound" in worse(before, made(lambda name, seed: outcome(10.0, verified_bound=9.0, seconds=5.0)))
-    assert set(worse(before, made(lambda name, seed: outcome(10.0, status="optimal", bound_kind="verified", verified_bound=10.0, seconds=9.0)))) == {
-        "seconds"
-    }
+    assert set(
+        worse(before, made(lambda name, seed: outcome(10.0, status="optimal", bound_kind="verified", verified_bound=10.0, seconds=9.0)))
+    ) == {"seconds"}
 
 
 def test_answers_that_fail_a_check_afterwards_are_lost(made: Any) -> None:

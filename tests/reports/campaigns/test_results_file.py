@@ -43,7 +43,7 @@ def test_only_errors_are_forgotten_and_only_those_that_are_named(path: Path) -> 
         for run in (bad, planned("bad", seed=2)):
             file.add(run, outcome(None, status="error"))
         assert file.forget({bad.key, planned().key}) == 1
-        assert bad.key not in file.keys() and planned().key in file.keys()
+        assert bad.key not in file and planned().key in file
 
 
 def test_a_second_campaign_is_kept_away_while_one_writes(path: Path) -> None:
@@ -61,12 +61,15 @@ def changed(path: Path, statement: str) -> None:
 def test_a_newer_schema_is_refused_by_name(path: Path) -> None:
     changed(path, f"PRAGMA user_version = {SCHEMA + 1}")
     for use in (ResultsFile, results):
-        with pytest.raises(InputError, match=f"newer waybound: its schema is {SCHEMA + 1}, this one reads {SCHEMA}", check=coded("unsupported")):
+        with pytest.raises(
+            InputError, match=f"newer waybound: its schema is {SCHEMA + 1}, this one reads {SCHEMA}", check=coded("unsupported")
+        ):
             use(path)
 
 
 @pytest.mark.parametrize(
-    ("content", "code", "told"), [(b"nonsense " * 99, "malformed", "damaged"), (b"SQLite format 3\0" + b"\xff" * 4096, "malformed", "damaged")]
+    ("content", "code", "told"),
+    [(b"nonsense " * 99, "malformed", "damaged"), (b"SQLite format 3\0" + b"\xff" * 4096, "malformed", "damaged")],
 )
 def test_a_damaged_file_is_told_and_left_as_it_is(tmp_path: Path, content: bytes, code: Code, told: str) -> None:
     path = tmp_path / "r.sqlite"

@@ -18,7 +18,6 @@ from waybound.reports.campaigns.one_run import Outcome, Task
 from waybound.reports.campaigns.run_processes import RunProcesses
 from waybound.reports.campaigns.setting import Setting
 
-
 OVERTIME = {HANG: 0.2, COMPILE: 0.9}
 
 

@@ -62,7 +62,10 @@ def test_runs_that_ended_in_an_error_are_done_again_only_if_asked(tmp_path: Path
 
 def test_a_setting_that_does_not_exist_is_told_before_anything_is_run(tmp_path: Path) -> None:
     workers = Here()
-    changed: tuple[tuple[dict[str, Any], Any], ...] = (({"convention": "exakt"}, "unknown-name"), ({"set": {"vehicels": 3}}, "unknown-name"))
+    changed: tuple[tuple[dict[str, Any], Any], ...] = (
+        ({"convention": "exakt"}, "unknown-name"),
+        ({"set": {"vehicels": 3}}, "unknown-name"),
+    )
     for changes, code in changed:
         with pytest.raises(UsageError, match="exakt|vehicels", check=coded(code)):
             run_campaign(read_campaign(campaign_file(tmp_path, **changes)), workers)
