@@ -75,14 +75,20 @@ _LEAST = 1e-9
 
 
 def _named_apart(f: pd.DataFrame) -> pd.Series[str]:
-    """Methods, each with its limits where it has several."""
+    """Methods, each with the limits that differ where it has several."""
     import pandas as pd
 
     ways = f[["method", "limits"]].drop_duplicates()
     several = ways["method"].duplicated(keep=False)
     if not several.any():
         return f["method"]
-    words = {(method, limits): f"{method} {_in_words(limits)}" for method, limits in ways[several].itertuples(index=False, name=None)}
+    words = {}
+    for method, own in ways[several].groupby("method")["limits"]:
+        read = [json.loads(limits) for limits in own]
+        names = [name for name in sorted({name for one in read for name in one}) if len({one.get(name) for one in read}) > 1]
+        for limits, one in zip(own, read, strict=True):
+            told = (f"{name.replace('_', ' ')} {one[name]:g}" if name in one else f"no {name.replace('_', ' ')}" for name in names)
+            words[method, limits] = f"{method}, {', '.join(told)}"
     keys = zip(f["method"], f["limits"], strict=True)
     return pd.Series([words.get(key, key[0]) for key in keys], index=f.index)
 
@@ -92,7 +98,3 @@ def _known(f: pd.DataFrame, known: Mapping[str, list[Value]]) -> NDArray[np.floa
     keys = list(zip(f["file_hash"], f["convention"], f["sense"], strict=True))
     values = {key: value_for(known.get(key[0], []), key[1], key[2]) for key in set(keys)}
     return np.array([values[key] for key in keys], dtype=np.float64)
-
-
-def _in_words(limits: str) -> str:
-    return ", ".join(f"{name.replace('_', ' ')} {value:g}" for name, value in json.loads(limits).items())

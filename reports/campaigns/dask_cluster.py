@@ -6,9 +6,10 @@ A worker does each run in a process of its own, as this machine would. A run who
 from __future__ import annotations
 
 import atexit
+import logging
 import threading
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from importlib.util import find_spec
 from itertools import islice
 from types import TracebackType
@@ -56,6 +57,7 @@ class DaskWorkers:
     def __enter__(self) -> DaskWorkers:
         from distributed import Client, LocalCluster
 
+        self._stack.enter_context(_quiet())
         try:
             where: Any = self.address
             if where == LOCAL:
@@ -112,6 +114,20 @@ class DaskWorkers:
                 return lost(task, f"{fault.allowed_failures + 1} workers were lost while they did this run")
             raise SearchFailedError(f"the workers of {self.address} cannot do runs: {in_words(fault)}; is waybound installed there?")
         raise SearchFailedError(f"the scheduler of {self.address} was lost; what was done is kept, and the same command goes on from there")
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without what Dask says on standard error while connections are lost: what matters of it is told as an error of ours."""
+    loggers = [logging.getLogger(name) for name in ("distributed", "asyncio", "tornado")]
+    before = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, before, strict=True):
+            logger.setLevel(level)
 
 
 _lock = threading.Lock()

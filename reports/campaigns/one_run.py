@@ -110,15 +110,10 @@ def run_task(task: Task) -> Outcome:
         row.update(_told(solution))
         documents.update(_documents(solution))
         versions.update(solution.versions)
-    except MemoryError:
-        row.update(failed(_out_of_memory(setting), "too-large", "memory"))
     except NoAnswerError as fault:
         row.update(failed(str(fault), fault.code), status="unknown")
-    except WayboundError as fault:
-        row.update(failed(str(fault), fault.code))
     except Exception as fault:
-        lacked = setting.memory_limit is not None and _of_memory(in_words(fault))
-        row.update(failed(_out_of_memory(setting), "too-large", "memory") if lacked else failed(in_words(fault), "search-failed"))
+        row.update(_of_fault(fault, setting))
     return Outcome({**row, "began": at, "run_seconds": time.perf_counter() - began}, documents, versions, machine())
 
 
@@ -191,11 +186,15 @@ def _limit(megabytes: float) -> None:
     limit_memory(megabytes)
 
 
-def _of_memory(said: str) -> bool:
+def _of_fault(fault: BaseException, setting: Setting) -> dict[str, Any]:
+    """The row of a run that ended in an error; under a limit on memory much that fails is a lack of it."""
     from ...solvers.isolation import lacked_memory
 
-    return lacked_memory(said)
+    said, limit = in_words(fault), setting.memory_limit
+    if isinstance(fault, MemoryError) or (limit is not None and (lacked_memory(said) or _NO_STACK in said)):
+        reason = "out of memory" if limit is None else f"the memory limit of {limit:g} MB was reached"
+        return failed(reason, "too-large", "memory")
+    return failed(said, fault.code if isinstance(fault, WayboundError) else "search-failed")
 
 
-def _out_of_memory(setting: Setting) -> str:
-    return "out of memory" if setting.memory_limit is None else f"the memory limit of {setting.memory_limit:g} MB was reached"
+_NO_STACK = "can't start new thread"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -82,6 +83,17 @@ def test_what_a_campaign_must_not_say_is_one_error(tmp_path: Path, changes: dict
         read_campaign(campaign_file(tmp_path, **changes))
     assert fault.value.exit_code == 2 and "\n" not in str(fault.value)
     assert not (tmp_path / "r.sqlite").exists()
+
+
+def test_the_file_on_the_page_is_one(tmp_path: Path) -> None:
+    page = Path(__file__).resolve().parents[3] / "docs" / "campaigns.md"
+    (text,) = re.findall(r"^```toml\n(.*?)^```$", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    for folder, file in (("solomon", "r.txt"), ("own", "depot.json")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / file).touch()
+    (tmp_path / "c.toml").write_text(text)
+    runs = read_campaign(tmp_path / "c.toml").runs
+    assert len(runs) == 2 * (1 + 2 + 3) * 5 and {run.setting.convention for run in runs} == {"exact", "trunc1"}
 
 
 @pytest.mark.parametrize("key", ["results", "instances"])

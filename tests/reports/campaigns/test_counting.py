@@ -60,4 +60,4 @@ def test_a_method_with_several_limits_is_several_methods(tmp_path: Path) -> None
     made = counted(
         frame(tmp_path, (planned(time_limit=1.0), outcome()), (planned(time_limit=2.0), outcome()), (planned(method="b"), outcome()))
     )
-    assert set(made["who"]) == {"b", "savings gap 0, threads 1, time limit 1", "savings gap 0, threads 1, time limit 2"}
+    assert set(made["who"]) == {"b", "savings, time limit 1", "savings, time limit 2"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +66,13 @@ def test_a_run_that_loses_all_its_workers_is_an_error_and_a_lost_scheduler_ends_
         workers._outcome(Future("error", ModuleNotFoundError("waybound")), TASK)
     with pytest.raises(SearchFailedError, match="the scheduler of tcp://nowhere:1 was lost"):
         workers._outcome(Future("cancelled", None), TASK)
+
+
+def test_what_dask_says_is_kept_off_standard_error_for_as_long_as_its_workers_are_used() -> None:
+    before = logging.getLogger("distributed").level
+    with dask_cluster._quiet():
+        assert not logging.getLogger("distributed").isEnabledFor(logging.CRITICAL)
+    assert logging.getLogger("distributed").level == before
 
 
 @pytest.mark.slow

@@ -37,7 +37,7 @@ def test_the_whole_answer_its_certificate_and_its_history_are_kept(done: Any) ->
 
 def test_some_columns_are_enough_and_others_do_not_exist(done: Any) -> None:
     assert list(wb.results(done.results, ["seed", "status"]).columns) == ["seed", "status"]
-    with pytest.raises(UsageError, match="no column 'sed'.*did you mean 'seed'", check=coded("unknown-name")):
+    with pytest.raises(UsageError, match=r"no column 'sed'.*did you mean 'seed'", check=coded("unknown-name")):
         wb.results(done.results, ["sed"])
     with pytest.raises(UsageError, check=coded("missing")):
         wb.results(done.results, [])

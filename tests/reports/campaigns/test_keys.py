@@ -15,7 +15,7 @@ FILE = Path("c.toml")
 
 
 def test_a_misspelt_key_is_answered_with_the_nearest_one() -> None:
-    with pytest.raises(InputError, match="c.toml: unknown key 'solver' of a table; did you mean 'solvers'", check=coded("unknown-name")):
+    with pytest.raises(InputError, match=r"c\.toml: unknown key 'solver' of a table; did you mean 'solvers'", check=coded("unknown-name")):
         Keys({"solver": 1}, FILE, "a table", ("solvers", "seeds"))
     with pytest.raises(InputError, match="unknown key 'x'; there are solvers, seeds"):
         Keys({"x": 1}, FILE, "", ("solvers", "seeds"))

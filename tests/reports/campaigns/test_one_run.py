@@ -76,6 +76,17 @@ def test_memory_is_limited_once_libraries_are_loaded(tmp_path: Path, monkeypatch
     assert run_task(task(tmp_path, memory_limit=500.0)).row["status"] == "feasible" and asked == [500.0]
 
 
+def test_what_fails_for_want_of_a_stack_is_a_lack_of_memory_where_that_is_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: Any, **__: Any) -> None:
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr("waybound.solving.solve.solve", fail)
+    monkeypatch.setattr("waybound.solvers.isolation.limit_memory", lambda megabytes: True)
+    assert run_task(task(tmp_path)).row["error_code"] == "search-failed"
+    limited = run_task(task(tmp_path, memory_limit=7.0)).row
+    assert (limited["limit"], limited["reason"]) == ("memory", "the memory limit of 7 MB was reached")
+
+
 def test_a_lost_run_and_its_deadline(tmp_path: Path) -> None:
     made: Outcome = lost(task(tmp_path), "it died", seconds=2.0)
     assert made.row["status"] == "error" and made.row["reason"] == "it died" and made.machine == machine()

@@ -67,7 +67,7 @@ def test_a_setting_that_does_not_exist_is_told_before_anything_is_run(tmp_path: 
         ({"set": {"vehicels": 3}}, "unknown-name"),
     )
     for changes, code in changed:
-        with pytest.raises(UsageError, match="exakt|vehicels", check=coded(code)):
+        with pytest.raises(UsageError, match=r"exakt|vehicels", check=coded(code)):
             run_campaign(read_campaign(campaign_file(tmp_path, **changes)), workers)
     assert workers.done == 0
 
