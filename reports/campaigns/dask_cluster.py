@@ -116,10 +116,14 @@ class DaskWorkers:
         raise SearchFailedError(f"the scheduler of {self.address} was lost; what was done is kept, and the same command goes on from there")
 
 
+_TALKERS = ("distributed", "asyncio", "tornado")
+
+
 @contextmanager
 def _quiet() -> Iterator[None]:
     """Without what Dask says on standard error while connections are lost: what matters of it is told as an error of ours."""
-    loggers = [logging.getLogger(name) for name in ("distributed", "asyncio", "tornado")]
+    known = [*_TALKERS, *(name for name in logging.root.manager.loggerDict if name.partition(".")[0] in _TALKERS)]
+    loggers = [logging.getLogger(name) for name in known]  # some have levels of their own
     before = [logger.level for logger in loggers]
     for logger in loggers:
         logger.setLevel(logging.CRITICAL + 1)

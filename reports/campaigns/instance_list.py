@@ -34,6 +34,12 @@ class Named:
     path: Path
     hash: str
 
+    @property
+    def source(self) -> str:
+        """What ``read`` takes, on another machine too: the name of a bundled instance, else the path."""
+        bundled = self.file in bundled_names() and self.path == bundled_path(self.file)
+        return self.file if bundled else str(self.path.resolve())
+
 
 def named_instances(said: str, folder: Path, campaign: Path) -> list[Named]:
     """The instances that one entry of a campaign stands for.

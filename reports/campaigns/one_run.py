@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..._version import __version__
 from ...formulations.json_text import finite
-from ...instances.errors import NoAnswerError, WayboundError, in_words
+from ...instances.errors import InputError, NoAnswerError, WayboundError, in_words
+from .instance_list import hash_of
 from .setting import Setting
 
 if TYPE_CHECKING:
@@ -46,13 +47,15 @@ class Task:
     Parameters
     ----------
     path : str
-        The instance's file.
+        The instance's file, or the name of a bundled one.
     setting : Setting
     seed : int
     folder : str
         What paths in the setting are relative to.
     overtime : float, seconds
         After all limits, before it is ended.
+    hash : str
+        SHA-256 of the instance's file when the run was planned; "" if anything goes.
     """
 
     path: str
@@ -60,6 +63,7 @@ class Task:
     seed: int
     folder: str
     overtime: float
+    hash: str = ""
 
     @property
     def deadline(self) -> float:
@@ -98,7 +102,11 @@ def run_task(task: Task) -> Outcome:
     setting, row, documents = task.setting, dict[str, Any](), dict[str, str]()
     versions = own_versions()
     try:
-        os.chdir(task.folder)
+        if setting.files:
+            os.chdir(task.folder)
+        if task.hash and Path(task.path).is_file() and hash_of(Path(task.path)) != task.hash:
+            message = "is not the file that the campaign began with: it was changed, or is another one on this machine"
+            raise InputError(message, "foreign", file=task.path)
         if setting.memory_limit is not None:
             _load(setting)
             _limit(setting.memory_limit)

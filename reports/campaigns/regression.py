@@ -105,6 +105,8 @@ def regression(before: pd.DataFrame, after: pd.DataFrame) -> Regression:
     same_machine = (pairs["machine_a"].map(_name) == pairs["machine_b"].map(_name)).all()
     if not same_machine:
         notes.append("the runs are from different machines: times are not judged")
+    if pairs["levels_a"].notna().any():
+        notes.append("objectives in order of priority are compared by their first level alone")
     pairs["case"] = pairs.groupby(CASE, dropna=False).ngroup()
     pairs = pairs.set_index(["case", "seed"])
     changes = [change for method, own in pairs.groupby("method") for change in _changes(str(method), own, bool(same_machine))]

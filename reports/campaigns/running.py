@@ -56,7 +56,7 @@ def run_campaign(campaign: Campaign, workers: AbstractContextManager[Workers], *
             return 0
         check_reading(missing)
         done, planned, folder = 0, len(campaign.runs), str(campaign.folder)
-        tasks = ((run, Task(str(run.instance.path.resolve()), run.setting, run.seed, folder, campaign.overtime)) for run in missing)
+        tasks = ((run, Task(run.instance.source, run.setting, run.seed, folder, campaign.overtime, run.instance.hash)) for run in missing)
         with workers as able:
             for run, outcome in able.outcomes(tasks):
                 results.add(run, outcome)
@@ -81,5 +81,5 @@ def check_reading(runs: list[Planned]) -> None:
         s = run.setting
         changes = {**s.changes}
         with suppress(InputError, UnsupportedError, OSError):  # of this instance: told by its runs
-            instance = read_source(str(run.instance.path), s.format, s.problem, changes)
+            instance = read_source(run.instance.source, s.format, s.problem, changes)
             problem_of(instance, s.problem, s.convention, changes)

@@ -32,9 +32,11 @@ def test_a_pattern_names_all_that_match_in_order(folder: Path) -> None:
 
 
 def test_a_bundled_instance_is_named_as_it_is_unless_a_file_has_its_name(folder: Path) -> None:
-    assert named_instances("demo-tiny", folder, CAMPAIGN)[0].path.name == "demo-tiny.json"
+    (bundled,) = named_instances("demo-tiny", folder, CAMPAIGN)
+    assert bundled.path.name == "demo-tiny.json" and bundled.source == "demo-tiny"
     (folder / "demo-tiny").write_text("own")
-    assert named_instances("demo-tiny", folder, CAMPAIGN)[0].path == folder / "demo-tiny"
+    (own,) = named_instances("demo-tiny", folder, CAMPAIGN)
+    assert own.path == folder / "demo-tiny" and own.source == str(folder / "demo-tiny")
 
 
 @pytest.mark.parametrize(

@@ -38,6 +38,8 @@ def test_an_instance_that_is_gone_and_one_that_a_method_cannot_take_are_errors_w
     gone = run_task(replace(task(tmp_path), path=str(tmp_path / "gone.txt"))).row
     assert (gone["status"], gone["error_code"]) == ("error", "file") and "no such file" in gone["reason"]
     assert run_task(task(tmp_path, method="local")).row["error_code"] == "unsupported"
+    other = run_task(replace(task(tmp_path), hash="of another file")).row
+    assert other["error_code"] == "foreign" and "is not the file that the campaign began with" in other["reason"]
 
 
 @pytest.mark.parametrize(

@@ -102,6 +102,8 @@ def test_what_cannot_be_compared_is_refused_or_told(made: Any) -> None:
         regression(before, made(lambda name, seed: outcome(), "xyz"))
     with pytest.raises(UsageError, match="limits differ"):
         regression(before, made(lambda name, seed: outcome(), time_limit=1.0))
+    in_levels = made(lambda name, seed: outcome(levels="{}"))
+    assert regression(in_levels, in_levels).notes == ("objectives in order of priority are compared by their first level alone",)
     told = regression(before, made(lambda name, seed: outcome(), "ab"))
     assert told.notes == ("12 runs are in the first file alone, and are not compared",)
 
