@@ -113,7 +113,8 @@ def read_campaign(path: str | Path, folder: Path | None = None) -> Campaign:
         raise top.fault("names no method: solvers = [...] or heuristics = [...]", "missing")
     if not instances:
         raise top.fault("names no instance: instances = [...]", "missing")
-    made = (Planned(one, Setting(**reading, **method), seed) for seed in seeds for one, reading in instances for method in methods)
+    pairs = [(one, Setting(**reading, **method)) for one, reading in instances for method in methods]
+    made = (Planned(one, setting, seed) for seed in seeds for one, setting in pairs)
     runs = {run.key: run for run in made}
     _check({run.setting.hash: run.setting for run in runs.values()}.values(), file)
     return Campaign(file, folder, folder / results, tuple(runs.values()), float(overtime), None if known is None else folder / known)

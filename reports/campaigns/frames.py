@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...instances.errors import MissingPackageError, UsageError
 from ...instances.suggestions import did_you_mean
 from .campaign import Key
-from .one_run import COLUMNS
+from .one_run import COLUMNS, DOCUMENTS
 from .results_file import opened, readable
 
 if TYPE_CHECKING:
@@ -89,12 +89,12 @@ def results(path: str | PathLike[str], columns: Sequence[str] | None = None) -> 
         shared = {refers: _looked_up(connection, table, known, names) for refers, (table, known) in _TABLES.items()}
     places = {refers: np.searchsorted(numbers, runs[refers].to_numpy(dtype=np.int64)) for refers, (numbers, _, _) in shared.items()}
     order = np.lexsort((runs["the seed"], shared["setting"][1][places["setting"]], shared["instance"][1][places["instance"]]))
-    columns: dict[str, Any] = {"seed": runs["the seed"].to_numpy(dtype=np.int64)[order]}
+    made: dict[str, Any] = {"seed": runs["the seed"].to_numpy(dtype=np.int64)[order]}
     for refers, (_, _, texts) in shared.items():
-        columns.update({name: values[places[refers][order]] for name, values in texts.items()})
+        made.update({name: values[places[refers][order]] for name, values in texts.items()})
     for name in own:
-        columns[name] = runs[name].to_numpy()[order].astype(float) if COLUMNS[name] == "REAL" else runs[name].to_numpy()[order]
-    frame = pd.DataFrame({name: columns[name] for name in names})
+        made[name] = runs[name].to_numpy()[order].astype(float) if COLUMNS[name] == "REAL" else runs[name].to_numpy()[order]
+    frame = pd.DataFrame({name: made[name] for name in names})
     if "checked" in names:
         frame["checked"] = frame["checked"].fillna(0).astype(bool)
     return frame
@@ -123,9 +123,18 @@ def documents(path: str | PathLike[str], name: str) -> pd.DataFrame:
     path : path-like
     name : str
         ``solution`` (with the answer), ``certificate`` (with its evidence) or ``history``.
+
+    Raises
+    ------
+    UsageError
+        For another name.
     """
     import pandas as pd
 
+    if name not in DOCUMENTS:
+        raise UsageError(
+            f"there are no documents {name!r}; there are {', '.join(DOCUMENTS)}{did_you_mean(name, DOCUMENTS)}", "unknown-name"
+        )
     file, names = Path(path), ["instance", "method", "seed", "file_hash", "setting_hash"]
     with opened(file) as connection, readable(file):
         rows = connection.execute(

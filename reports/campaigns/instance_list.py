@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,7 +48,8 @@ def named_instances(said: str, folder: Path, campaign: Path) -> list[Named]:
     Parameters
     ----------
     said : str
-        A file, a bundled instance, or a pattern such as ``"solomon/C1*.txt"``; paths are relative to ``folder``.
+        A file, a bundled instance, or a pattern such as ``"solomon/C1*.txt"``, of names of bundled instances where no file matches; paths
+        are relative to ``folder``.
     folder : Path
     campaign : Path
         The campaign file, for messages.
@@ -64,9 +66,12 @@ def named_instances(said: str, folder: Path, campaign: Path) -> list[Named]:
         if path.is_dir():
             raise InputError(f"instance {said!r} is a folder; write {said.rstrip('/')}/* for the files in it", "file", file=campaign)
         if said in bundled_names():
-            return [_named(said, bundled_path(said), campaign, name=said)]
+            return [_named(said, bundled_path(said), campaign, said)]
         if any(sign in said for sign in _PATTERN):
             found = _matching(said, folder)
+            named = [] if found else fnmatch.filter(bundled_names(), said)
+            if named:
+                return [_named(name, bundled_path(name), campaign, name) for name in named]
             if not found:
                 raise InputError(f"no instance matches {said!r} (looked in {folder})", "missing", file=campaign)
             return [_named(str(file.relative_to(folder)) if file.is_relative_to(folder) else str(file), file, campaign) for file in found]

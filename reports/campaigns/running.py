@@ -10,7 +10,6 @@ from ...instances.errors import InputError, UnsupportedError
 from .campaign import Campaign, Planned
 from .one_run import Outcome, Task
 from .results_file import ResultsFile
-from .setting import canonical
 
 Told = Callable[[int, int, str], None]
 """Hears how many runs are done, of how many, and which was the last."""
@@ -76,7 +75,7 @@ def check_reading(runs: list[Planned]) -> None:
     """
     from ...api import problem_of, read_source
 
-    ways = {canonical([s.problem, s.convention, s.format, s.changes]): run for run in reversed(runs) if (s := run.setting)}
+    ways = {run.setting.reading: run for run in reversed(runs)}
     for run in ways.values():
         s = run.setting
         changes = {**s.changes}

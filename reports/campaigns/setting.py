@@ -88,7 +88,7 @@ class Setting:
         parts = [self.form or "", "relaxed" if self.relax else "", *(f"{name}={value}" for name, value in sorted(self.options.items()))]
         return " ".join([self.method, *(part for part in parts if part)])
 
-    @property
+    @cached_property
     def reading(self) -> str:
         """How the instance is read, as JSON: runs are compared that read it alike."""
         return canonical({name: getattr(self, name) for name in ("problem", "convention", "format", "changes", "files")})

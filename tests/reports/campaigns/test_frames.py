@@ -32,6 +32,8 @@ def test_the_whole_answer_its_certificate_and_its_history_are_kept(done: Any) ->
         assert wb.judge(problem, json.loads(text)["answer"]).feasible
     for text in frames.documents(done.results, "certificate")["certificate"]:
         assert json.loads(text)["kind"] == "certificate" and json.loads(text)["objective"] == pytest.approx(436.2208418118675)
+    with pytest.raises(UsageError, match="did you mean 'history'", check=coded("unknown-name")):
+        frames.documents(done.results, "histori")
     assert all(json.loads(text)[-1][1] == "check" for text in frames.documents(done.results, "history")["history"])
 
 

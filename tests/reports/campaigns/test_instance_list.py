@@ -34,6 +34,7 @@ def test_a_pattern_names_all_that_match_in_order(folder: Path) -> None:
 def test_a_bundled_instance_is_named_as_it_is_unless_a_file_has_its_name(folder: Path) -> None:
     (bundled,) = named_instances("demo-tiny", folder, CAMPAIGN)
     assert bundled.path.name == "demo-tiny.json" and bundled.source == "demo-tiny"
+    assert [one.source for one in named_instances("demo-[cr]25", folder, CAMPAIGN)] == ["demo-c25", "demo-r25"]
     (folder / "demo-tiny").write_text("own")
     (own,) = named_instances("demo-tiny", folder, CAMPAIGN)
     assert own.path == folder / "demo-tiny" and own.source == str(folder / "demo-tiny")
