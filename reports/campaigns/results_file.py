@@ -6,7 +6,7 @@ import contextlib
 import fcntl
 import os
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import IO, Any
 
@@ -107,13 +107,18 @@ class ResultsFile:
         InputError
             Where the file cannot be written, be it that the disk is full; nothing of the run is in it then.
         """
+        self.add_all([(run, outcome)])
+
+    def add_all(self, runs: Iterable[tuple[Planned, Outcome]]) -> None:
+        """Add runs in one transaction; see ``add``."""
         c = self._connection
         with readable(self.path):
             try:
                 c.execute("BEGIN IMMEDIATE")
-                added = self._insert("runs", {**outcome.row, **self._references(run, outcome), "seed": run.seed}, _ADDED)
-                if added is not None and outcome.documents:
-                    self._insert("documents", {**outcome.documents, "run": added}, ("run", *DOCUMENTS))
+                for run, outcome in runs:
+                    added = self._insert("runs", {**outcome.row, **self._references(run, outcome), "seed": run.seed}, _ADDED)
+                    if added is not None and outcome.documents:
+                        self._insert("documents", {**outcome.documents, "run": added}, ("run", *DOCUMENTS))
                 c.execute("COMMIT")
             except BaseException:
                 if c.in_transaction:

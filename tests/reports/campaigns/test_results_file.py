@@ -33,6 +33,19 @@ def test_a_run_is_there_once_and_known_by_its_key(path: Path) -> None:
     assert results(path)["objective"].tolist() == [1.0, 2.0, 3.0]
 
 
+def test_several_runs_come_in_together_or_not_at_all(path: Path) -> None:
+    def broken() -> Any:
+        yield planned("b"), outcome()
+        raise ZeroDivisionError
+
+    with ResultsFile(path) as file:
+        with pytest.raises(ZeroDivisionError):
+            file.add_all(broken())
+        assert len(file.keys()) == 2
+        file.add_all([(planned("b"), outcome()), (planned("c"), outcome())])
+        assert len(file.keys()) == 4
+
+
 def test_nothing_but_the_file_is_left_when_it_is_closed(path: Path) -> None:
     assert [file.name for file in path.parent.iterdir()] == ["r.sqlite"]
 
