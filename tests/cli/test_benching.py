@@ -25,6 +25,8 @@ def test_what_is_missing_is_run_and_the_rest_is_told(run: Any, json_of: Any, mad
     before = json_of("bench", asked, "--status")
     assert (before["planned"], before["done"], before["ran"], before["methods"]) == (2, 0, 0, [])
     assert not (tmp_path / "r.sqlite").exists()
+    (tmp_path / "r.sqlite").touch()  # as a kill at once leaves it
+    assert json_of("bench", asked, "--status")["done"] == 0
     result = run("bench", asked, code=0)
     assert "2 of 2 runs are done, 2 of them now" in result.stdout and "savings" in result.stdout
     again = json_of("bench", asked)

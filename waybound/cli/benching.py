@@ -122,7 +122,14 @@ def _results(campaign: Campaign | None, path: Path) -> pd.DataFrame | None:
 
     if campaign is None:
         return results(path)
-    return of_runs(results(path), {run.key for run in campaign.runs}) if path.exists() else None
+    if not path.exists():
+        return None
+    try:
+        return of_runs(results(path), {run.key for run in campaign.runs})
+    except InputError as fault:
+        if fault.code != "missing":
+            raise
+        return None  # the campaign was killed before there was a table
 
 
 class _Told:
