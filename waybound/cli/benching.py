@@ -127,7 +127,7 @@ def _results(campaign: Campaign | None, path: Path) -> pd.DataFrame | None:
     try:
         return of_runs(results(path), {run.key for run in campaign.runs})
     except InputError as fault:
-        if fault.code != "missing":
+        if str(fault.code) != "missing":
             raise
         return None  # the campaign was killed before there was a table
 
