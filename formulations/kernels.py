@@ -107,9 +107,14 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
                 if self.declared:
                     self.disable_compile()
 
+    @property
+    def made(self) -> bool:
+        """Whether it is compiled or loaded in this process, for all types that it declares."""
+        return not self._can_compile
+
     def kept(self) -> bool:
         """Whether making it takes no compiler: it is made, or cached."""
-        return not self._can_compile or self.cached()
+        return self.made or self.cached()
 
     def cached(self) -> bool:
         """Whether all of it is in the cache on disk."""

@@ -18,6 +18,7 @@ MOST: dict[str, float] = {
     "instances": 2**31 - 1,
     "seed": 2**63 - 1,
     "threads": 1024,
+    "overtime": 1e9,  # seconds
     "jobs": 1024,
 }
 """Largest value of each number that a user may set."""

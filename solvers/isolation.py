@@ -191,7 +191,7 @@ class _Child:
         said = self.output.read()[-2000:].decode(errors="replace").strip()
         last = said.splitlines()[-1] if said else ""
         limit = self.options.memory_limit
-        if limit is not None and _lacked_memory(said):
+        if limit is not None and lacked_memory(said):
             return self._from_incumbents(f"the memory limit of {limit:g} MB was reached: {last}", "memory")
         how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
         return self._from_incumbents(f"the solver's process {how}" + (f": {last}" if last else ""))
@@ -262,7 +262,7 @@ def serve(descriptor: int) -> None:
             importlib.import_module(module)
         if hasattr(work, "prepare"):
             work.prepare()
-        enforced = options.memory_limit is None or _limit_memory(options.memory_limit)
+        enforced = options.memory_limit is None or limit_memory(options.memory_limit)
         relay.send("searching")
         with hearing(lambda what, seconds: relay.send("off the clock", (what, seconds))):
             result = work(relay)
@@ -275,7 +275,7 @@ def serve(descriptor: int) -> None:
         relay.send("memory")
     except Exception as fault:
         text = f"{type(fault).__name__}: {fault}"
-        if options.memory_limit is not None and _lacked_memory(text):
+        if options.memory_limit is not None and lacked_memory(text):
             relay.send("memory")
         else:
             relay.send("failed", text)
@@ -283,15 +283,15 @@ def serve(descriptor: int) -> None:
     os._exit(0)
 
 
-def _lacked_memory(said: str) -> bool:
+def lacked_memory(said: str) -> bool:
     """Whether a last word is that of a program that ran out of memory, be it a library that could not be loaded."""
     return any(
         word in said for word in ("bad_alloc", "MemoryError", "annot allocate", "out of memory", "failed to map segment", "SystemError")
     )
 
 
-def _limit_memory(megabytes: float) -> bool:
-    """Limit the address space to what it is now plus ``megabytes``; whether the system keeps such a limit."""
+def limit_memory(megabytes: float) -> bool:
+    """Limit the address space of this process to what it is now plus ``megabytes``; whether the system keeps such a limit."""
     import resource
 
     pages = Path("/proc/self/statm")

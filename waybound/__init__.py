@@ -101,6 +101,7 @@ if TYPE_CHECKING:
     from .instances.sata.selection import SelectionInstance
     from .instances.sata.sensing_graph import SensingGraph
     from .instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation, UserFunction
+    from .reports.campaigns.frames import results
     from .reports.comparison import Comparison, compare
     from .reports.missions.running import run
     from .reports.plots.history import plot_history
@@ -186,6 +187,7 @@ _MODULES = {
     "instances.sata.selection": ("SelectionInstance",),
     "instances.sata.sensing_graph": ("SensingGraph",),
     "instances.routing.travel": ("Travel",),
+    "reports.campaigns.frames": ("results",),
     "reports.comparison": ("Comparison", "compare"),
     "reports.missions.running": ("run",),
     "reports.plots.history": ("plot_history",),
@@ -294,6 +296,7 @@ __all__ = [
     "plot_history",
     "read",
     "recharging_vrp",
+    "results",
     "run",
     "solve",
     "solvers",

@@ -5,6 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from campaign_cases import outcome, planned
+
+from waybound.reports.campaigns.results_file import ResultsFile
+
 
 def test_the_table_is_printed_and_files_are_written(run: Any, tmp_path: Path) -> None:
     out, plot, log = tmp_path / "a.csv", tmp_path / "a.png", tmp_path / "a.log"
@@ -47,3 +51,17 @@ def test_what_cannot_be_done_is_refused_before_anything_runs(refused: Any, tmp_p
     assert "names the file of another output" in refused(
         "compare", "demo-tiny", "--solver", "highs", "--out", tmp_path / "a.csv", "--log", tmp_path / "a.csv"
     )
+
+
+def test_two_results_files_are_compared_and_a_worse_one_is_1(run: Any, json_of: Any, refused: Any, tmp_path: Path) -> None:
+    for name, value in (("a", 10.0), ("b", 11.0)):
+        with ResultsFile(tmp_path / f"{name}.sqlite") as file:
+            for seed in (1, 2, 3):
+                file.add(planned(seed=seed), outcome(value))
+    a, b, out = tmp_path / "a.sqlite", tmp_path / "b.sqlite", tmp_path / "o.csv"
+    assert "nothing is worse beyond noise" in run("compare", a, a, code=0).stdout
+    assert "worse beyond noise" in run("compare", a, b, "--out", out, code=1).stdout
+    assert out.read_text().startswith("method,measure,pairs,change")
+    assert json_of("compare", a, b, code=1)["worse"] is True and json_of("compare", b, a)["worse"] is False
+    assert "no such results file" in refused("compare", a, tmp_path / "c.sqlite")
+    assert "compared as they are" in refused("compare", a, b, "--solver", "highs")

@@ -145,8 +145,8 @@ def test_what_is_compiled_is_told_and_kept(monkeypatch: pytest.MonkeyPatch, tmp_
     told: list[str] = []
     with hearing(lambda what, seconds: told.append(what)):
         one = made()
-        assert not one.kept()
-        assert one(5) == 3 and one.kept()
+        assert not one.kept() and not one.made
+        assert one(5) == 3 and one.kept() and one.made
     assert [what.rpartition(".")[2] for what in told if what] == ["lesser", "lesser"], "as it begins and as it ends, parts untold"
     other = made()
     assert other.kept()

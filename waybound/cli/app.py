@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from . import comparing, files, judging, listing, ratio, running, solving, warming
+from . import benching, comparing, files, judging, listing, ratio, running, solving, warming
 from .handling import handled, print_failure
 
 
@@ -55,7 +55,8 @@ def _root(
 
 
 for _command in (
-    solving.solve, comparing.compare, judging.check, judging.bound, judging.explain, listing.info, files.export, files.convert,
+    solving.solve, comparing.compare, benching.bench, judging.check, judging.bound, judging.explain, listing.info,
+    files.export, files.convert,
     files.generate,
     listing.solvers, listing.heuristics, ratio.ratio, running.run, warming.warm,
 ):  # fmt: skip

@@ -11,8 +11,8 @@ from ..instances.errors import UsageError
 from ..solvers import interrupts
 from .delivery import PLOT_SUFFIXES, Delivery, check_matplotlib, check_outputs
 from .handling import complain, nothing_found
-from .options import Json, Log, Quiet, Seed, Source, Threads, Verbose, bounded, opt
-from .output import lines_text, stdout_is_ours, table_text
+from .options import Json, Log, Quiet, Seed, Source, Threads, Verbose, arg, bounded, opt
+from .output import lines_text, print_json, print_table, print_text, stdout_is_ours, table_text
 from .progress import Progress
 
 if TYPE_CHECKING:
@@ -23,6 +23,9 @@ TABLE_SUFFIXES = (".csv", ".json")
 
 def compare(
     source: Source,
+    other: Annotated[
+        str | None, arg("[RESULTS]", "A second results file, of waybound bench: FILE is one too, and the two are compared.")
+    ] = None,
     solver: Annotated[list[str] | None, opt("--solver NAME", "A solver to compare. Repeatable.")] = None,
     heuristic: Annotated[list[str] | None, opt("--heuristic NAME", "A heuristic to compare. Repeatable.")] = None,
     time_limit: Annotated[float, opt("--time-limit S", "Seconds for each search alone.")] = 60.0,
@@ -39,8 +42,14 @@ def compare(
 ) -> None:
     """Solve an instance by several solvers and heuristics, and set their answers, all checked, against the best verified bound.
 
-    Exit code 0 with an answer, 3 if it is proved that there is none, 4 if nothing was found, 5 if results contradict each other.
+    Exit code 0 with an answer, 3 if it is proved that there is none, 4 if nothing was found, 5 if results contradict each other. Of two
+    results files: 1 if a method is worse in the second one, beyond noise, else 0.
     """
+    if other is not None:
+        if solver or heuristic or plot is not None:
+            raise UsageError("two results files are compared as they are: --solver, --heuristic and --plot are of no use")
+        _before_and_after(Path(source.file), Path(other), out, json)
+        return
     names = [*(solver or ()), *(heuristic or ())]
     if not names:
         raise UsageError("name what is to be compared: --solver NAME, --heuristic NAME, several times", "missing")
@@ -69,6 +78,30 @@ def compare(
         complain(fault)
     without = 3 if comparison.infeasible else nothing_found()
     raise typer.Exit(5 if comparison.faults else delivery.code or (0 if comparison.best is not None else without))
+
+
+def _before_and_after(first: Path, second: Path, out: Path | None, json: bool) -> None:
+    """The regression check of two results files; ends with 1 where a method is worse beyond noise."""
+    from ..formulations.json_text import json_text
+    from ..instances.atomic import atomic_write
+    from ..reports.campaigns.frames import results
+    from ..reports.campaigns.regression import regression, regression_table
+
+    check_outputs([str(first), str(second)], out=(out, TABLE_SUFFIXES))
+    made = regression(results(first), results(second))
+    if out is not None:
+        import pandas as pd
+
+        table = pd.DataFrame(made.to_json()["changes"])
+        atomic_write(out, json_text(made.to_json()) if out.suffix.lower() == ".json" else table.to_csv(index=False))
+    if json:
+        print_json(made.to_json())
+    else:
+        print_table(regression_table(made))
+        for note in made.notes:
+            print_text(f"note: {note}")
+        print_text("worse beyond noise" if made.worse else "nothing is worse beyond noise")
+    raise typer.Exit(int(made.worse))
 
 
 def _shown(comparison: Comparison) -> str:

@@ -1,0 +1,3 @@
+"""Campaigns: instances x problems x solvers and heuristics x options x seeds, resumable, into one results file."""
+
+from ... import _guard as _guard

@@ -1,0 +1,208 @@
+"""Campaign files: what is to be run, by whom, on what, and where the results go."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ...instances.errors import InputError, UsageError
+from ...instances.limits import check_number, check_whole
+from ...instances.suggestions import did_you_mean
+from ...instances.text import read_text
+from .best_known import Value, best_known
+from .instance_list import Named, files_named, named_instances
+from .keys import Keys
+from .setting import LIMITS, Setting, canonical
+
+OVERTIME = 60.0
+"""Seconds after all its limits after which a run is ended."""
+
+_READING = ("problem", "convention", "format", "set")
+_LIMITING = ("lp_solver", *LIMITS)
+_SEARCHING = ("form", "relax", *_LIMITING)
+_TOP = (
+    "results", "instances", "solvers", "heuristics", "seeds", *_LIMITING, "overtime", *_READING, "options", "grid", "best_known",
+)  # fmt: skip
+
+Key = tuple[str, str, str, int]
+"""An instance's name and hash, the hash of a setting, and a seed: what makes two runs the same."""
+
+
+@dataclass(frozen=True)
+class Planned:
+    """One run of a campaign."""
+
+    instance: Named
+    setting: Setting
+    seed: int
+
+    @property
+    def key(self) -> Key:
+        return self.instance.name, self.instance.hash, self.setting.hash, self.seed
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A campaign, as its file says it.
+
+    Attributes
+    ----------
+    file : Path
+    folder : Path
+        What its paths are relative to.
+    results : Path
+        The results file.
+    runs : tuple of Planned
+        All of them, each once, in the order of seeds, instances and methods: every method has had its turn early.
+    overtime : float, seconds
+        After all its limits, before a run is ended.
+    best_known : Path or None
+        A table of best known values, where the campaign names one.
+    """
+
+    file: Path
+    folder: Path
+    results: Path
+    runs: tuple[Planned, ...]
+    overtime: float = OVERTIME
+    best_known: Path | None = None
+
+    def best_known_values(self) -> dict[str, list[Value]]:
+        """What tables of best known values say of its instances, by the hash of their files."""
+        return best_known({run.instance.hash: run.instance for run in self.runs}.values(), self.best_known)
+
+
+def read_campaign(path: str | Path, folder: Path | None = None) -> Campaign:
+    """The campaign that a file describes; nothing is run, and no instance is read.
+
+    Parameters
+    ----------
+    path : path-like
+        A TOML file.
+    folder : Path, optional
+        What its paths are relative to; the folder of the file by default.
+
+    Raises
+    ------
+    InputError
+        For a file that cannot be read, a key that does not exist, a value of another kind, and an instance that is not there.
+    UsageError
+        For a method, a limit or an option that does not exist.
+    MissingPackageError
+        For a solver that is not installed.
+    """
+    file = Path(path)
+    folder = (file.parent if folder is None else folder).resolve()
+    top = Keys(_parsed(file), file, "", _TOP)
+    for key in ("results", "instances"):
+        if key not in top:
+            raise top.fault(f"the key {key!r} is missing", "missing")
+    results, seeds = top.text("results"), top.numbers("seeds", [1])
+    assert results is not None
+    known, overtime = top.text("best_known"), top.table.get("overtime", OVERTIME)
+    check_number("overtime", overtime)
+    for seed in seeds:
+        check_whole("seed", seed, option="a seed")
+    methods, instances = list(_methods(top)), list(_instances(top, folder))
+    if not methods:
+        raise top.fault("names no method: solvers = [...] or heuristics = [...]", "missing")
+    if not instances:
+        raise top.fault("names no instance: instances = [...]", "missing")
+    pairs = [(one, Setting(**reading, **method)) for one, reading in instances for method in methods]
+    made = (Planned(one, setting, seed) for seed in seeds for one, setting in pairs)
+    runs = {run.key: run for run in made}
+    _check({run.setting.hash: run.setting for run in runs.values()}.values(), file)
+    return Campaign(file, folder, folder / results, tuple(runs.values()), float(overtime), None if known is None else folder / known)
+
+
+def _parsed(file: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(read_text(file))
+    except tomllib.TOMLDecodeError as fault:
+        place = re.search(r" \(at line (\d+), column \d+\)", str(fault))
+        words = str(fault).replace(place[0], "") if place else str(fault)
+        raise InputError(f"is no TOML: {words}", file=file, line=int(place[1]) if place else None) from None
+
+
+def _instances(top: Keys, folder: Path) -> Iterator[tuple[Named, dict[str, Any]]]:
+    """Each instance with each way to read it, as parts of a ``Setting``."""
+    for entry in top.entries("instances", "file"):
+        own = Keys(entry, top.file, "an instance", ("file", *_READING))
+        said = own.text("file")
+        if said is None:
+            raise top.fault("an instance has no key 'file'", "missing")
+        changes = {**top.inner("set"), **own.inner("set")}
+        how = {"changes": changes, "files": files_named(changes, folder), "format": own.text("format") or top.text("format")}
+        problems, conventions = ((own if key in own else top).texts(key) for key in ("problem", "convention"))
+        for one in named_instances(said, folder, top.file):
+            for problem, convention in itertools.product(problems, conventions):
+                yield one, {**how, "problem": problem, "convention": convention}
+
+
+def _methods(top: Keys) -> Iterator[dict[str, Any]]:
+    """Each method with each combination of its options, as parts of a ``Setting``."""
+    entries = [(False, entry) for entry in top.entries("solvers", "name")]
+    entries += [(True, entry) for entry in top.entries("heuristics", "name")]
+    names = [str(entry.get("name")) for _, entry in entries]
+    for part in ("options", "grid"):
+        for other in top.inner(part):
+            if other not in names:
+                hint = did_you_mean(other, names)
+                raise top.fault(f"{part} has a table for {other!r}, which is no method of this campaign{hint}", "unknown-name")
+    for heuristic, entry in entries:
+        kind = "a heuristic" if heuristic else "a solver"
+        own = Keys(entry, top.file, kind, ("name", "options", "grid", *(_LIMITING if heuristic else _SEARCHING)))
+        name = own.text("name")
+        if name is None:
+            raise top.fault(f"{kind} has no key 'name'", "missing")
+        limits = {key: source.table[key] for source in (top, own) for key in _LIMITING if key in source}
+        options = {**Keys(top.inner("options"), top.file, "options", names).inner(name), **own.inner("options")}
+        grid = {**Keys(top.inner("grid"), top.file, "grid", names).inner(name), **own.inner("grid")}
+        for point in _grid(grid, name, top):
+            for form in own.texts("form"):
+                yield {
+                    "method": name, "heuristic": heuristic, "form": form, "relax": own.truth("relax"), "options": {**options, **point},
+                    **limits,
+                }  # fmt: skip
+
+
+def _grid(grid: dict[str, Any], name: str, top: Keys) -> Iterator[dict[str, Any]]:
+    """All combinations of the values of a grid."""
+    for key, values in grid.items():
+        if not isinstance(values, list) or not values:
+            raise top.fault(f"{key} of the grid of {name} must be a list of values", "malformed")
+    for values in itertools.product(*grid.values()):
+        yield dict(zip(grid, values, strict=True))
+
+
+def _check(settings: Any, file: Path) -> None:
+    """Raise the error of the first setting that names what does not exist; each method is asked about its own options."""
+    from ...formulations.forms import FORMS
+    from ...formulations.problem import PROBLEMS
+    from ...heuristics.heuristic import HEURISTICS
+    from ...solvers.backend import Options, solver_named
+    from ...solving.request import Request
+
+    seen: set[str] = set()
+    for one in settings:
+        searching = canonical({**one.keywords(), "memory_limit": one.memory_limit, "problem": one.problem})
+        if searching in seen:
+            continue
+        seen.add(searching)
+        try:
+            if one.problem is not None:
+                _ = PROBLEMS[one.problem]
+            if one.form is not None:
+                _ = FORMS[one.form]
+            Request(**one.keywords(), memory_limit=one.memory_limit)
+            if one.heuristic:
+                HEURISTICS[one.method].check_parameters(one.options)
+            else:
+                solver_named(one.method).converted(Options(extra=one.options))
+        except UsageError as fault:
+            raise UsageError(f"{file}: {fault}", fault.code) from None

@@ -1,0 +1,3 @@
+"""Bundled campaigns."""
+
+from .... import _guard as _guard

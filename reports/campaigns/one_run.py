@@ -1,0 +1,208 @@
+"""One run of a campaign: an instance is read, solved within its limits, and told as one row with its documents."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import platform
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..._version import __version__
+from ...formulations.json_text import finite
+from ...instances.errors import InputError, NoAnswerError, WayboundError, in_words
+from .instance_list import hash_of
+from .setting import Setting
+
+if TYPE_CHECKING:
+    from ...formulations.solution import Solution
+
+COLUMNS = {
+    "problem": "TEXT", "sense": "TEXT", "convention": "TEXT", "form": "TEXT", "instance_hash": "TEXT", "status": "TEXT", "limit": "TEXT",
+    "objective": "REAL", "bound": "REAL", "bound_kind": "TEXT", "bound_source": "TEXT", "gap": "REAL", "verified_bound": "REAL",
+    "levels": "TEXT", "checked": "INTEGER", "faults": "INTEGER", "reason": "TEXT", "error_code": "TEXT", "seconds": "REAL",
+    "compile_seconds": "REAL", "bound_seconds": "REAL", "check_seconds": "REAL", "run_seconds": "REAL", "began": "TEXT",
+}  # fmt: skip
+"""What a row tells of its run, and as what SQLite keeps it.
+
+``objective`` and ``bound`` are those of the first level of priority; all levels are in ``levels``, as JSON, where there are several.
+``checked`` is 1 where an answer passed every check and nothing about it contradicts itself. ``seconds`` are those of the search alone,
+``run_seconds`` those of the whole run.
+"""
+
+DOCUMENTS = ("solution", "certificate", "history")
+"""What is kept of a run in full, as JSON: the solution with its answer, the certificate with its evidence, the course of the search."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A run, as it is sent to the process that does it.
+
+    Parameters
+    ----------
+    path : str
+        The instance's file, or the name of a bundled one.
+    setting : Setting
+    seed : int
+    folder : str
+        What paths in the setting are relative to.
+    overtime : float, seconds
+        After all limits, before it is ended.
+    hash : str
+        SHA-256 of the instance's file when the run was planned; "" if anything goes.
+    """
+
+    path: str
+    setting: Setting
+    seed: int
+    folder: str
+    overtime: float
+    hash: str = ""
+
+    @property
+    def deadline(self) -> float:
+        """Seconds after which it is ended, if nothing is compiled meanwhile."""
+        return self.setting.time_limit + self.setting.bound_budget + self.overtime
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A run that has ended, however.
+
+    Parameters
+    ----------
+    row : dict
+        Values of ``COLUMNS``, as far as they are known.
+    documents : dict
+        JSON by the names of ``DOCUMENTS``.
+    versions : dict
+        Versions of packages.
+    machine : dict
+    """
+
+    row: dict[str, Any]
+    documents: dict[str, str]
+    versions: dict[str, str]
+    machine: dict[str, Any]
+
+
+def run_task(task: Task) -> Outcome:
+    """Do a run in this process, whose memory is limited from then on; whatever it raises but an interrupt is told as its outcome."""
+    from ...api import problem_of, read_source
+    from ...solving.request import request_of
+    from ...solving.solve import solve
+
+    began, at = time.perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
+    setting, row, documents = task.setting, dict[str, Any](), dict[str, str]()
+    versions = own_versions()
+    try:
+        if setting.files:
+            os.chdir(task.folder)
+        if task.hash and Path(task.path).is_file() and hash_of(Path(task.path)) != task.hash:
+            message = "is not the file that the campaign began with: it was changed, or is another one on this machine"
+            raise InputError(message, "foreign", file=task.path)
+        if setting.memory_limit is not None:
+            _load(setting)
+            _limit(setting.memory_limit)
+        changes = {**setting.changes}
+        instance = read_source(task.path, setting.format, setting.problem, changes)
+        problem = problem_of(instance, setting.problem, setting.convention, changes)
+        row.update(problem=problem.problem, sense=problem.sense, convention=problem.convention)
+        solution = solve(problem, request_of(problem, seed=task.seed, **setting.keywords()))
+        row.update(_told(solution))
+        documents.update(_documents(solution))
+        versions.update(solution.versions)
+    except NoAnswerError as fault:
+        row.update(failed(str(fault), fault.code), status="unknown")
+    except Exception as fault:
+        row.update(_of_fault(fault, setting))
+    return Outcome({**row, "began": at, "run_seconds": time.perf_counter() - began}, documents, versions, machine())
+
+
+def failed(reason: str, code: str, limit: str = "none") -> dict[str, Any]:
+    """The row of a run without a result, and why."""
+    return {"status": "error", "limit": limit, "checked": 0, "faults": 0, "reason": reason, "error_code": code}
+
+
+def lost(task: Task, reason: str, limit: str = "none", seconds: float | None = None) -> Outcome:
+    """The outcome of a run whose process did not live to tell it."""
+    return Outcome({**failed(reason, "search-failed", limit), "run_seconds": seconds}, {}, own_versions(), machine())
+
+
+def own_versions() -> dict[str, str]:
+    """Versions of waybound and Python."""
+    return {"waybound": __version__, "python": platform.python_version()}
+
+
+@cache
+def machine() -> dict[str, Any]:
+    """The machine that runs are done on."""
+    model = platform.processor() or platform.machine()
+    with suppress(OSError, StopIteration):
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        model = next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return {"name": platform.node(), "system": f"{platform.system()} {platform.release()}", "processor": model, "cores": os.cpu_count()}
+
+
+def _told(s: Solution) -> dict[str, Any]:
+    """The row of a solution."""
+    objective, bound = _first(s.objective), _first(s.bound)
+    levels, seconds, reason = None, s.seconds, "; ".join(s.faults)
+    if isinstance(s.objective, list) or isinstance(s.bound, list):
+        levels = json.dumps(finite({"objective": s.objective, "bound": s.bound}))
+    if s.answer is None:
+        reason = reason or s.message
+    return {
+        "form": s.form, "instance_hash": s.certificate.instance_hash or None, "status": s.status, "limit": s.limit, "objective": objective,
+        "bound": bound, "bound_kind": s.bound_kind, "bound_source": s.bound_source, "gap": s.gap, "verified_bound": s.certificate.bound,
+        "levels": levels, "checked": int(s.evaluation is not None and not s.faults), "faults": len(s.faults), "reason": reason or None,
+        "error_code": "check-failed" if s.faults else None, "seconds": seconds["solve"], "compile_seconds": seconds["compile"],
+        "bound_seconds": seconds["bound"], "check_seconds": seconds["check"],
+    }  # fmt: skip
+
+
+def _first(value: Any) -> Any:
+    return value[0] if isinstance(value, list) and value else None if isinstance(value, list) else value
+
+
+def _documents(s: Solution) -> dict[str, str]:
+    told = {key: value for key, value in s.to_json().items() if key != "certificate"}
+    events = [[e.seconds, e.phase, e.objective, e.bound, e.bound_kind, e.found_by] for e in s.events]
+    held = {"solution": told, "certificate": s.certificate.to_json(with_evidence=True), "history": events}
+    return {name: json.dumps(finite(data), ensure_ascii=False) for name, data in held.items()}
+
+
+def _load(setting: Setting) -> None:
+    """Load what the method needs before memory is counted: a library's own size is nobody's choice."""
+    from ...solvers.backend import BACKENDS
+
+    names = ("numba", "scipy.sparse") if setting.heuristic else BACKENDS[setting.method.partition(":")[0]].modules
+    for name in names:
+        with suppress(ImportError):
+            importlib.import_module(name)
+
+
+def _limit(megabytes: float) -> None:
+    from ...solvers.isolation import limit_memory
+
+    limit_memory(megabytes)
+
+
+def _of_fault(fault: BaseException, setting: Setting) -> dict[str, Any]:
+    """The row of a run that ended in an error; under a limit on memory much that fails is a lack of it."""
+    from ...solvers.isolation import lacked_memory
+
+    said, limit = in_words(fault), setting.memory_limit
+    if isinstance(fault, MemoryError) or (limit is not None and (lacked_memory(said) or _NO_STACK in said)):
+        reason = "out of memory" if limit is None else f"the memory limit of {limit:g} MB was reached"
+        return failed(reason, "too-large", "memory")
+    return failed(said, fault.code if isinstance(fault, WayboundError) else "search-failed")
+
+
+_NO_STACK = "can't start new thread"

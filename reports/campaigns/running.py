@@ -1,0 +1,84 @@
+"""Running a campaign: what is missing is done, by processes of this machine or a cluster, and written by this process alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, suppress
+from typing import Protocol
+
+from ...instances.errors import InputError, UnsupportedError
+from .campaign import Campaign, Planned
+from .one_run import Outcome, Task
+from .results_file import ResultsFile
+
+Told = Callable[[int, int, str], None]
+"""Hears how many runs are done, of how many, and which was the last."""
+
+
+class Workers(Protocol):
+    """Whoever does runs: processes of this machine (``run_processes.py``) or a cluster (``dask_cluster.py``)."""
+
+    def outcomes(self, tasks: Iterator[tuple[Planned, Task]]) -> Iterator[tuple[Planned, Outcome]]:
+        """Each run with its outcome, in the order in which they end; tasks are taken as they can be done."""
+        ...
+
+
+def run_campaign(campaign: Campaign, workers: AbstractContextManager[Workers], *, again: bool = False, progress: Told | None = None) -> int:
+    """Do the runs of a campaign that its results file lacks.
+
+    Parameters
+    ----------
+    campaign : Campaign
+    workers : context manager of Workers
+        Entered only if anything is to be done.
+    again : bool
+        Whether runs that ended in an error are done once more.
+    progress : callable, optional
+        Hears ``(done, planned, what)`` after each run.
+
+    Returns
+    -------
+    int
+        How many were done.
+
+    Raises
+    ------
+    InputError, UsageError
+        Of the results file; what was done until then is in it.
+    """
+    with ResultsFile(campaign.results) as results:
+        if again:
+            results.forget({run.key for run in campaign.runs})
+        there = results.keys()
+        missing = [run for run in campaign.runs if run.key not in there]
+        if not missing:
+            return 0
+        check_reading(missing)
+        done, planned, folder = 0, len(campaign.runs), str(campaign.folder)
+        tasks = ((run, Task(run.instance.source, run.setting, run.seed, folder, campaign.overtime, run.instance.hash)) for run in missing)
+        with workers as able:
+            for run, outcome in able.outcomes(tasks):
+                results.add(run, outcome)
+                done += 1
+                if progress is not None:
+                    progress(planned - len(missing) + done, planned, f"{run.instance.name} by {run.setting.label}, seed {run.seed}")
+        return done
+
+
+def check_reading(runs: list[Planned]) -> None:
+    """Read one instance in each way that these runs ask for, so that a setting which does not exist is told once, and not by every run.
+
+    Raises
+    ------
+    UsageError
+        For a problem, convention or change of the data that does not exist.
+    """
+    from ...api import problem_of, read_source
+
+    ways = {run.setting.reading: run for run in reversed(runs)}
+    for run in ways.values():
+        s = run.setting
+        changes = {**s.changes}
+        with suppress(InputError, UnsupportedError, OSError):  # of this instance: told by its runs
+            instance = read_source(run.instance.source, s.format, s.problem, changes)
+            problem_of(instance, s.problem, s.convention, changes)

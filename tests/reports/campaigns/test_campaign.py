@@ -1,0 +1,119 @@
+"""Campaign files: what they plan, and what they must not say."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from campaign_cases import campaign_file
+from coded import coded
+
+from waybound.instances.errors import Code, MissingPackageError, WayboundError
+from waybound.reports.campaigns.campaign import read_campaign
+from waybound.solvers.backend import BACKENDS
+
+
+def test_every_instance_meets_every_method_and_seed_once(tmp_path: Path) -> None:
+    asked = campaign_file(tmp_path, instances=["demo-tiny", "demo-c25", "demo-t*"], solvers=["highs"], seeds=[3, 5])
+    (tmp_path / "demo-tall.txt").write_text("x")
+    made = read_campaign(asked)
+    assert made.results == tmp_path / "r.sqlite" and made.folder == tmp_path
+    assert len({run.key for run in made.runs}) == len(made.runs) == 3 * 2 * 2
+    assert [(run.seed, run.instance.name, run.setting.label) for run in made.runs[:3]] == [
+        (3, "demo-tiny", "highs"), (3, "demo-tiny", "savings"), (3, "demo-c25", "highs"),
+    ]  # fmt: skip
+
+
+def test_the_least_is_enough_and_one_seed_is_the_default(tmp_path: Path) -> None:
+    (run,) = read_campaign(campaign_file(tmp_path, without="seeds")).runs
+    assert run.seed == 1 and run.setting.time_limit == 60 and run.setting.bound_time == 0
+
+
+def test_options_and_grids_of_a_method_are_combined_and_tables_say_more(tmp_path: Path) -> None:
+    asked = campaign_file(
+        tmp_path, heuristics=["savings"], seeds=[1], convention=["exact", "trunc1"], problem="vrptw",
+        solvers=[{"name": "highs", "form": ["two-index-mtz", "circuit"], "time_limit": 7, "options": {"presolve": "off"}}],
+        options={"highs": {"threads": 2}}, grid={"highs": {"mip_rel_gap": [0.1, 0.2]}},
+    )  # fmt: skip
+    settings = [run.setting for run in read_campaign(asked).runs]
+    of_highs = [s for s in settings if s.method == "highs"]
+    assert len(of_highs) == 8 and len(settings) == 10
+    assert {s.form for s in of_highs} == {"two-index-mtz", "circuit"} and {s.time_limit for s in of_highs} == {7}
+    assert {tuple(sorted(s.options.items())) for s in of_highs} == {
+        (("mip_rel_gap", gap), ("presolve", "off"), ("threads", 2)) for gap in (0.1, 0.2)
+    }
+    assert {s.convention for s in settings} == {"exact", "trunc1"} and {s.problem for s in settings} == {"vrptw"}
+
+
+def test_an_instance_may_be_read_in_its_own_way(tmp_path: Path) -> None:
+    entries = ["demo-c25", {"file": "demo-r25", "convention": "trunc1", "set": {"vehicles": "unlimited"}}]
+    first, second = read_campaign(campaign_file(tmp_path, instances=entries, seeds=[1], set={"capacity": 50})).runs
+    assert first.setting.changes == {"capacity": 50} and first.setting.convention is None
+    assert second.setting.changes == {"capacity": 50, "vehicles": "unlimited"} and second.setting.convention == "trunc1"
+
+
+@pytest.mark.parametrize(
+    ("changes", "code", "told"),
+    [
+        ({"solver": ["highs"]}, "unknown-name", "did you mean 'solvers'"),
+        ({"solvers": ["highss"]}, "unknown-name", "did you mean 'highs'"),
+        ({"heuristics": ["saving"]}, "unknown-name", "did you mean 'savings'"),
+        ({"heuristics": []}, "missing", "names no method"),
+        ({"instances": []}, "missing", "names no instance"),
+        ({"instances": ["gone.txt"]}, "missing", "no such file"),
+        ({"instances": [{"problem": "tsp"}]}, "missing", "no key 'file'"),
+        ({"solvers": [{"form": "circuit"}]}, "missing", "no key 'name'"),
+        ({"heuristics": [{"name": "savings", "form": "circuit"}]}, "unknown-name", "unknown key 'form' of a heuristic"),
+        ({"solvers": [{"name": "highs", "form": "circuits"}]}, "unknown-name", "did you mean 'circuit'"),
+        ({"problem": "vrpt"}, "unknown-name", "vrpt"),
+        ({"time_limit": -1}, "out-of-range", "time_limit must be positive"),
+        ({"time_limit": "1"}, "out-of-range", "time_limit"),
+        ({"overtime": -1}, "out-of-range", "overtime"),
+        ({"seeds": [-1]}, "out-of-range", "a seed must be"),
+        ({"options": {"savings": {"hh": 1}}}, "unknown-name", "savings has no option 'hh'"),
+        ({"options": {"saving": {}}}, "unknown-name", "no method of this campaign; did you mean 'savings'"),
+        ({"grid": {"savings": {"h": 1}}}, "malformed", "h of the grid of savings must be a list"),
+        ({"results": ["r"]}, "malformed", "expected a text"),
+    ],
+)  # fmt: skip
+def test_what_a_campaign_must_not_say_is_one_error(tmp_path: Path, changes: dict[str, Any], code: Code, told: str) -> None:
+    with pytest.raises(WayboundError, match=told, check=coded(code)) as fault:
+        read_campaign(campaign_file(tmp_path, **changes))
+    assert fault.value.exit_code == 2 and "\n" not in str(fault.value)
+    assert not (tmp_path / "r.sqlite").exists()
+
+
+def test_the_file_on_the_page_is_one(tmp_path: Path) -> None:
+    page = Path(__file__).resolve().parents[3] / "docs" / "campaigns.md"
+    (text,) = re.findall(r"^```toml\n(.*?)^```$", page.read_text(), flags=re.MULTILINE | re.DOTALL)
+    for folder, file in (("solomon", "r.txt"), ("own", "depot.json")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / file).touch()
+    (tmp_path / "c.toml").write_text(text)
+    runs = read_campaign(tmp_path / "c.toml").runs
+    assert len(runs) == 2 * (1 + 2 + 3) * 5 and {run.setting.convention for run in runs} == {"exact", "trunc1"}
+
+
+@pytest.mark.parametrize("key", ["results", "instances"])
+def test_what_is_needed_must_be_there(tmp_path: Path, key: str) -> None:
+    with pytest.raises(WayboundError, match=f"the key '{key}' is missing", check=coded("missing")):
+        read_campaign(campaign_file(tmp_path, without=key))
+
+
+def test_bad_syntax_is_told_with_its_line(tmp_path: Path) -> None:
+    (tmp_path / "c.toml").write_text("results = 'r'\ninstances = [\nx")
+    with pytest.raises(WayboundError, match=r"c.toml:3: is no TOML", check=coded("malformed")):
+        read_campaign(tmp_path / "c.toml")
+    with pytest.raises(WayboundError, match="no such file", check=coded("file")):
+        read_campaign(tmp_path / "gone.toml")
+
+
+def test_a_solver_that_is_not_installed_is_told_before_anything_is_run(tmp_path: Path, registered: Any) -> None:
+    class Gone(BACKENDS["highs"]):  # type: ignore[misc]
+        name, modules, package = "gone", ("no_such_module",), "no-such-package"
+
+    registered(BACKENDS, "gone", Gone)
+    with pytest.raises(MissingPackageError, match="pip install no-such-package"):
+        read_campaign(campaign_file(tmp_path, solvers=["gone"]))
