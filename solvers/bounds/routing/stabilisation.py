@@ -94,7 +94,7 @@ class TrustRegion(Stabilisation):
 
 BOXED = "trust-region"
 
-KINDS = ("smoothing", BOXED, "none")
+KINDS = (BOXED, "smoothing", "none")
 """The first is the usual one."""
 
 

@@ -42,7 +42,7 @@ def test_options_are_checked_and_limits_are_kept_to() -> None:
     for name, value in (("columns", 0), ("labels", 1), ("memory", -1)):
         with pytest.raises(UsageError, match=f"option {name} must be at least"):
             wb.solve(problem, "branch-price-cut", **{name: value})
-    with pytest.raises(UsageError, match="stabilisation must be one of smoothing, trust-region, none, not 'box'"):
+    with pytest.raises(UsageError, match="stabilisation must be one of trust-region, smoothing, none, not 'box'"):
         wb.solve(problem, "branch-price-cut", stabilisation="box")
     with pytest.raises(UsageError, match="the memory limit must be at least 271 MB for this problem, not 5"):
         wb.solve(problem, "branch-price-cut", memory_limit=5)
