@@ -121,7 +121,8 @@ def test_engines_agree_with_enumeration_on_any_mix_of_features(engine_name, hete
         if engine.missing(problem):
             return
         best = first_level_optimum(problem)
-        result = run(engine_name, problem, iterations=WORK.get(engine_name, 200), time_limit=60)
+        # OR-Tools looks for an answer as long as it may where there is none.
+        result = run(engine_name, problem, iterations=WORK.get(engine_name, 200), time_limit=5)
         if best is None:
             assert result.answer is None or not problem.evaluate(result.answer).feasible
             assert result.status in ("unknown", "infeasible")

@@ -274,6 +274,7 @@ CASES = [
 ]
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize(("name", "kind", "options"), CASES)
 def test_a_heuristic_ends_with_what_it_has(name: str, kind: str, options: dict[str, Any], share: Any, tally: Any) -> None:
     problem, rng = large(kind), np.random.default_rng(7)

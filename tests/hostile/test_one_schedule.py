@@ -14,6 +14,7 @@ EACH = 5
 """Answers a problem."""
 
 
+@pytest.mark.share(2)
 @pytest.mark.parametrize("part", range(8))
 def test_every_output_tells_one_schedule(share: Callable[[int, int], int], tally: Any, part: int) -> None:
     for number in range(part, share(160, 4000), 8):

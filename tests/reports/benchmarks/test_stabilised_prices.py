@@ -39,7 +39,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_all_ways_are_run_and_have_one_bound(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--folder", str(folder), "--file", "3", "4", "--seconds", "30"]) == 0
     rows = [line.split(" | ") for line in capsys.readouterr().out.splitlines()[2:]]
-    assert [row[1] for row in rows] == 2 * ["smoothing", "trust-region", "none"]
+    assert [row[1] for row in rows] == 2 * ["trust-region", "smoothing", "none"]
     assert len({row[5] for row in rows[:3]}) == 1 and all(float(row[6].rstrip(" |")) > 0.0 for row in rows)
 
 
