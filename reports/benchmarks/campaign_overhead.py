@@ -1,4 +1,4 @@
-"""What a campaign costs beside its runs: time a trivial run, throughput of two workers against one, and reading a million rows.
+"""Costs of a campaign beside its runs: time a trivial run, throughput of two workers against one, and reading a million rows.
 
 Exit code 1 if a trivial run costs 150 ms or more beside its search, or two workers give less than 1.8 times the throughput of one.
 """
@@ -49,7 +49,7 @@ class Cost:
 
 
 def cost(methods: str, instance: str, runs: int, jobs: int) -> Cost:
-    """What each run of a campaign of ``runs`` seeds costs, after the first ones."""
+    """Costs of each run of a campaign of ``runs`` seeds, after the first ones."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "c.toml"
         file.write_text(CAMPAIGN.format(instance=instance, methods=methods, seeds=list(range(1, runs + WARM + 1))))

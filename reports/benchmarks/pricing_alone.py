@@ -44,7 +44,7 @@ SECONDS = 600.0
 
 @dataclass(frozen=True, eq=False)
 class Searches:
-    """What is searched: ``costs``, reduced costs of moves in whole numbers, shape (searches, nodes, nodes), and all that searches take."""
+    """Searches: ``costs``, reduced costs of moves in whole numbers, shape (searches, nodes, nodes), and all that searches take."""
 
     costs: NDArray[np.int64]
     usable: NDArray[np.bool_]

@@ -24,7 +24,7 @@ Value = tuple[str | None, str | None, float]
 
 
 def best_known(instances: Iterable[Named], table: Path | None = None) -> dict[str, list[Value]]:
-    """What tables say of instances, by the hash of their files.
+    """Best values that tables tell of instances, by the hash of their files.
 
     Parameters
     ----------

@@ -73,7 +73,7 @@ class Campaign:
     best_known: Path | None = None
 
     def best_known_values(self) -> dict[str, list[Value]]:
-        """What tables of best known values say of its instances, by the hash of their files."""
+        """Best values that tables tell of its instances, by the hash of their files."""
         return best_known({run.instance.hash: run.instance for run in self.runs}.values(), self.best_known)
 
 

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .best_known import Value, value_for
+from .paired_tests import relative
 
 if TYPE_CHECKING:
     import pandas as pd
 
 CASE = ["instance", "file_hash", "reading"]
-"""What makes a case: an instance, and how it is read. Runs of different cases are never compared."""
+"""Columns that make a case: an instance, and how it is read. Runs of different cases are never compared."""
 
 COUNTED = [
     *CASE,
@@ -66,12 +67,9 @@ def counted(frame: pd.DataFrame, known: Mapping[str, list[Value]] | None = None)
     f["known"] = _known(f, known) if known else np.nan
     objective = f["objective"].where(f["counts"])
     for name, other in (("gap_to_best", "best"), ("gap_to_known", "known")):
-        f[name] = sign * (objective - f[other]) / f[other].abs().clip(lower=_LEAST)
-    f["gap_to_bound"] = (objective - f["best_bound"]).abs() / objective.abs().clip(lower=_LEAST)
+        f[name] = sign * relative(objective, f[other])
+    f["gap_to_bound"] = np.abs(relative(f["best_bound"], objective))
     return f
-
-
-_LEAST = 1e-9
 
 
 def _named_apart(f: pd.DataFrame) -> pd.Series[str]:

@@ -34,6 +34,9 @@ _INHERITED = {"waybound", "numpy", "scipy", "numba", "llvmlite", *sys.stdlib_mod
 SHORT = 10.0
 """Seconds up to which a run that had to load what later ones have is done once more, so that its limits and times are the search's."""
 
+STANDS = 600.0
+"""Seconds for which a run may compile: one that stands longer hangs."""
+
 LOADS = 2
 """How often that may be: what had no time to be loaded in the first one is in the second."""
 
@@ -59,8 +62,11 @@ class _Running:
 
     @property
     def left(self) -> float:
-        """Seconds until it is to be ended; infinite while something is compiled."""
-        return math.inf if self.standing or self.late else self.began + self.stood + self.task.deadline - time.monotonic()
+        """Seconds until it is to be ended; while something is compiled its own do not count."""
+        if self.late:
+            return math.inf
+        ends = self.since + STANDS if self.standing else self.began + self.stood + self.task.deadline
+        return ends - time.monotonic()
 
     def hear(self) -> bool:
         """Take one message on its clock, which stands still or runs on; False at the end of them."""
@@ -256,6 +262,6 @@ def _learn(modules: list[str], loops: list[tuple[str, str]]) -> None:
 
 
 def main(descriptor: int, folder: str) -> None:
-    """What the process runs."""
+    """Serve until nobody asks for runs any more."""
     ForkServer(Connection(descriptor), Path(folder)).serve()
     os._exit(0)

@@ -28,7 +28,7 @@ _OF_SETTING = {
 }  # fmt: skip
 _OF_ENVIRONMENT = {"versions": "versions", "machine": "machine"}
 _TABLES = {"instance": ("instances", _OF_INSTANCE), "setting": ("settings", _OF_SETTING), "environment": ("environments", _OF_ENVIRONMENT)}
-"""What stands once for many runs: the column of ``runs`` that refers to it, its table, and the columns that come from there."""
+"""Tables whose rows stand for many runs: the column of ``runs`` that refers to it, its table, and the columns that come from there."""
 
 FIRST = (
     "instance", "solver", "seed", "objective", "bound", "bound_kind", "status", "seconds", "gap", "verified_bound", "checked", "limit",
@@ -167,7 +167,7 @@ def _write_parquet(frame: pd.DataFrame, path: Path) -> None:
 
 
 EXPORTS: dict[str, Callable[[Any, Path], None]] = {".csv": _write_csv, ".parquet": _write_parquet}
-"""Who writes a frame, by the suffix of the file."""
+"""Functions that write a frame, by the suffix of the file."""
 
 
 def check_export(path: Path) -> None:

@@ -37,7 +37,7 @@ class Named:
 
     @property
     def source(self) -> str:
-        """What ``read`` takes, on another machine too: the name of a bundled instance, else the path."""
+        """Argument of ``read``, on another machine too: the name of a bundled instance, else the path."""
         bundled = self.file in bundled_names() and self.path == bundled_path(self.file)
         return self.file if bundled else str(self.path.resolve())
 

@@ -29,7 +29,7 @@ COLUMNS = {
     "levels": "TEXT", "checked": "INTEGER", "faults": "INTEGER", "reason": "TEXT", "error_code": "TEXT", "seconds": "REAL",
     "compile_seconds": "REAL", "bound_seconds": "REAL", "check_seconds": "REAL", "run_seconds": "REAL", "began": "TEXT",
 }  # fmt: skip
-"""What a row tells of its run, and as what SQLite keeps it.
+"""Columns of a run, by name, and as what SQLite keeps it.
 
 ``objective`` and ``bound`` are those of the first level of priority; all levels are in ``levels``, as JSON, where there are several.
 ``checked`` is 1 where an answer passed every check and nothing about it contradicts itself. ``seconds`` are those of the search alone,
@@ -37,7 +37,7 @@ COLUMNS = {
 """
 
 DOCUMENTS = ("solution", "certificate", "history")
-"""What is kept of a run in full, as JSON: the solution with its answer, the certificate with its evidence, the course of the search."""
+"""Documents of a run, as JSON: the solution with its answer, the certificate with its evidence, the course of the search."""
 
 
 @dataclass(frozen=True)
@@ -152,11 +152,13 @@ def machine() -> dict[str, Any]:
 
 def _told(s: Solution) -> dict[str, Any]:
     """The row of a solution."""
+    from ...solving.recording import BOUNDING
+
     objective, bound = _first(s.objective), _first(s.bound)
     levels, seconds, reason = None, s.seconds, "; ".join(s.faults)
     if isinstance(s.objective, list) or isinstance(s.bound, list):
         levels = json.dumps(finite({"objective": s.objective, "bound": s.bound}))
-    if s.answer is None:
+    if s.answer is None or any(event.phase == "check" and event.found_by == BOUNDING for event in s.events):
         reason = reason or s.message
     return {
         "form": s.form, "instance_hash": s.certificate.instance_hash or None, "status": s.status, "limit": s.limit, "objective": objective,

@@ -107,14 +107,15 @@ def against(runs: pd.DataFrame, who: str) -> pd.DataFrame:
 
 
 def relative(values: pd.Series[float], than: pd.Series[float]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """How much larger values are than others, relative to these."""
+    """How much larger values are than others, relative to these, or, where these are 0, to themselves."""
     other = than.to_numpy(dtype=np.float64)
     difference: np.ndarray[tuple[int], np.dtype[np.float64]] = values.to_numpy(dtype=np.float64) - other
-    return difference / np.maximum(np.abs(other), 1e-9)
+    size = np.abs(np.where(other == 0.0, values.to_numpy(dtype=np.float64), other))
+    return np.divide(difference, size, out=np.where(np.isnan(difference), np.nan, 0.0), where=size > 0.0)
 
 
 def units(differences: pd.Series[float]) -> pd.Series[float]:
-    """What counts as one pair: the mean over the seeds of each case, or each seed where there is one case alone.
+    """Differences that count as one pair: the mean over the seeds of each case, or each seed where there is one case alone.
 
     ``differences`` have the index ``case, seed``.
     """

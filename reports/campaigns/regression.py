@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 PAIR = [*CASE, "method", "seed"]
-"""What is the same in both files for two runs to be a pair."""
+"""Columns that are the same in both files where two runs are a pair."""
 
 TOLERANCE = 1e-3
 """Relative change of answers and bounds that is none."""
@@ -90,10 +90,11 @@ def regression(before: pd.DataFrame, after: pd.DataFrame) -> Regression:
         If they have no run in common, or not the same limits.
     """
     a, b = counted(before), counted(after)
-    pairs = a.merge(b, on=PAIR, suffixes=("_a", "_b"), how="inner")
-    if pairs.empty:
+    alike = a.merge(b, on=PAIR, suffixes=("_a", "_b"), how="inner")
+    if alike.empty:
         raise UsageError("the two files have no run in common: no instance, as it is read, with the same method, options and seed")
-    differ = pairs[pairs["limits_a"] != pairs["limits_b"]]
+    pairs = alike[alike["limits_a"] == alike["limits_b"]].copy()
+    differ = alike[~alike["method"].isin(pairs["method"])]
     if len(differ):
         one = differ.iloc[0]
         raise UsageError(f"limits differ, so that nothing can be said of {one['method']}: {one['limits_a']} and {one['limits_b']}")
@@ -151,7 +152,7 @@ def _judged(method: str, measure: str, runs: pd.DataFrame, differences: Any, val
 
 
 def _beyond(one: Paired, tolerance: float) -> bool:
-    return one.mean > tolerance and (one.pairs == 1 or one.low > 0.0)
+    return one.mean > tolerance if one.pairs == 1 else one.low > tolerance
 
 
 def _lost(method: str, measure: str, runs: pd.DataFrame, before: pd.Series[bool], after: pd.Series[bool]) -> Change | None:

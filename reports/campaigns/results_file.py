@@ -19,7 +19,7 @@ SCHEMA = 1
 """Version of the tables; a file of a later one is refused."""
 
 APPLICATION = 0x77617962
-"""What SQLite's ``application_id`` says in our files."""
+"""SQLite's ``application_id`` in our files."""
 
 _TABLES = f"""
 CREATE TABLE instances (

@@ -109,7 +109,7 @@ class RunProcesses:
         while True:
             try:
                 number, outcome = pickle.loads(connection.recv_bytes())
-            except (EOFError, OSError, TypeError):  # the last where it was closed under our hands
+            except Exception:  # at its end, where it was closed under our hands, or where nothing can be read of it
                 break
             with self._lock:
                 held = self._waiting.pop(number, None)

@@ -63,7 +63,7 @@ class Setting:
     files: dict[str, str] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
-        """What differs from the defaults, and the limits that every run has, as plain data."""
+        """Settings that differ from the defaults, and the limits that every run has, as plain data."""
         given = {one.name: getattr(self, one.name) for one in fields(self)}
         return {name: value for name, value in given.items() if name in _ALWAYS or value != _DEFAULTS.get(name, {})}
 
@@ -86,6 +86,7 @@ class Setting:
     def label(self) -> str:
         """The method with what sets it apart from itself: its form and its own options."""
         parts = [self.form or "", "relaxed" if self.relax else "", *(f"{name}={value}" for name, value in sorted(self.options.items()))]
+        parts += [] if self.lp_solver is None else [f"lp_solver={self.lp_solver}"]
         return " ".join([self.method, *(part for part in parts if part)])
 
     @cached_property

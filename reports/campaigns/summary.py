@@ -101,7 +101,7 @@ def _method(who: str, own: pd.DataFrame, fair: pd.DataFrame) -> MethodSummary:
 
 
 def _notes(runs: pd.DataFrame, common: int, several: bool) -> list[str]:
-    """What a reader must know before comparing."""
+    """Remarks that a reader must know before comparing."""
     notes = []
     pairs = len(runs[["case", "seed"]].drop_duplicates())
     if several:

@@ -28,7 +28,7 @@ from .judging import Claim, Judge, contradictions
 from .levels import bounds_of_levels, further_levels
 from .method import Run
 from .opinions import compared, heard_opinions
-from .recording import Recorder
+from .recording import BOUNDING, Recorder
 from .search import Searched, in_time, search
 
 
@@ -222,7 +222,7 @@ class Conclusion:
         answer, better = self.judge.best()
         if better is not None and better is not self.best:
             self.answer, self.best = answer, better
-            record.judged("bounding", better.values)
+            record.judged(BOUNDING, better.values)
             self.run.notes.append("the answer was found while its bound was looked for")
 
     def verify(self, record: Recorder) -> None:

@@ -23,6 +23,10 @@ SLOW_SET_UP = 1.0
 """Seconds of an engine's own set-up that are worth a word."""
 
 
+BOUNDING = "bounding"
+"""Whose answers those are that bounding came across."""
+
+
 class Recorder:
     """Turns what a search and bounding tell into events, and hands these on. Thread-safe.
 

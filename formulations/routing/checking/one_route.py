@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...stop import current_stop
 from .known_features import Flags, Floats, Longs
 from .route_limits import Limits, limits_of, summable
 
@@ -34,6 +35,8 @@ def beyond_one_route(problem: RoutingProblem, groups: Sequence[Longs]) -> Flags:
         for k in range(1, len(ways) - 1):
             np.minimum(ways, ways[:, k, None] + ways[None, k], out=ways)
         for k in asked:
+            if current_stop().reached():
+                return np.zeros(len(groups), dtype=bool)
             beyond[k] = beyond[k] and not _in_time(limits, ways, groups[k])
     return beyond
 

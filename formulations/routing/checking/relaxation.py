@@ -273,8 +273,12 @@ def carried_loads(problem: RoutingProblem, usable: Flags) -> list[Resource]:
     for k in range(sites.dimensions):
         capacity = max((v.capacities[k] if k < len(v.capacities) else math.inf) for v in problem.fleet)
         loads = (sites.demand, sites.pickup) if k == 0 else (sites.further_demand[:, k - 1], sites.further_pickup[:, k - 1])
+        # Either level is a sum of both kinds of load, or may be, which the widening and the largest level have to know.
+        alike = all(is_decimal(load[at]) for load in loads)
         made = {
-            str(which): _widened_resource(np.tile(np.append(0.0, load[at]), (len(zeros), 1)), 0.0, zeros, zeros + capacity, alike=True)
+            str(which): _widened_resource(
+                np.tile(np.append(0.0, load[at]), (len(zeros), 1)), 0.0, zeros, zeros + capacity, alike=alike, top=math.inf
+            )
             for which, load in enumerate(loads)
             if math.isfinite(capacity) and load[at].any()
         }
@@ -305,15 +309,17 @@ def with_depot(problem: RoutingProblem, matrix: Floats, before: Floats) -> Float
 
 
 def _widened_resource(
-    weight: Floats, start: float, lower: Floats, upper: Floats, clock: float = 0.0, rounded: float = 0.0, *, alike: bool
-) -> Resource:
-    """Limits widened by what a check lets pass; infinite ones are replaced by a level that no earliest schedule exceeds.
+    weight: Floats, start: float, lower: Floats, upper: Floats, clock: float = 0.0, rounded: float = 0.0, *, alike: bool,
+    top: float | None = None,
+) -> Resource:  # fmt: skip
+    """Limits widened by what a check lets pass; infinite ones are replaced by a level that no earliest schedule exceeds, or by ``top``.
 
     ``clock`` is the largest time at which a route starts, ``rounded`` the size of numbers from which the judge computes levels. Where all
     data are multiples of 0.001 (and all that counts is looked at: ``alike``), no level can exceed a limit by as little as what is let
     pass.
     """
-    top = max(start, float(lower.max())) + float(weight.max(axis=1).sum())
+    if top is None:
+        top = max(start, float(lower.max())) + float(weight.max(axis=1).sum())
     wider = widening(upper, clock)
     if (
         alike

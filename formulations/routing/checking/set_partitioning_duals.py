@@ -126,7 +126,8 @@ def _together(problem: RoutingProblem, prices: Floats, given: _Given, claimed: S
     near = remembered(problem, usable, given.memory)
     groups = [sites for sites, _ in given.loads]
     carriers = fewest_carriers(problem, groups)
-    late = beyond_one_route(problem, [group if least == 1 else group[:0] for group, least in zip(groups, carriers, strict=True)])
+    open_sets = [sites if least == 1 and price else sites[:0] for (sites, price), least in zip(given.loads, carriers, strict=True)]
+    late = beyond_one_route(problem, open_sets)
     least = [routes + int(more) for routes, more in zip(carriers, late.tolist(), strict=True)]
     loads = [Load(sites, routes, price) for (sites, price), routes in zip(given.loads, least, strict=True)]
     priced = [(merged_moves(problem, among) & usable, price) for among, price in given.moves]

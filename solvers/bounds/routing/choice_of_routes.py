@@ -26,8 +26,8 @@ def holds_peaks(problem: RoutingProblem) -> bool:
 
 
 def lacks_one_peak(problem: RoutingProblem) -> frozenset[str]:
-    """What keeps the first level from being a single maximum that limits of routes can take the place of: other terms, or a risk that hangs
-    on the same limit."""
+    """Features that keep the first level from being a single maximum that limits of routes can take the place of: other terms, or a risk
+    that hangs on the same limit."""
     ((weight, term), *others) = problem.objective.levels()[0].terms
     if others or term.name not in PEAKS or weight < 0:
         return unknown_features(problem) | {f"objective:{t.name}" for _, t in problem.objective.levels()[0].terms}

@@ -46,6 +46,9 @@ FEW, CROWDED = 1000, 4000
 """With more routes those that cost too much are dropped between two solutions, and with so many more all but the cheapest half of that
 number while others are still looked for."""
 
+SMALLEST_BOX = 1e-3
+"""Part of the largest cost of a move that prices of visits count as on the mean at least, where they are boxed."""
+
 SLACK = 0.05
 """Cuts further from being met are dropped."""
 
@@ -131,7 +134,8 @@ class ColumnGeneration:
         self.counts = np.array([one.most for one in partition.types])
         self.row_cuts: Sequence[SubsetRow] = ()
         self.pool, self.cuts, self.loads = Pool(), dict[tuple[int, ...], SubsetRow](), set[bytes]()
-        self.windows = WindowCuts(partition.types[0].levels[0], self.usable[0])
+        level = partition.types[0].levels[0]
+        self.windows = WindowCuts(level, self.usable[0]) if level.due and partition.merged and not partition.symmetric else None
         self.finite = np.where(self.usable, self.cost, self.dearest)
         _, self.one_each = np.unique(partition.row, return_index=True)  # a node of each row
         self.dear = 1.0
@@ -282,12 +286,13 @@ class ColumnGeneration:
         """A way to choose prices that begins near some; a box at first with what it costs to go there and back."""
         if self.stabilisation == BOXED:
             centre = centre or self.point.prices or self.there_and_back
-        near = stabilised(self.stabilisation, 0.0 if centre is None else float(np.abs(centre.visits).mean()))
+        size = 0.0 if centre is None else float(np.abs(centre.visits).mean())
+        near = stabilised(self.stabilisation, max(size, SMALLEST_BOX * self.dearest) or 1.0)
         near.begin(centre)
         return near
 
     def _ended(self, best: Solved, status: str) -> Solved:
-        """What was found before a limit."""
+        """The best that was found before a limit."""
         best.status, self.limit = status, "time" if status == "stopped" else "memory"
         return best
 
@@ -371,8 +376,8 @@ class ColumnGeneration:
         idle = [cut for cut in far if not isinstance(cut, MoveRow)]
         flow = some.flow(values, self.usable.shape).sum(axis=0)
         cuts: list[Cut] = list(overloaded(self.problem, flow, self.loads, self.stop))
-        if self.partition.merged and not self.partition.symmetric:
-            cuts += self.windows.violated(flow, self.loads)
+        if self.windows is not None:
+            cuts += self.windows.violated(flow, self.loads, self.stop)
         triples = violated(some, values, len(self.near), self.cuts) if rows and not self.given_up else []
         replaced = [self.cuts[cut.customers] for cut in triples if cut.customers in self.cuts]
         self._drop(list({id(cut): cut for cut in [*idle, *replaced]}.values()))

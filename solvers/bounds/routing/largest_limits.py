@@ -26,7 +26,7 @@ from ....formulations.stop import Stop
 from ....formulations.tolerance import same
 from ....formulations.verified_bounds import verified_bound
 from ....instances.errors import InputError
-from ..proof_tree import MOST_NUMBERS, ROOT
+from ..proof_tree import ROOT
 from .branch_price_cut import Tree
 from .column_generation import Solved
 from .first_answer import first_answer
@@ -99,8 +99,12 @@ class LimitTree(Tree):
             columns.near |= former.columns.near
             columns.pool.add(columns.pool.new(_once(former)))
             columns.cuts.update(former.columns.cuts)
-            columns.loads |= former.columns.loads
-            columns.master.cut([cut for cut in former.columns.master.cuts if isinstance(cut, SubsetRow | LoadCut)])
+            cuts = former.columns.master.cuts
+            kept = [
+                cut for cut in cuts if isinstance(cut, SubsetRow) or (isinstance(cut, LoadCut) and not cut.due)
+            ]  # the limit may be a due time
+            columns.loads |= {cut.inside.tobytes() for cut in kept if isinstance(cut, LoadCut)}
+            columns.master.cut(kept)
         timed = any(math.isfinite(v.shift[1]) for v in problem.fleet)
         begins = max(departure(problem, v) for v in problem.fleet) if timed else 0.0
         room = -math.inf if timed and waiting_is_possible(problem) else self.limit - begins
@@ -112,7 +116,7 @@ class LimitTree(Tree):
             self.stop = self.whole.within(ROOT * self.whole.seconds_left)
             self.began = self.look(self.root)
             self.stop = self.whole
-        while self.open and self.answer is None and self.looked < nodes and self.numbers <= MOST_NUMBERS and not self.stop.reached():
+        while self.open and self.answer is None and self.looked < nodes and not self.full and not self.stop.reached():
             node = heapq.heappop(self.open)[-1]
             if not self.branch(node):
                 self.wait(node)
@@ -129,7 +133,7 @@ class LimitTree(Tree):
     @property
     def ended(self) -> bool:
         """Whether more work comes to nothing."""
-        return self.began and (not self.open or self.answer is not None or self.numbers > MOST_NUMBERS)
+        return self.began and (not self.open or self.answer is not None or self.full)
 
     @property
     def refuted(self) -> bool:
@@ -225,7 +229,7 @@ class LimitSearch:
         self.tried, self.nodes, self.given_up, self.limit = 0, 0, 0, ""
 
     def counts(self) -> dict[str, int]:
-        """Those of the tree at hand."""
+        """Counts of the tree at hand."""
         return {} if self.tree is None else self.tree.counts()
 
     @property
@@ -322,7 +326,7 @@ class LimitSearch:
         return True
 
     def evidence(self) -> Evidence:
-        """What proves the bound."""
+        """Proof of the bound."""
         if self.proof is None:
             return Evidence("farthest-round-trip", "farthest round trip", self.bound, {})
         leaves = sum("kind" in node for node in self.proof)

@@ -27,11 +27,12 @@ MOST, LARGEST = 40, 100
 
 @dataclass(frozen=True, eq=False)
 class LoadCut:
-    """Moves into ``inside`` (nodes,) are ``right`` or more."""
+    """Moves into ``inside`` (nodes,) are ``right`` or more; ``due``: because of windows."""
 
     inside: Flags
     right: float
     sign: int = 1
+    due: bool = False
 
     def missing(self, nodes: int) -> Floats:
         return self.inside[1:].astype(np.float64)

@@ -1,4 +1,4 @@
-"""What each part of branch, price and cut may take of a limit on memory."""
+"""Shares of a limit on memory for each part of branch, price and cut."""
 
 from __future__ import annotations
 

@@ -96,7 +96,7 @@ class _End:
 
     @property
     def labels(self) -> tuple[NDArray[Any], ...]:
-        """What is written to, for as many labels as there is room for."""
+        """Arrays that kernels write to, for as many labels as there is room for."""
         beside = (part[: len(self.rows) - 1] for part in (self.node, self.parent, self.after, self.gone, self.waiting))
         node, parent, after, gone, waiting = beside
         return self.rows, node, parent, after, gone, self.queue, waiting, self.chains, self.cheapest

@@ -12,13 +12,15 @@ from .arcs import Flags, Floats
 @dataclass(frozen=True, eq=False)
 class Level:
     """One level: the ``weight`` that moves add (nodes, nodes), the ``start`` on leaving the depot, and its range at each node, in entry 0
-    on return. It is never below the level ``above``, a position in the list, -1 for none; the ranges of both end at the same number."""
+    on return. It is never below the level ``above``, a position in the list, -1 for none; the ranges of both end at the same number.
+    ``due``: it is the time of day, and something has to be in time."""
 
     weight: Floats
     start: float
     lower: Floats
     upper: Floats
     above: int = -1
+    due: bool = False
 
     def grows(self, usable: Flags) -> bool:
         """Whether no cycle of customers adds nothing."""

@@ -156,7 +156,7 @@ def _route_type(problem: RoutingProblem, prep: Preparation, sign: float, vehicle
         # What is on board at the fullest so far, if all that is delivered until then was, is no less than what has been collected.
         collected = name.replace("load", "pickup")
         above = limited.index(collected) if name != collected and collected in limited else -1
-        return Level(weight, float(resource.lower[0]), lower, upper, above)
+        return Level(weight, float(resource.lower[0]), lower, upper, above, timed and name == "time")
 
     most = min(nodes - 1, sum(count for _, count in vehicles))
     return RouteType(cost, tuple(levels_of([level(name) for name in limited], usable)), most, vehicles)

@@ -1,4 +1,4 @@
-"""Where column generation looks for routes next, so that its prices do not jump about: near the best prices so far, or within a box.
+"""Prices at which column generation looks for routes next, so that these do not jump about: near the best so far, or within a box.
 
 ``smoothing``: at the mean of the prices that the linear program has and those of the best Lagrangian bound (Wentges 1997), and at the
 former where that finds nothing. ``trust-region``: at prices that the linear program may not have further than a radius from a centre, which

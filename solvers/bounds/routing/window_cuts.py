@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ....formulations.stop import NEVER, Stop
 from .arcs import Flags, Floats
 from .load_cuts import LEAST, MOST, LoadCut
 from .route_levels import Level
@@ -26,16 +27,18 @@ class WindowCuts:
 
     @cached_property
     def way(self) -> Floats:
-        """What the shortest ways over any customers add, shape (nodes, nodes)."""
+        """Times of the shortest ways over any customers, shape (nodes, nodes)."""
         way = np.where(self.usable, self.level.weight, np.inf)
         for k in range(1, len(way)):
             np.minimum(way, way[:, k, None] + way[None, k], out=way)
         return way
 
-    def violated(self, flow: Floats, known: set[bytes]) -> list[LoadCut]:
+    def violated(self, flow: Floats, known: set[bytes], stop: Stop = NEVER) -> list[LoadCut]:
         """Cuts that a flow over moves, shape (nodes, nodes), violates and that are not ``known`` yet, which then they are."""
         both, found = flow + flow.T, dict[tuple[int, ...], float]()
         for first in range(1, len(flow)):
+            if stop.reached():
+                break
             members, entering, link = [first], 1.0, both[first].copy()
             while len(members) < LARGEST and entering < 2.0 - LEAST:
                 link[[0, *members]] = 0.0
@@ -53,7 +56,7 @@ class WindowCuts:
             inside[list(key)] = True
             if inside.tobytes() not in known:
                 known.add(inside.tobytes())
-                cuts.append(LoadCut(inside, 2.0))
+                cuts.append(LoadCut(inside, 2.0, due=True))
         return cuts
 
     def served(self, members: tuple[int, ...]) -> bool:

@@ -149,7 +149,7 @@ def _concluded(
     problem: RoutingProblem, answer: Routes | None, bound: float, found: tuple[Evidence, ...], limit: str, weaker: int,
     statistics: dict[str, Any],
 ) -> RawResult:  # fmt: skip
-    """What a search ends with, whose ``limit`` counts where the bound does not meet the answer."""
+    """The end of a search, whose ``limit`` counts where the bound does not meet the answer."""
     sign, value = 1.0 if problem.sense == "min" else -1.0, None
     message = f"labels were too many: cuts or memories were given up {weaker} time{'s' if weaker > 1 else ''}" if weaker else ""
     if answer is None:

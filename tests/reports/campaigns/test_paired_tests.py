@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from campaign_cases import outcome, planned
 from coded import coded
@@ -13,7 +14,7 @@ from coded import coded
 from waybound.instances.errors import UsageError
 from waybound.reports.campaigns.counting import counted
 from waybound.reports.campaigns.frames import results
-from waybound.reports.campaigns.paired_tests import against, paired, paired_table
+from waybound.reports.campaigns.paired_tests import against, paired, paired_table, relative
 from waybound.reports.campaigns.results_file import ResultsFile
 
 
@@ -45,3 +46,8 @@ def test_methods_are_compared_on_what_both_answered_with_instances_as_pairs(tmp_
     assert "+15 %" in paired_table(made, "savings").rows[0]
     with pytest.raises(UsageError, match="did you mean 'savings'", check=coded("unknown-name")):
         against(runs, "saving")
+
+
+def test_what_was_nothing_is_compared_with_what_it_is_now() -> None:
+    assert relative(pd.Series([5.0, 0.0, -0.001, 3.0]), pd.Series([0.0, 0.0, 0.0, 2.0])).tolist() == [1.0, 0.0, -1.0, 0.5]
+    assert np.isnan(relative(pd.Series([np.nan, 1.0]), pd.Series([1.0, np.nan]))).all()

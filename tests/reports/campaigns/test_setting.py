@@ -43,3 +43,7 @@ def test_limits_and_reading_are_told_apart_and_given_to_solve_as_keywords() -> N
 
 def test_canonical_json_is_one_line_with_sorted_keys() -> None:
     assert canonical({"b": [1.0, 2.5], "a": None}) == '{"a":null,"b":[1,2.5]}'
+
+
+def test_a_method_is_told_apart_by_who_solves_its_linear_programs() -> None:
+    assert Setting(method="local", lp_solver="scip").label != Setting(method="local").label

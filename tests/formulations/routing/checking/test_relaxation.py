@@ -195,6 +195,17 @@ def test_levels_of_carried_loads_keep_to_their_limits_where_the_judge_says_so(se
     assert outcomes == {True, False}
 
 
+@pytest.mark.parametrize(("demand", "pickup", "capacity"), [((0, 1, 0), (0, 10, 10), 20.0), ((0, 0.1, 0), (0, 0.1 + 1e-12, 0.2), 0.3)])
+def test_a_vehicle_may_be_filled_by_what_is_collected_alone(demand, pickup, capacity):
+    sites = Sites.of("oab", demand=demand, pickup=pickup)
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((3, 3))), (VehicleType(count=1, capacity=capacity),))
+    assert problem.evaluate(Routes((Route((1, 2), 0),))).feasible
+    assert _keeps(carried_loads(problem, ~np.eye(3, dtype=bool)), (0, 1, 2, 0))
+    for apart in (False, True):
+        evidence = Evidence("set-partitioning-duals", "", 0.0, {"visits": [0.0, 0.0, 0.0], "memory": 0, "apart": apart})
+        assert verified_bound(problem, evidence) == 2.0  # one site alone
+
+
 def _keeps(resources, walk):
     levels = {id(r): r.start for r in resources}
     for i, j in itertools.pairwise(walk):

@@ -1,4 +1,4 @@
-"""What the bound takes, and that the objective decides whether limits of routes come first."""
+"""Problems that the bound takes, and that the objective decides whether limits of routes come first."""
 
 from __future__ import annotations
 
