@@ -77,6 +77,11 @@ class Campaign:
         return best_known({run.instance.hash: run.instance for run in self.runs}.values(), self.best_known)
 
 
+def bundled_campaigns() -> dict[str, Path]:
+    """Campaign files that come with waybound, by name."""
+    return {file.stem: file for file in sorted((Path(__file__).parent / "data").glob("*.toml"))}
+
+
 def read_campaign(path: str | Path, folder: Path | None = None) -> Campaign:
     """The campaign that a file describes; nothing is run, and no instance is read.
 

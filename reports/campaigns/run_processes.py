@@ -120,6 +120,7 @@ class RunProcesses:
                 return
             self._connection = None
             orphans, self._waiting = list(self._waiting.values()), {}
+        connection.close()  # one that says what cannot be read ends now, too
         process.wait()
         for task, future, tries in orphans:
             if tries > 1:

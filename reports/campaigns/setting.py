@@ -101,8 +101,10 @@ class Setting:
 
     @property
     def bound_budget(self) -> float:
-        """Seconds for bounding after the search."""
-        return max(1.0, self.time_limit / 10.0) if self.bound_time is None else self.bound_time
+        """Seconds for bounding."""
+        from ...solving.request import Request
+
+        return Request(time_limit=self.time_limit, bound_time=self.bound_time).bound_budget
 
     def keywords(self) -> dict[str, Any]:
         """Keywords for ``solve``, without the seed and the limit on memory, which the run's own process keeps."""

@@ -87,8 +87,7 @@ def _is_results(path: str) -> bool:
 
 
 def _asked(campaign: str) -> Campaign:
-    from ..reports.campaigns.bundled import bundled_campaigns
-    from ..reports.campaigns.campaign import read_campaign
+    from ..reports.campaigns.campaign import bundled_campaigns, read_campaign
 
     bundled = bundled_campaigns()
     if campaign in bundled and not Path(campaign).exists():

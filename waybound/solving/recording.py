@@ -24,7 +24,7 @@ SLOW_SET_UP = 1.0
 
 
 BOUNDING = "bounding"
-"""Whose answers those are that bounding came across."""
+"""``found_by`` of answers that bounding came across."""
 
 
 class Recorder:

@@ -100,9 +100,8 @@ class LimitTree(Tree):
             columns.pool.add(columns.pool.new(_once(former)))
             columns.cuts.update(former.columns.cuts)
             cuts = former.columns.master.cuts
-            kept = [
-                cut for cut in cuts if isinstance(cut, SubsetRow) or (isinstance(cut, LoadCut) and not cut.due)
-            ]  # the limit may be a due time
+            # Not those of windows: where the limit is a due time, they hold for that one.
+            kept = [cut for cut in cuts if isinstance(cut, SubsetRow) or (isinstance(cut, LoadCut) and not cut.due)]
             columns.loads |= {cut.inside.tobytes() for cut in kept if isinstance(cut, LoadCut)}
             columns.master.cut(kept)
         timed = any(math.isfinite(v.shift[1]) for v in problem.fleet)

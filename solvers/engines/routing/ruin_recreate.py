@@ -86,9 +86,9 @@ class RuinRecreate(Bisecting):
 
     ``iterations`` counts ruins. Options: ``removals``, how many visits are removed on the mean; ``string``, the longest string of them;
     ``neighbours``, next to how many customers a visit is inserted, twice as many where some may be left out; ``hot`` and ``cold``, the
-    temperatures at the beginning and the end, in lengths of a mean move (where windows bind, three times and twice that); ``worth``, where
-    rewards are all that counts, for how many times the cost of the routes all rewards on them are taken in the search, 0 for what they are
-    in the objective.
+    temperatures at the beginning and the end, in lengths of a mean move (three times and twice that where windows bind, three times and
+    once where rewards are all that counts, twice both where all sites are required); ``worth``, where rewards are all that counts, for how
+    many times the cost of the routes all rewards on them are taken in the search, 0 for what they are in the objective.
     """
 
     name = "ruin-recreate"

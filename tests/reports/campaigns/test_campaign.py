@@ -11,7 +11,7 @@ from campaign_cases import campaign_file
 from coded import coded
 
 from waybound.instances.errors import Code, MissingPackageError, WayboundError
-from waybound.reports.campaigns.campaign import read_campaign
+from waybound.reports.campaigns.campaign import bundled_campaigns, read_campaign
 from waybound.solvers.backend import BACKENDS
 
 
@@ -117,3 +117,10 @@ def test_a_solver_that_is_not_installed_is_told_before_anything_is_run(tmp_path:
     registered(BACKENDS, "gone", Gone)
     with pytest.raises(MissingPackageError, match="pip install no-such-package"):
         read_campaign(campaign_file(tmp_path, solvers=["gone"]))
+
+
+def test_every_bundled_campaign_can_be_read_and_puts_its_results_where_the_user_is(tmp_path: Path) -> None:
+    assert "demo-campaign" in bundled_campaigns()
+    for name, file in bundled_campaigns().items():
+        campaign = read_campaign(file, tmp_path)
+        assert campaign.results == tmp_path / f"{name}.sqlite" and 10 < len(campaign.runs) < 100

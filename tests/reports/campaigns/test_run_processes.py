@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import pickle
 import signal
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import psutil
@@ -14,6 +16,7 @@ import pytest
 from campaign_cases import planned
 from made_up_runs import COMPILE, CRASH, ENDED, FATAL, GOOD, HANG, NO_MEMORY
 
+from waybound.reports.campaigns import run_processes
 from waybound.reports.campaigns.one_run import Outcome, Task
 from waybound.reports.campaigns.run_processes import RunProcesses
 from waybound.reports.campaigns.setting import Setting
@@ -72,6 +75,16 @@ def test_a_lost_starter_of_runs_is_replaced_and_what_kills_it_twice_is_an_error(
     row = processes.submit(task(FATAL, tmp_path)).result(60).row
     assert row["status"] == "error" and row["reason"] == "the process that starts runs ended with code -9, 2 times"
     assert processes.submit(task(GOOD, tmp_path)).result(60).row["status"] == "feasible"
+
+
+def test_an_outcome_that_cannot_be_read_is_an_error_of_its_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def unreadable(data: bytes) -> Any:
+        raise AttributeError("no such class")
+
+    monkeypatch.setattr(run_processes, "pickle", SimpleNamespace(dumps=pickle.dumps, loads=unreadable))
+    with RunProcesses(program="made_up_runs") as own:
+        row = own.submit(task(GOOD, tmp_path)).result(60).row
+    assert row["status"] == "error" and "2 times" in row["reason"]
 
 
 def test_closing_ends_every_process_and_cancels_what_is_under_way(tmp_path: Path) -> None:
