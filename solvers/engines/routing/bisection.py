@@ -52,13 +52,15 @@ USUAL_FEATURES = frozenset(
 class Bisecting(Engine):
     """An engine that takes objectives with one of ``MAXIMA`` by limiting routes.
 
-    With ``own_maxima`` it takes them by itself where it can; otherwise ``beyond`` and ``search`` are for problems without any. With
+    With ``own_maxima`` it takes them by itself where it can, with ``mixed_maxima`` where they are one term among others, which no limit
+    replaces; otherwise ``beyond`` and ``search`` are for problems without any. With
     ``iterations_end`` iterations end a search that finds nothing, too; an engine that counts answers ends by the clock. ``bytes_a_move``
     and ``seconds_a_move`` are what the library's own model of all moves between sites takes, measured at 2,000 sites.
     """
 
     family: ClassVar[str] = "routing"
     own_maxima: ClassVar[bool] = False
+    mixed_maxima: ClassVar[bool] = False
     iterations_end: ClassVar[bool] = True
     bytes_a_move: ClassVar[float] = 0.0
     seconds_a_move: ClassVar[float] = 0.0
@@ -93,7 +95,8 @@ class Bisecting(Engine):
     def _bisection(self, problem: RoutingProblem) -> Bisection | frozenset[str] | None:
         if self.own_maxima and not self.beyond(problem):
             return None
-        return Bisection.of(self, problem)
+        bisection = Bisection.of(self, problem)
+        return None if isinstance(bisection, frozenset) and self.mixed_maxima else bisection
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         lacking = self.missing(problem)
@@ -130,7 +133,8 @@ class Bisection:
         weight, term = levels[at].terms[0]
         others = (*levels[:at], *levels[at + 1 :])
         further = {t.name for level in others for _, t in level.terms} & set(MAXIMA)
-        if further or len(levels[at].terms) > 1 or weight < 0:
+        hangs = term.name == "makespan" and problem.features() & {"route-risk", "team-risk"}  # on the longest duration that is allowed
+        if further or hangs or len(levels[at].terms) > 1 or weight < 0:
             return frozenset(f"objective:{name}" for name in further or held)
         short: tuple[Composable, ...] = (TotalDuration(), TotalCost()) if term.name != "longest-route" else (TotalCost(),)
         tried: list[tuple[Weighted, ...]] = [others] if at + 1 < len(levels) else [(*others, *s.levels()) for s in short]

@@ -180,7 +180,9 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
     regular = np.where(goal.overtime > 0, [v.regular_duration for v in fleet], math.inf)
     moments = [moment for windows in sites.windows for window in windows for moment in window]
     closings = [travel.closing for travel, _ in travels if travel.closing is not None]
-    clock = scaled(*(times for _, times in strips), *closings, served, sites.ready, sites.due, opening, regular, moments)
+    # Deviations of uncertain durations, roots of sums, lie on no grid.
+    roots = [[math.sqrt(0.5)]] if problem.features() & {"route-risk", "team-risk"} else []
+    clock = scaled(*(times for _, times in strips), *closings, served, sites.ready, sites.due, opening, regular, moments, *roots)
     length, per_unit, cost, per_time = _prices(goal, [lengths for lengths, _ in strips], clock, scaled)
 
     origin = min(0.0, float(sites.ready.min()))
@@ -242,9 +244,9 @@ def with_slope(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:
     that the limits of routes leave. Without a price a local search has no direction, and ends with the first routes that are full.
     """
     costs = {name: getattr(data, name) for name in ("fixed", "time", "overtime", "maxima", "prize")}
-    timed = bool(data.time.any() or data.overtime.any() or data.maxima.any())
-    stops = stops_between(problem)
-    if data.unit.any() or (timed and not stops):
+    priced, stops = bool(data.time.any() or data.overtime.any()), stops_between(problem)
+    timed = priced or bool(data.maxima.any())
+    if data.unit.any() or (priced and not stops):
         return data
     data = _coarse(data)
     step = max(1, int(np.gcd.reduce(np.concatenate([*costs.values()]))))

@@ -98,6 +98,7 @@ class RuinRecreate(Bisecting):
     options = MappingProxyType({"removals": 10.0, "string": 10.0, "neighbours": 60, "hot": 1.0, "cold": 0.01, "worth": 2.0})
     order = 25
     honours = frozenset({"iterations", "no_improvement", "gap"})
+    mixed_maxima = True
     bytes_a_move, seconds_a_move = 50.0, 4e-7
     features = frozenset(
         {
@@ -107,7 +108,7 @@ class RuinRecreate(Bisecting):
             "initial-energy", "shifts", "duration-cost", "vehicle-speeds", "vehicle-travel", "several-loads", "pickups", "shipments",
             "several-windows", "skills", "forbidden-moves", "closing-moves", "energy:windows", "recharging", "objective:total-cost",
             "objective:total-duration", "objective:vehicles", "objective:reward", "objective:penalties", "objective:makespan",
-            "objective:longest-route", "objective:latest-return", "objective:weights", "objective:priorities",
+            "objective:longest-route", "objective:latest-return", "objective:weights", "objective:priorities", "route-risk", "team-risk",
         }
     )  # fmt: skip
 
@@ -211,7 +212,11 @@ class _Search:
         self.held = arrays(problem, self.data, int(asked["neighbours"]) * (2 if optional else 1), options.seed % 2**64)
         self.best, self.own = np.zeros((2, 1 + len(self.held.node)), dtype=np.int64)  # of all, and of the anneal at hand
         self.elites = Elites(self.held, options.seed)
-        coupled = self.held.flags & (columns.GROUPED | columns.COUNTED) or len(self.held.depots) or self.held.types[:, columns.HOME].any()
+        coupled = (
+            self.held.flags & (columns.GROUPED | columns.COUNTED | columns.SHARED | columns.TOPPED)
+            or len(self.held.depots)
+            or self.held.types[:, columns.HOME].any()
+        )
         self.pool = None if coupled else Pool(self.held, options.seed)
         self.sizes = np.array([asked["string"], asked["removals"], 0.0])
         self.answer: Routes | None = None
@@ -383,14 +388,16 @@ class _Search:
         self.own[0] = np.iinfo(np.int64).max
 
     def mean_move(self) -> float:
-        """Cost of a move on the mean, without that of the vehicles; where nobody is visited, of those to one site and back."""
+        """Cost of a move on the mean, without that of the vehicles, no less than to the next customer; where nobody is visited, of those
+        to one site and back. Routes alone do not tell where only who is near pays so far."""
         k, route, types = self.columns, self.held.route, self.held.types
         if not route[:, k.VISITS].any():
             costs = (self.held.alone - np.where(types[:, k.HOME] > 0, 0, types[:, k.FIXED])[:, None])[:, self.held.customers]
             known = costs[self.held.alone[:, self.held.customers] < k.NONE]
             return float(np.abs(known).mean()) / 2.0 if len(known) else 0.0
         moves = int(route[:, k.VISITS].sum() + (route[:, k.VISITS] > 0).sum())
-        return float(route[:, k.COST].sum() - (types[:, k.FIXED] * types[:, k.USED]).sum()) / max(1, moves)
+        least = self.held.next_move() * int(types[:, k.UNIT].min())
+        return max(least, float(route[:, k.COST].sum() - (types[:, k.FIXED] * types[:, k.USED]).sum()) / max(1, moves))
 
     def publish(self, last: bool = False) -> None:
         """Hand out the best answer, if it is a new one and leaves no required customer out."""

@@ -12,6 +12,7 @@ from .....formulations.routing.routes import Route, Routes
 from ..integer_scales import Integers
 from ..routing_integers import IntegerRouting
 from . import columns as k
+from .risks import Risks
 
 if TYPE_CHECKING:
     from .....formulations.routing.problem import RoutingProblem
@@ -93,6 +94,7 @@ class Arrays:
         running = home.sum() + self.sums[k.SHORT] * self.sums[k.FEWEST]
         left_out = (self.site[self.customers, column].sum() + running for column in (k.MISSED, k.LOST))
         self.sums[: k.STEPS] = *left_out, len(self.customers), 0
+        self.types[:, k.HIGHEST : k.DEARER] = 0
         return self.begin(answer)
 
     def unserved(self, visited: NDArray[np.bool_]) -> Integers:
@@ -107,6 +109,13 @@ class Arrays:
         place = {c: at for at, c in enumerate(visits)}
         partners = ((c, int(self.site[c, k.PARTNER])) for c in visits if self.site[c, k.PARTNER] >= 0)
         return all(p in place and (place[c] < place[p]) == (self.site[c, k.SECOND] == 0) for c, p in partners)
+
+    def next_move(self) -> float:
+        """Length of a move from a customer to the nearest other one on the mean, 0 where there is none."""
+        nearest = self.near[self.customers, 0]
+        lengths = self.ways[0, self.customers, nearest, self.at_way[1]]
+        lengths = lengths[(nearest >= 0) & (lengths < MOST)]
+        return float(lengths.mean()) if len(lengths) else 0.0
 
     def reward(self, share: float) -> None:
         """Have the search take all rewards on the routes together for ``share`` times the cost of the routes, no longer for what they count
@@ -123,7 +132,8 @@ class Arrays:
         self.site[optional, k.MISSED] = np.maximum(lost > 0, np.rint(lost * worth)).astype(np.int64)
         left_out = self.absent[: int(self.sums[k.ABSENT])]
         short = self.sums[k.SHORT] * max(0, self.sums[k.FEWEST] - self.sums[k.DRIVEN])
-        self.sums[k.SEARCHED] = self.route[:, k.COST].sum() + self.site[left_out, k.MISSED].sum() + short
+        largest = self.types[0, k.HIGHEST : k.DEARER] @ self.types[0, k.DEARER : k.CAPACITY]
+        self.sums[k.SEARCHED] = self.route[:, k.COST].sum() + self.site[left_out, k.MISSED].sum() + short + largest
 
     def routes(self, following: Integers) -> Routes:
         """The routes that ``following``, the successor of each node, makes up."""
@@ -147,7 +157,8 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     counts = np.array([len(customers) if v.count is None else min(v.count, len(customers)) for v in fleet])
     counts[data.closes < data.opens] = 0
     charged = [v.energy is not None and v.energy.charge == "travel" and not v.stations for v in fleet]
-    apart = np.array([there and problem.travel_of(kind).own_durations for kind, there in enumerate(charged)])
+    risks = Risks(problem)
+    apart = np.array([there and (risks.risky[kind] or problem.travel_of(kind).own_durations) for kind, there in enumerate(charged)])
     longest = np.minimum(np.minimum(data.max_distance, np.where(apart, MOST, data.travel_reach)), MOST - 1)
     store = _limited(data.store)
     filled = np.where(data.store > MOST, MOST, data.store - data.store_lacking)
@@ -155,8 +166,9 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     on = _stacked([_limited(m.distance_up if (longest < MOST - 1).any() else m.distance) for m in data.moves])
     if problem.forbidden is not None:
         on = np.where(problem.forbidden, MOST, on)
-    hours = _limited(data.max_duration)
-    spanned = bool((hours < MOST).any() or data.time.any() or data.overtime.any())
+    elapsed = np.where(risks.risky, data.latest_return - data.opens, MOST)  # nobody waits where a limited duration is uncertain
+    hours = _limited(np.minimum(data.max_duration, elapsed))
+    spanned = bool((hours < MOST).any() or data.time.any() or data.overtime.any() or data.maxima[0])
     late = (data.due[customers] < MOST).any() or (data.closes < MOST).any()
     many = max(map(len, data.windows)) if any(len(listed) > 1 for listed in data.windows) else 0
     closes = any(moves.closing is not None for moves in data.moves)
@@ -164,11 +176,13 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     stations = sorted({site for v in fleet for site in v.stations})
     reloads = stations or sorted({site for v in fleet for site in v.reloads})
     walked = bool(stations or closes or apart.any() or (charge < MOST).any() or (many and spanned) or (shipments and reloads))
-    timed = bool(spanned or late or data.ready.any() or walked)
+    walked = walked or bool(risks.risky.any())
+    timed = bool(spanned or late or data.ready.any() or walked or data.maxima[2])
     goes = _stacked([_limited(m.duration) for m in data.moves]) if timed else on
     for moves in data.moves:
         moves.forget()  # they are held here
-    further = _further(data, goes) if walked else ()
+    variances, fineness = risks.variances(problem, data) if risks.risky.any() else ([np.zeros_like(goes[0])] * len(goes), 0)
+    further = (*_further(data, goes), np.stack(variances)) if walked else ()
     ways, at_way = _ways(on, goes, *further)
     near, reach, drive, least = _near(
         data, customers, on if len(on) == 1 else on.min(axis=0)[None], goes if len(goes) == 1 else goes.min(axis=0)[None], neighbours
@@ -202,10 +216,12 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     direct, lasts = (moves[data.profile, ends[:, 0], ends[:, 1]] for moves in (on, goes))
     home = data.unit * direct + data.fixed + data.time * lasts + data.overtime * np.maximum(lasts - data.regular_duration, 0)
     home = np.where([v.committed for v in fleet], home, 0)
+    dearer = [np.full_like(counts, cost) for cost in data.maxima]
     types = np.column_stack([
         data.profile, ends, hours, longest, data.unit, data.fixed, data.time, _limited(data.regular_duration), data.overtime,
         data.opens, _limited(data.leaves), _limited(data.closes),
         np.cumsum(counts) - counts, counts, np.zeros_like(counts), most_reloads, home, travel, charge, store, filled,
+        risks.caution, np.full_like(counts, fineness), [v.committed for v in fleet], *[np.zeros_like(counts)] * 3, *dearer,
         _limited(data.capacity[:, data.limited]),
     ])  # fmt: skip
     kind = np.repeat(np.arange(len(fleet)), counts)
@@ -231,7 +247,9 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     absent = np.zeros(sites, dtype=np.int64)
     absent[: len(customers)] = customers
     fewest, price = min(problem.min_vehicles, len(customers)), dear(problem, data) if problem.min_vehicles else 0
-    sums = np.array([*[lost[customers].sum() + home[kind].sum() + fewest * price] * 2, len(customers), 0, 0, 0, fewest, price])
+    sums = np.array(
+        [*[lost[customers].sum() + home[kind].sum() + fewest * price] * 2, len(customers), 0, 0, 0, fewest, price, 0, risks.most]
+    )
     skilled = problem.sites.skills
     allowed = np.array([[not skilled or asked <= v.skills for asked in skilled or [frozenset()] * sites] for v in fleet])
     for number, vehicle in enumerate(fleet):
@@ -240,6 +258,7 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
         k.TIMED: timed, k.SPANNED: spanned, k.PICKED: picked, k.SHIPPED: shipments, k.GROUPED: problem.sites.groups,
         k.RELOADING: reloads and not stations, k.RECHARGING: stations,
         k.WINDOWED: many, k.COUNTED: fewest, k.WALKED: walked, k.CLOSING: closes,
+        k.RISKY: risks.risky.any(), k.SHARED: risks.shared, k.TOPPED: data.maxima.any(),
     }  # fmt: skip
     flags = sum(flag for flag, there in features.items() if there) + (many << k.MANY)
     site, types, alone = _rows(site), _rows(types), _alone(site, types, allowed, on, goes, flags)
@@ -247,11 +266,14 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
         from .walk_kernels import walk_alone
 
         walk_alone(ways, at_way, site, types, route, node, alone, flags)
-    return Arrays(
+    held = Arrays(
         ways, at_way, site, types, allowed, alone,
         customers.astype(np.int64), near, reach, drive, depots, route, node, absent, sums, np.array([seed], dtype=np.uint64),
         np.zeros(len(node) + 2, dtype=np.int64), np.zeros((3, max(16, sites)), dtype=np.int64), np.zeros(sites), flags,
     )  # fmt: skip
+    if flags & (k.SHARED | k.TOPPED):
+        held.begin(Routes(()))  # what committed vehicles add on their way home
+    return held
 
 
 def _alone(site: Integers, types: Integers, allowed: NDArray[np.bool_], on: Integers, goes: Integers, flags: int) -> Integers:
@@ -311,6 +333,7 @@ def dear(problem: RoutingProblem, data: IntegerRouting) -> int:
     routes = moves * max(m.longest for m in data.moves) * int(data.unit.max()) + customers * int(data.fixed.max())
     times = moves * max(m.slowest for m in data.moves) + int(data.service.sum()) + int(data.ready.max())
     worth = 1 + int(data.prize.sum()) + routes + customers * times * int((data.time + data.overtime).max())
+    worth += int(data.maxima[[0, 2]].sum()) * times + int(data.maxima[1]) * moves * max(m.longest for m in data.moves)
     return min(worth, (1 << 59) // (customers + 1))
 
 
@@ -344,13 +367,13 @@ def _ways(on: Integers, goes: Integers, *further: Integers) -> tuple[Integers, I
     there is of ``_further``."""
     held: list[Integers] = []
     places = []
-    for matrix in (on, on.transpose(0, 2, 1), goes, goes.transpose(0, 2, 1), *(further or (goes, goes))):
+    for matrix in (on, on.transpose(0, 2, 1), goes, goes.transpose(0, 2, 1), *(further or (goes, goes, goes))):
         place = next((k for k, known in enumerate(held) if np.array_equal(known, matrix)), len(held))
         if place == len(held):
             held.append(matrix)
         places.append(place)
     ways = held[0][..., None] if len(held) == 1 else np.stack(held, axis=-1)
-    return np.ascontiguousarray(ways), np.array(places)[[1, 0, 3, 2, 4, 5]]
+    return np.ascontiguousarray(ways), np.array(places)[[1, 0, 3, 2, 4, 5, 6]]
 
 
 def _near(

@@ -16,8 +16,10 @@ from .columns import (
     CAPACITY,
     CHOSEN,
     CLOSES,
+    COMMITTED,
     COST,
     COUNTED,
+    DEARER,
     DEMAND,
     DRIVEN,
     DUE,
@@ -27,6 +29,9 @@ from .columns import (
     FOLLOWING,
     FREE,
     GROUP,
+    HAZARD,
+    HAZARDS,
+    HIGHEST,
     HOME,
     IN_USE,
     KIND,
@@ -59,6 +64,7 @@ from .columns import (
     ROUTE,
     SEARCHED,
     SERVICE,
+    SHARED,
     SHORT,
     SITE,
     SOUND,
@@ -68,13 +74,14 @@ from .columns import (
     TIME,
     TIMED,
     TOOK,
+    TOPPED,
     UNIT,
     USED,
     VISITS,
     WALKED,
     WINDOWED,
 )
-from .walk_kernels import walk
+from .walk_kernels import hazard, walk
 
 _GOLDEN, _FIRST, _SECOND = np.uint64(0x9E3779B97F4A7C15), np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 _30, _27, _31, _11 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(11)
@@ -220,6 +227,34 @@ def count(sums, more):  # type: ignore[no-untyped-def]
 
 
 @inner
+def extent(site, types, route, node, r, what):  # type: ignore[no-untyped-def]
+    """Duration, length or return of route ``r``; 0 if nobody drives it."""
+    if route[r, VISITS] == 0 and not types[route[r, KIND], COMMITTED]:
+        return 0
+    return route[r, SPENT] if what == 0 else route[r, LENGTH] if what == 1 else node[len(site) + 2 * r + 1, FREE]
+
+
+@inner
+def crown(site, types, route, node, sums):  # type: ignore[no-untyped-def]
+    """Bring the largest of all routes, and what it costs, up to date."""
+    for what in range(3):
+        largest, dear = 0, types[0, DEARER + what]
+        for r in range(len(route) if dear else 0):
+            largest = max(largest, extent(site, types, route, node, r, what))
+        change = dear * (largest - types[0, HIGHEST + what])
+        sums[SEARCHED] += change
+        sums[OBJECTIVE] += change
+        for k in range(len(types)):
+            types[k, HIGHEST + what] = largest
+
+
+@inlined
+def rise(types, k, what, value):  # type: ignore[no-untyped-def]
+    """What it costs that a route gets as long as ``value``, beyond the largest one."""
+    return types[k, DEARER + what] * max(0, value - types[k, HIGHEST + what])
+
+
+@inner
 def refresh(ways, at_way, site, types, route, node, sums, r, first, last, flags):  # type: ignore[no-untyped-def]
     """Bring times, limits and cost of route ``r`` up to date after a change between its nodes ``first`` and ``last``.
 
@@ -268,6 +303,12 @@ def refresh(ways, at_way, site, types, route, node, sums, r, first, last, flags)
     sums[SEARCHED] += cost - route[r, COST]
     sums[OBJECTIVE] += cost - route[r, COST]
     route[r, IN_USE], route[r, SPENT], route[r, COST], route[r, SOUND] = visits > 0, spent, cost, sound or visits == 0
+    if flags & TOPPED:
+        crown(site, types, route, node, sums)
+    if flags & SHARED:
+        part = hazard(ways, at_way, site, types, route, node, r)
+        sums[HAZARDS] += part - route[r, HAZARD]
+        route[r, HAZARD] = part
 
 
 @inner
@@ -357,6 +398,8 @@ def walked(ways, at_way, site, types, route, node, r, i, c, at, d, detour, flags
     if spent > types[k, MAX_DURATION]:
         return NONE
     more = hours(types, k, spent) - hours(types, k, route[r, SPENT]) if flags & SPANNED else 0
+    if flags & TOPPED:
+        more += rise(types, k, 0, spent) + rise(types, k, 1, route[r, LENGTH] + detour)
     return types[k, UNIT] * detour + more
 
 
@@ -374,6 +417,8 @@ def longer(ways, at_way, site, types, allowed, route, node, c, i, r, least, flag
                 return NONE
     detour = ways[p, c, a, at_way[0]] + ways[p, c, b, at_way[1]] - node[i, AHEAD]
     cost = types[k, UNIT] * detour
+    if flags & TOPPED:
+        cost += rise(types, k, 1, route[r, LENGTH] + detour)
     if (cost >= least and not flags & SPANNED) or route[r, LENGTH] + detour > types[k, MAX_DISTANCE] or not allowed[k, c]:
         return NONE
     if flags & TIMED:
@@ -391,6 +436,8 @@ def longer(ways, at_way, site, types, allowed, route, node, c, i, r, least, flag
             if spent > types[k, MAX_DURATION]:
                 return NONE
             cost += hours(types, k, spent) - hours(types, k, route[r, SPENT])
+            if flags & TOPPED:
+                cost += rise(types, k, 0, spent)
         if flags & WALKED and cost < least:
             return walked(ways, at_way, site, types, route, node, r, i, c, -1, -1, detour, flags)
     return cost

@@ -24,10 +24,12 @@ from .columns import (
     FOLLOWING,
     FREE,
     GROUPED,
+    HAZARDS,
     KIND,
     LATEST,
     LISTED,
     MISSED,
+    MOST_HAZARDS,
     NONE,
     OBJECTIVE,
     PARTNER,
@@ -40,6 +42,7 @@ from .columns import (
     ROUTE,
     SEARCHED,
     SECOND,
+    SHARED,
     SHIPPED,
     SHORT,
     SITE,
@@ -92,7 +95,7 @@ def settle(ways, at_way, site, types, route, node, absent, sums, flags):  # type
                 take_in(site, node, absent, sums, at)
             at = node[at, FOLLOWING]
         recount(ways, at_way, site, types, route, node, sums, r, flags)
-        if not route[r, SOUND]:
+        if not route[r, SOUND] or (flags & SHARED and sums[HAZARDS] > sums[MOST_HAZARDS]):
             dissolve(ways, at_way, site, types, route, node, absent, sums, r, flags)
 
 
@@ -382,6 +385,13 @@ def insert(  # type: ignore[no-untyped-def]
         put(ways, at_way, site, types, route, node, absent, sums, partner, places[1], r)
         onward = node[partner, FOLLOWING]
     refresh(ways, at_way, site, types, route, node, sums, r, after, onward, flags)
+    if flags & SHARED and sums[HAZARDS] > sums[MOST_HAZARDS]:
+        cut_out(ways, at_way, site, types, route, node, absent, sums, c)
+        if partner >= 0:
+            cut_out(ways, at_way, site, types, route, node, absent, sums, partner)
+        if flags & RELOADING:
+            tidy(ways, at_way, site, types, route, node, absent, sums, r)
+        refresh(ways, at_way, site, types, route, node, sums, r, sites + 2 * r, sites + 2 * r + 1, flags)
     return logged
 
 
@@ -462,7 +472,7 @@ def anneal(  # type: ignore[no-untyped-def]
     """
     kinds, dims = len(types), route.shape[1] - ROOM
     moved, todo, places = lists[0], lists[1], lists[2]
-    at_way = (way_columns[0], way_columns[1], way_columns[2], way_columns[3], way_columns[4], way_columns[5])
+    at_way = (way_columns[0], way_columns[1], way_columns[2], way_columns[3], way_columns[4], way_columns[5], way_columns[6])
     growth, least_unit = np.int64(sizes[2]), types[0, UNIT]
     for k in range(kinds):
         least_unit = min(least_unit, types[k, UNIT]) if types[k, TIME] == 0 else 0
@@ -491,7 +501,7 @@ def anneal(  # type: ignore[no-untyped-def]
                 ways, at_way, site, types, allowed, alone, near, reach, drive, depots, route, node, absent, sums, random, log, logged,
                 places, c, (step << 20) + m, step, least_unit, warmth, flags,
             )  # fmt: skip
-        sound, at = True, 0
+        sound, at = not flags & SHARED or sums[HAZARDS] <= sums[MOST_HAZARDS], 0
         while at < logged:
             sound = sound and route[log[at], SOUND] != 0
             at += 2 + log[at + 1]

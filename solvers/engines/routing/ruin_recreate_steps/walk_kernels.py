@@ -1,22 +1,29 @@
 """Walks of whole routes, for limits of which no sums of parts are kept. Imports numba: import it inside functions only.
 
-Moves that close, charges of moves, stores that are filled up on the way, time on the move beside other lengths, the least duration where
-sites have several windows, and what is on board where shipments stay there while a vehicle reloads. A walk comes last, for what all other
-tests let pass.
+Moves that close, uncertain durations, charges of moves, stores that are filled up on the way, time on the move beside other lengths, the
+least duration where sites have several windows, and what is on board where shipments stay there while a vehicle reloads. A walk comes last,
+for what all other tests let pass.
 """
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
 from .....formulations.kernels import kernel
 from .columns import (
     CAPACITY,
+    CAUTION,
     CHARGE,
     CLOSES,
     CLOSING,
+    COMMITTED,
     DEMAND,
     DUE,
     END,
     FILLED,
+    FINENESS,
     FIRST,
     FIXED,
     FOLLOWING,
@@ -35,6 +42,7 @@ from .columns import (
     RECHARGING,
     REGULAR,
     RELOADING,
+    RISKY,
     ROOM,
     SERVICE,
     SHIPPED,
@@ -46,6 +54,7 @@ from .columns import (
     TIME,
     TRAVEL,
     UNIT,
+    VISITS,
     WINDOWED,
 )
 
@@ -92,6 +101,12 @@ def _carries(site, types, route, node, r, i, c, at, d, flags):  # type: ignore[n
 
 
 @inner
+def deviation(types, k, variance):  # type: ignore[no-untyped-def]
+    """Deviation of a duration, in units of time, from the sum of what ``ways`` says of its moves."""
+    return math.ldexp(math.sqrt(np.float64(variance)), -types[k, FINENESS])
+
+
+@inner
 def walk(ways, at_way, site, types, route, node, r, i, c, at, d, flags):  # type: ignore[no-untyped-def]
     """Least duration of route ``r``, were ``c`` put after node ``i`` and ``d`` after node ``at``, which may be ``c``; ``NONE`` if that
     breaks a limit. -1 stands for nothing to be put there.
@@ -105,7 +120,7 @@ def walk(ways, at_way, site, types, route, node, r, i, c, at, d, flags):  # type
         return NONE
     departs, least = types[k, OPENS], NONE
     while departs <= types[k, LEAVES]:
-        until, left, waits, lasts, moving, charged = types[k, LEAVES], departs, -NONE, 0, 0, 0
+        until, left, waits, lasts, moving, charged, variance = types[k, LEAVES], departs, -NONE, 0, 0, 0, 0
         a, stop, service, lacking = node[head, SITE], head, 0, types[k, STORE] - types[k, FILLED]
         while stop != tail:
             stop = _onward(node, stop, i, c, at, d)
@@ -118,6 +133,7 @@ def walk(ways, at_way, site, types, route, node, r, i, c, at, d, flags):  # type
                 until = min(until, shut - lasts)
             charged += ways[p, a, b, at_way[4]] if stop != tail else service + drives
             moving += drives
+            variance += ways[p, a, b, at_way[6]]
             if flags & RECHARGING:
                 lacking += drives
                 if lacking > types[k, STORE]:
@@ -138,13 +154,37 @@ def walk(ways, at_way, site, types, route, node, r, i, c, at, d, flags):  # type
             if stop != tail:
                 left, waits, lasts = max(left, opens) + service, max(waits, opens) + service, lasts + service
             a = b
-        if moving > types[k, TRAVEL] or charged > types[k, CHARGE]:
+        margin = np.int64(math.ceil(math.ldexp(types[k, CAUTION] * deviation(types, k, variance), -40))) if flags & RISKY else 0
+        if moving + margin > types[k, TRAVEL] or charged > types[k, CHARGE]:
             return NONE
         least = min(least, max(waits - until, lasts))
+        if flags & RISKY and least + margin > types[k, MAX_DURATION]:
+            return NONE
         if least == lasts or not (flags & WINDOWED and flags & SPANNED):
             return least
         departs = until + 1
     return least
+
+
+@inner
+def hazard(ways, at_way, site, types, route, node, r):  # type: ignore[no-untyped-def]
+    """Part of route ``r`` in the risk of the team: ``-log(1 - p)`` times 2**50, for the probability p that it overruns a limit."""
+    k, at, tail = route[r, KIND], len(site) + 2 * r, len(site) + 2 * r + 1
+    variance, moving, lasts = 0, 0, 0
+    if route[r, VISITS] == 0 and not types[k, COMMITTED]:
+        return 0
+    while at != tail:
+        a, at = node[at, SITE], node[at, FOLLOWING]
+        b = node[at, SITE]
+        variance += ways[types[k, PROFILE], a, b, at_way[6]]
+        moving += ways[types[k, PROFILE], a, b, at_way[3]]
+        lasts += site[b, SERVICE] if at != tail else 0
+    spread = deviation(types, k, variance)
+    if spread == 0.0:
+        return 0
+    left = np.float64(min(types[k, MAX_DURATION] - moving - lasts, types[k, TRAVEL] - moving))
+    overrun = min(0.75, 0.5 * math.erfc(left / spread / math.sqrt(2.0)))
+    return np.int64(math.ceil(math.ldexp(-math.log1p(-overrun), 50)))
 
 
 @kernel("(i8[:, :, :, ::1], i8[::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], i8)", _nrt=False)

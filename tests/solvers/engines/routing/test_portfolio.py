@@ -40,7 +40,7 @@ def engines(result: RawResult) -> list[str]:
     ("kind", "names"),
     [
         ("several-depots", ["ruin-recreate", "pyvrp"]), ("overtime", ["ruin-recreate", "pyvrp"]), ("groups", ["ruin-recreate", "pyvrp"]),
-        ("several-windows", ["ruin-recreate", "pyvrp"]), ("recharging", ["ruin-recreate"]), ("route-risk", []),
+        ("several-windows", ["ruin-recreate", "pyvrp"]), ("recharging", ["ruin-recreate"]), ("route-risk", ["ruin-recreate"]),
     ],
 )  # fmt: skip
 def test_who_has_a_turn_is_told_by_what_the_problem_has(kind: str, names: list[str]) -> None:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from coded import coded
 from small_routing import small, varied
+from truth.routing import best_values
 
 import waybound as wb
 from waybound.instances.errors import UsageError
@@ -120,6 +122,28 @@ def test_the_longest_route_is_taken_by_bisection() -> None:
     found = run(problem, iterations=4000)
     assert any(link.name == "bisection" for link in found.links)
     assert problem.evaluate(found.answer).feasible
+
+
+@pytest.mark.parametrize("feature", ["route-risk", "team-risk"])
+def test_risks_are_kept_and_best_answers_found(feature: str) -> None:
+    for seed in range(8):
+        problem = varied(feature, seed)
+        best, found = best_values(problem), run(problem, iterations=2000).answer
+        assert (None if found is None else problem.evaluate(found).values) == (best and pytest.approx(best)), seed
+
+
+@pytest.mark.parametrize("term", [wb.Makespan(), wb.LongestRoute(), wb.LatestReturn()])
+def test_a_maximum_is_weighed_against_other_terms(term: Any) -> None:
+    for seed in range(5):
+        problem = replace(varied("shifts", seed), objective=wb.TotalCost() + 0.5 * term)
+        best, found = best_values(problem), run(problem, iterations=2000).answer
+        assert (None if found is None else problem.evaluate(found).values) == (best and pytest.approx(best)), seed
+
+
+def test_a_risk_hangs_on_the_longest_duration_that_is_allowed_which_no_bisection_may_change() -> None:
+    problem = replace(varied("route-risk", 0), objective=wb.Makespan())
+    assert not RuinRecreate().bisects(problem)
+    assert problem.evaluate(run(problem, iterations=2000).answer).values == pytest.approx(best_values(problem))
 
 
 @pytest.mark.parametrize(

@@ -37,13 +37,21 @@ def limited(problem: RoutingProblem, of: str, rng: np.random.Generator) -> Routi
         hours = matrix + rng.integers(0, 9, (n, n))
         energy = Energy(float(hours.max()) * float(rng.uniform(1.5, 4)), 1.0, "travel")
         fleet = tuple(replace(v, energy=energy) for v in problem.fleet)
-        return replace(problem, travel=Travel(EXPLICIT, matrix=matrix, duration_matrix=hours), fleet=fleet)
+        travel = Travel(EXPLICIT, matrix=matrix, duration_matrix=hours, variances=problem.travel.variances)
+        return replace(problem, travel=travel, fleet=fleet)
+    if of == "none":
+        return problem
     return replace(problem, fleet=tuple(replace(v, max_duration=around * float(rng.uniform(2, 4))) for v in problem.fleet))
 
 
 @pytest.mark.parametrize(
     ("feature", "of"),
-    [*((feature, of) for feature in ("several-windows", "closing-moves") for of in ("closing", "move", "duration")), ("shifts", "windows")],
+    [
+        *((feature, of) for feature in ("several-windows", "closing-moves") for of in ("closing", "move", "duration")),
+        ("shifts", "windows"),
+        ("route-risk", "none"),
+        ("route-risk", "move"),
+    ],
 )
 def test_a_walk_says_what_the_judge_says(feature: str, of: str) -> None:
     kept = refused = 0
@@ -84,3 +92,20 @@ def test_a_shipment_stays_on_board_while_the_vehicle_reloads(load: float) -> Non
     answer, held = Routes.of([[3, 1, 0, 2, 4]]), made(problem)
     held.put(answer)
     assert problem.evaluate(answer).feasible == (load == 4.0) == (len(held.routes(held.node[:, k.FOLLOWING])) == 1)
+
+
+def test_the_risk_of_the_team_is_the_judges() -> None:
+    kept = refused = 0
+    for seed in range(60):
+        problem, rng = varied("team-risk", seed, 5), np.random.default_rng(seed)
+        held, sites = made(problem), rng.permutation(problem.customers).tolist()
+        routes = [Route(tuple(part), kind) for kind, part in enumerate(np.array_split(sites, len(problem.fleet))) if len(part)]
+        judged = problem.evaluate(Routes.of(routes))
+        held.put(Routes.of(routes))
+        sound = {v.check for v in judged.violations} <= {"visits", "groups"}
+        assert (len(held.routes(held.node[:, k.FOLLOWING])) == len(routes)) == sound, seed
+        if sound:
+            told = -np.expm1(-np.ldexp(float(held.sums[k.HAZARDS]), -50))
+            assert told == pytest.approx(judged.quantities["team-overrun"], rel=1e-5, abs=1e-12), seed
+        kept, refused = kept + sound, refused + (not sound)
+    assert kept > 3 and refused > 3
