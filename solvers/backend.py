@@ -373,6 +373,10 @@ class Engine(Backend):
             return frozenset({f"{problem.family} problems"})
         return problem.features() - self.features
 
+    def unasked(self, problem: Problem) -> bool:
+        """Whether it may be used for ``problem`` where the user names no solver."""
+        return self.by_default
+
     def apart(self, problem: Problem) -> bool:
         """Whether the search can only be stopped in a process of its own: for all problems, or for this one."""
         return self.needs_process

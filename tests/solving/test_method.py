@@ -41,6 +41,8 @@ from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.solvers import interrupts
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
+from waybound.solvers.engines.routing.portfolio import Portfolio
+from waybound.solvers.engines.routing.ruin_recreate import RuinRecreate
 from waybound.solvers.program_backend import ProgramBackend, takers
 from waybound.solving import method
 from waybound.solving.listing import missing_features
@@ -147,7 +149,7 @@ def test_the_nearest_solver_is_of_the_family_and_lacks_fewest() -> None:
     charged: dict[str, Any] = {"energy": Energy(99.0, charge="windows"), "committed": True}
     assert missing_features("pyvrp", asking(LongestRoute(), **charged))[0] == {"energy:windows", "committed-vehicles"}
     assert missing_features("saddle", asking(LongestRoute()))[0] == {"routing problems"}
-    told = r"^no installed solver can take this problem: the nearest, portfolio, does not handle objective:longest-route"
+    told = r"^no installed solver can take this problem: the nearest, portfolio, does not handle objective:1\*longest-route"
     with pytest.raises(UnsupportedError, match=told):
         wb.solve(asking(Reward() + LongestRoute(), **charged))
 
@@ -295,7 +297,7 @@ def test_the_solver_gets_the_answer_and_the_time_that_is_left() -> None:
 def test_no_answer_is_worse_than_the_start() -> None:
     with finding(ALONE):
         found = solve(star(), time_limit=1.0, bound_time=0)
-    assert found.answer is not None and found.objective <= 260.0 and found.form == "three-index-cones"
+    assert found.answer is not None and found.objective <= 260.0
     assert f"{found.solver} started from the answer of {NAME}" in found.message
 
 
@@ -308,19 +310,21 @@ def test_without_a_start_the_solver_goes_on(answer: Any, words: str) -> None:
 
 def test_large_problems_and_those_for_which_there_is_no_solver_are_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     with finding(ALONE) as limits:
+        monkeypatch.setattr(Portfolio, "installed", classmethod(lambda cls: False))
+        monkeypatch.setattr(RuinRecreate, "installed", classmethod(lambda cls: False))
         found = solve(star(None, 13, team_risk=0.2), time_limit=8.0, bound_time=0)
         assert (found.solver, found.status, limits) == (NAME, "feasible", [8.0])
         monkeypatch.setattr("waybound.solving.method.LARGEST_WRITTEN", 5)
         assert solve(star(), time_limit=8.0, bound_time=0).solver == NAME
 
 
-def test_few_customers_with_too_many_routes_for_an_exact_form_are_its_own() -> None:
+def test_few_customers_with_too_many_routes_for_an_exact_form_begin_with_it() -> None:
     far = star(None, 13, team_risk=0.2)
     far = replace(far, fleet=(replace(far.fleet[0], max_duration=280.0),))
     assert "set-partitioning" not in far.forms()
     with finding(Routes.of([range(1, 14)])) as limits:
-        found = solve(far, time_limit=8.0, bound_time=0)
-    assert (found.solver, found.status, limits) == (NAME, "feasible", [8.0])
+        found = solve(far, time_limit=1.0, bound_time=0)
+    assert (found.solver, found.status, limits) == ("portfolio", "feasible", [0.5])
 
 
 @pytest.mark.slow

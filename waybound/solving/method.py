@@ -82,6 +82,8 @@ def default_solver(problem: Problem, given: Program | None = None, form: str | N
         if backend.installed() and backend.by_default:
             if meant is None:
                 missing, _ = missing_features(name, problem)
+                if not missing and issubclass(backend, Engine) and not backend().unasked(problem):
+                    continue
             elif issubclass(backend, ProgramBackend):
                 missing = frozenset() if backend.takers(meant) else frozenset({f"{described(meant)} programs"})
                 if given is not None and not relax and not missing:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+import threading
 from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
@@ -18,6 +19,7 @@ from ...backend import BACKENDS, Control, Engine, Needs, Options, RawResult
 from ...children import child
 from .abreast import accompanied
 from .best_routes import BestRoutes, PartControl
+from .branch_price_cut import BranchPriceCut
 from .ortools import ORTools
 from .parts import ALONE, divides
 from .pyvrp import PyVRP
@@ -53,10 +55,17 @@ LAST_SHARE = 0.1
 """Part of the time below which no other engine is begun."""
 
 
+FEW_CUSTOMERS, SHORT = 250, 15.0
+"""Problems of no more customers, and answers of no more visits a route, whose routes branch, price and cut can look through in time."""
+
+FIRST_BOUND = 0.2
+"""Part of its time in which branch, price and cut has to solve its first linear program, or another engine takes its place."""
+
+
 class Opening(RuinRecreate):
     """Ruin and recreate that leaves time for another engine where its speed allows."""
 
-    def seconds_at(self, speed: float, customers: int, left: float) -> float:
+    def seconds_at(self, speed: float, customers: int, routes: int, left: float) -> float:
         share = max(FIRST_SHARE, ENOUGH * customers / max(1.0, speed * left))
         return left * (share if share <= 1.0 - LAST_SHARE else 1.0)
 
@@ -71,6 +80,20 @@ class Turn:
     options: Mapping[str, Any] = field(default_factory=dict)
 
 
+class BeforeProof(Opening):
+    """Ruin and recreate that takes half of the time at most where routes are short enough for branch, price and cut."""
+
+    def seconds_at(self, speed: float, customers: int, routes: int, left: float) -> float:
+        if customers > SHORT * routes:
+            return super().seconds_at(speed, customers, routes, left)
+        return min(FIRST_SHARE * left, ENOUGH * customers / max(1.0, speed))
+
+
+def proves(problem: RoutingProblem) -> bool:
+    """Whether branch, price and cut takes a problem."""
+    return BranchPriceCut.installed() and not BranchPriceCut().missing(problem)
+
+
 @BACKENDS.register("portfolio")
 class Portfolio(Engine):
     """Ruin and recreate, then a library's engine from its routes, within one limit of time.
@@ -81,12 +104,15 @@ class Portfolio(Engine):
     name = "portfolio"
     package = "waybound"
     modules = ("numba",)
-    summary = "ruin and recreate, then PyVRP, OR-Tools or VROOM from its routes"
+    summary = "ruin and recreate, then branch, price and cut, PyVRP, OR-Tools or VROOM from its routes"
     family: ClassVar[str] = "routing"
     options = MappingProxyType({})
     order = 5
     honours = frozenset({"iterations", "no_improvement", "gap"})
     features = frozenset[str]().union(*(kind.features for kind in ENGINES))
+
+    def unasked(self, problem: Problem) -> bool:
+        return RuinRecreate().unasked(problem)
 
     def turns(self, problem: RoutingProblem) -> list[Turn]:
         """The turns at a problem, first to last; none where no installed engine takes it."""
@@ -98,6 +124,8 @@ class Portfolio(Engine):
                 rich = Turn(RuinRecreate, 0.5, RUINS, {"worth": 4.0})
                 return [Turn(RuinRecreate, 0.4, RUINS), rich, Turn(PyVRP)]  # how much rewards are best taken for differs from file to file
             plain = not RuinRecreate().bisects(problem)  # else it is asked again and again, each time for a part of its time
+            if plain and len(problem.customers) <= FEW_CUSTOMERS and proves(problem):
+                return [Turn(BeforeProof, work=RUINS), Turn(BranchPriceCut), Turn(PyVRP)]
             return [Turn(Opening, work=RUINS) if plain else Turn(RuinRecreate, FIRST_SHARE, RUINS), Turn(PyVRP)]
         return [Turn(kind, work=RUINS if kind is RuinRecreate else 1) for kind in able[:1]]
 
@@ -117,7 +145,8 @@ class Portfolio(Engine):
         if lacking:
             raise UnsupportedError(self.name, lacking)
         self.converted(options)
-        turns = self.turns(problem)  # type: ignore[arg-type]
+        repeats = options.iterations is not None or options.no_improvement is not None
+        turns = [turn for turn in self.turns(problem) if not (repeats and turn.engine is BranchPriceCut)]  # type: ignore[arg-type]
         for turn in turns:
             ignored = [name for name in options.asked() if name not in turn.engine.honours]
             if ignored:
@@ -148,6 +177,8 @@ class _Search:
                 results.append(self.turn(turns[-1], 1.0, compiler))
                 turns = [] if compiler.poll() is None else turns if self.compiled() else turns[-1:]  # no folder may keep what is compiled
             for turn in turns:
+                if turn.engine is BranchPriceCut and not self.short_routes:
+                    continue
                 results.append(self.turn(turn, turn.share))
                 if self.control.stopped or results[-1].status in ("optimal", "infeasible") or self.ends - now() < TOO_LATE:
                     break
@@ -161,10 +192,16 @@ class _Search:
             return replace((failures or [last])[0], limit=limit, statistics=statistics)
         message = "; ".join(dict.fromkeys(result.message for result in [*failures, last] if result.message))
         found = RawResult("feasible", limit, self.best.answer, self.best.claim, statistics=statistics, message=message)
-        if last.status == "optimal":
-            found = replace(found, status="optimal", bound=last.bound)
-        links = tuple(dict.fromkeys(link for result in results for link in result.links))
-        return replace(found, holds=next((r.holds for r in results if r.holds is not Exactness.EXACT), Exactness.EXACT), links=links)
+        proof = next((result for result in results if result.evidence), last)
+        found = replace(found, evidence=proof.evidence, links=tuple(dict.fromkeys(link for result in results for link in result.links)))
+        if proof.status == "optimal":
+            return replace(found, status="optimal", limit="none", bound=proof.bound, holds=proof.holds)
+        return replace(found, holds=next((r.holds for r in results if r.holds is not Exactness.EXACT), Exactness.EXACT))
+
+    @property
+    def short_routes(self) -> bool:
+        """Whether the best answer has few visits a route."""
+        return self.best.answer is not None and sum(len(one.visits) for one in self.best.answer) <= SHORT * len(self.best.answer)
 
     @property
     def repeats(self) -> bool:
@@ -206,6 +243,9 @@ class _Search:
             extra=dict(turn.options),
         )
         control, before, began = _TurnControl(self, until), self.best.values, now()
+        patience = threading.Timer(FIRST_BOUND * own.time_limit, control.end_unless_bounded)
+        if turn.engine is BranchPriceCut:
+            patience.start()
         try:
             if until is None and self.has_company(turn):
                 result = accompanied(turn.engine(), RuinRecreate(), self.problem, own, control)
@@ -213,6 +253,7 @@ class _Search:
                 result = turn.engine().run(self.problem, own, control)
         except Exception as fault:  # the next one goes on, and the message tells it
             result = RawResult("error", message=f"{turn.engine.name} failed: {in_words(fault)}")
+        patience.cancel()
         if result.answer is not None:
             self.best.take(result.answer)
         done = {name: value for name, value in result.statistics.items() if name in ("iterations", "solutions")}
@@ -226,7 +267,16 @@ class _TurnControl(PartControl):
 
     def __init__(self, search: _Search, until: subprocess.Popen[bytes] | None) -> None:
         super().__init__(search.best, not search.turns)
-        self._until = until
+        self._until, self._bounded = until, False
+
+    def count(self, nodes: int, **further: int) -> None:
+        super().count(nodes, **further)
+        self._bounded = True
+
+    def end_unless_bounded(self) -> None:
+        """End a turn in which branch, price and cut solved no linear program yet."""
+        if not self._bounded:
+            self.stop()
 
     @property
     def stopped(self) -> bool:

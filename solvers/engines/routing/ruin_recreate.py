@@ -119,14 +119,19 @@ class RuinRecreate(Bisecting):
         recharged = {f"recharging with {name}" for name in ("reloads", "shipments") if features >= {"recharging", name}}
         return unscalable(problem) | paused | recharged | entangled(problem)
 
+    def unasked(self, problem: Problem) -> bool:
+        """Not for risks of few customers: the program that chooses among all their routes is solved at once."""
+        return not (problem.features() & {"route-risk", "team-risk"} and "set-partitioning" in problem.forms())
+
     def memory(self, problem: Problem) -> float:
         return memory(problem) if divides(problem, Options()) else super().memory(problem)  # type: ignore[arg-type]
 
     def set_up_seconds(self, problem: Problem) -> float:
         return SET_UP * problem.size if divides(problem, Options()) else super().set_up_seconds(problem)  # type: ignore[arg-type]
 
-    def seconds_at(self, speed: float, customers: int, left: float) -> float:
-        """For how many of the seconds that are left it goes on, told its speed in ruins a second: for who has other plans for the rest."""
+    def seconds_at(self, speed: float, customers: int, routes: int, left: float) -> float:
+        """For how many of the seconds that are left it goes on, told its speed in ruins a second and how many routes there are: for who has
+        other plans for the rest."""
         return left
 
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
@@ -197,7 +202,7 @@ class _Search:
         asked: dict[str, Any],
         control: Control,
         stop: Stop,
-        seconds_at: Callable[[float, int, float], float],
+        seconds_at: Callable[[float, int, int, float], float],
     ) -> None:
         from .ruin_recreate_steps import columns, search_kernels
         from .ruin_recreate_steps.arrays import arrays
@@ -254,7 +259,8 @@ class _Search:
             if not measured and now() - began >= MEASURED:
                 measured = True
                 spent = now() - began
-                whole = spent + self.seconds_at(done / spent, len(self.held.customers), self.stop.seconds_left)
+                routes = int(self.held.types[:, k.USED].sum())
+                whole = spent + self.seconds_at(done / spent, len(self.held.customers), routes, self.stop.seconds_left)
                 self.plan(course, done / spent * whole)
                 if start and done / spent * whole < FEW * len(self.held.customers):
                     course.hot = min(course.hot, 3.0 * course.cold)

@@ -108,7 +108,7 @@ def test_a_library_searches_while_loops_are_compiled(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(type(search_kernels.anneal), "kept", lambda kernel: looks.append(True) or len(looks) > 1)
     problem = wb.generate("random", customers=30, capacity=40)
     with_compiler = run(problem, time_limit=2.0)
-    assert engines(with_compiler) == ["pyvrp", "ruin-recreate", "pyvrp"]
+    assert engines(with_compiler)[:3] == ["pyvrp", "ruin-recreate", "branch-price-cut"]
     assert [command[-6:] for command in commands] == [[sys.executable, "-m", "waybound", "warm", "--quiet", "ruin_recreate_steps"]]
     monkeypatch.setattr(type(search_kernels.anneal), "kept", lambda kernel: False)
     assert engines(run(problem, time_limit=1.0)) == ["pyvrp", "pyvrp"] and commands.pop()  # where nothing that is compiled can be kept
