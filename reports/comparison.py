@@ -80,7 +80,9 @@ class Comparison:
     Attributes
     ----------
     problem : Problem
+        The one that all methods got.
     runs : tuple of Compared
+        A name, a ``Solution`` or why there is none, and the seconds, a method.
     faults : tuple of str
         Where what one method claims, or what was verified for it, contradicts a checked answer of another. Empty as it should be.
     """
@@ -244,6 +246,7 @@ def compare(
     Parameters
     ----------
     problem : Problem
+        The one that all methods get.
     methods : sequence of str, or mapping
         Names of solvers and heuristics (``"pyvrp"``, ``"pulp:HiGHS"``, ``"savings"``). A mapping has a name of one's own for each and
         keywords for ``solve``: ``{"h = 3": {"heuristic": "local", "h": 3}}``.

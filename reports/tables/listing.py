@@ -15,6 +15,7 @@ def list_solvers(problem: Problem | None = None) -> Listing[SolverInfo]:
     Parameters
     ----------
     problem : Problem, optional
+        Whom to ask about; without one, all that is known of solvers by themselves.
 
     Returns
     -------
@@ -30,6 +31,7 @@ def list_heuristics(problem: Problem | None = None) -> Listing[HeuristicInfo]:
     Parameters
     ----------
     problem : Problem, optional
+        As of ``solvers``.
 
     Returns
     -------
