@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,11 +20,10 @@ from .progress import PartsCounter
 if TYPE_CHECKING:
     from ..reports.battery.cases import Draw
     from ..reports.battery.examining import Examination
-    from ..reports.tables.table import Table
 
 
 def info(source: Source, json: Json = False, verbose: Verbose = False) -> None:
-    """Show what an instance holds, which solvers and heuristics take it, and what the others lack."""
+    """Show what an instance holds, which solvers and heuristics take it, and with -v what the others lack."""
     from ..reports.tables.facts import facts, facts_table
     from ..reports.tables.listing import heuristics_table, solvers_table
     from ..solving.listing import heuristic_table, solver_table
@@ -37,15 +36,8 @@ def info(source: Source, json: Json = False, verbose: Verbose = False) -> None:
         print_json({"format": instance.format, "problems": list(instance.problems), **data, **listed})
         return
     print_table(facts_table(data))
-    foreign = {f"{asked.family} problems", f"a form for {asked.family} problems"}
-    tables: dict[str, tuple[list[Any], Callable[..., Table]]] = {
-        "solvers": (able, solvers_table), "heuristics": (approximate, heuristics_table),
-    }  # fmt: skip
-    for what, (rows, table) in tables.items():
-        near = [row for row in rows if not foreign & set(row.missing)]
-        print_table(table(near, asked=True))
-        if len(near) < len(rows):
-            print_text(f"{len(rows) - len(near)} {what} for other families are left out; `waybound {what} {source.file}` lists all")
+    print_table(solvers_table(able, asked=True), verbose)
+    print_table(heuristics_table(approximate, asked=True), verbose)
 
 
 def solvers(
@@ -84,7 +76,7 @@ def solvers(
     if json:
         print_json({"solvers": [dataclasses.asdict(i) for i in infos]})
     else:
-        print_table(solvers_table(infos, asked=file is not None))
+        print_table(solvers_table(infos, asked=file is not None), verbose)
 
 
 def heuristics(
@@ -104,7 +96,7 @@ def heuristics(
     if json:
         print_json({"heuristics": [dataclasses.asdict(i) for i in infos]})
     else:
-        print_table(heuristics_table(infos, asked=file is not None))
+        print_table(heuristics_table(infos, asked=file is not None), verbose)
 
 
 # -- solvers --examine ----------------------------------------------------------------------------------------------------
