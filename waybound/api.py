@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .instances.errors import UsageError
+from .instances.errors import InputError, UsageError
 from .instances.limits import check_number, check_whole
 
 if TYPE_CHECKING:
@@ -33,8 +33,12 @@ def read_source(
     """The instance in a file, or the bundled one of that name where there is no such file; see ``read_instance``."""
     from .instances.bundled import bundled_names, bundled_path
     from .instances.reading import read_instance
+    from .instances.suggestions import did_you_mean
 
-    if isinstance(path, str) and path in bundled_names() and not Path(path).exists():
+    hint = did_you_mean(path, bundled_names()) if isinstance(path, str) else ""
+    if isinstance(path, str) and hint and not Path(path).exists():
+        if path not in bundled_names():
+            raise InputError(f"no such file, and no bundled instance of that name{hint}", "file", file=path)
         return read_instance(bundled_path(path), format, problem, settings)
     return read_instance(path, format, problem, settings)
 

@@ -172,7 +172,7 @@ def _read(text: str) -> Weighted:
     for sign, part in [("+", first), *zip(rest[::2], rest[1::2], strict=True)]:
         weight, times, name = part.rpartition("*")
         if name not in TERMS:
-            raise UsageError(f"unknown objective term {name!r}; choose from {', '.join(TERMS)}", "unknown-name")
+            raise UsageError(f"unknown objective term {name!r}; choose from {', '.join(TERMS)}{did_you_mean(name, TERMS)}", "unknown-name")
         try:
             terms.append((float(f"{sign}1") * (float(weight) if times else 1.0), TERMS[name]()))
         except ValueError:

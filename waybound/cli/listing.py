@@ -12,6 +12,7 @@ import typer
 from ..instances.errors import UsageError
 from ..instances.limits import check_whole
 from ..solvers import interrupts
+from . import completing
 from .handling import complain, handled, remark
 from .options import Format, Json, Objective, ProblemName, Quiet, Set, Source, Verbose, arg, bounded, opt, parse_pairs
 from .output import print_json, print_table, print_text, write_out
@@ -41,7 +42,9 @@ def info(source: Source, json: Json = False, verbose: Verbose = False) -> None:
 
 
 def solvers(
-    file: Annotated[str | None, arg("[FILE]", "Ask about this instance; with --examine the name of a solver.")] = None,
+    file: Annotated[
+        str | None, arg("[FILE]", "Ask about this instance; with --examine the name of a solver.", completing.instances)
+    ] = None,
     format: Format = None,  # noqa: A002
     problem: ProblemName = None,
     settings: Set = None,
@@ -52,7 +55,7 @@ def solvers(
     count: Annotated[int | None, opt("--count N", "Programs for each solver that is examined.")] = None,
     seed: Annotated[int | None, opt("--seed N", "The same seed gives the same programs.")] = None,
     kind: Annotated[str | None, opt("--kind NAME", "Programs of this kind alone, such as time-windows.")] = None,
-    form: Annotated[str | None, opt("--form NAME", "Programs of this form alone.")] = None,
+    form: Annotated[str | None, opt("--form NAME", "Programs of this form alone.", "form")] = None,
     option: Annotated[
         list[str] | None, opt("--option KEY=VALUE", "Option of the solver's own, which overrules waybound's. Repeatable.")
     ] = None,
@@ -80,7 +83,9 @@ def solvers(
 
 
 def heuristics(
-    file: Annotated[str | None, arg("[FILE]", "Ask about this instance: who takes it, and what the others lack.")] = None,
+    file: Annotated[
+        str | None, arg("[FILE]", "Ask about this instance: who takes it, and what the others lack.", completing.instances)
+    ] = None,
     format: Format = None,  # noqa: A002
     problem: ProblemName = None,
     settings: Set = None,
@@ -175,7 +180,7 @@ def _tell(draw: Draw, examinations: Sequence[Examination], by: str, out: Path | 
 
 instances = typer.Typer(help="Bundled instances.", no_args_is_help=True)
 
-Name = Annotated[str, arg("NAME", "Name of a bundled instance.")]
+Name = Annotated[str, arg("NAME", "Name of a bundled instance.", completing.names("instance"))]
 
 
 @instances.command("list")
