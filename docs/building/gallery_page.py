@@ -113,7 +113,7 @@ def page(*, executed: bool = True) -> tuple[str, dict[str, bytes]]:
         if executed:
             solution, axes = run(one)
             pictures[f"{name}.png"] = thumbnail(axes)
-            parts = [f"![{one.title}]({name}.png){{ loading=lazy }}", *parts, figures(solution)]
+            parts = [f"![{one.title}](gallery/{name}.png){{ loading=lazy }}", *parts, figures(solution)]
         first, *rest = "\n\n".join(parts).splitlines()
         told.append("\n".join([f"-   {first}", *(f"    {line}".rstrip() for line in rest), ""]))
     return HEAD.format(cards="\n".join(told)), pictures

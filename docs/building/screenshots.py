@@ -20,7 +20,7 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 PAGES = (
-    "", "gallery/", "quick-start/", "limits/", "coming-from/pyvrp/", "notebooks/first_tour/", "generated/variants/",
+    "", "generated/gallery/", "quick-start/", "limits/", "coming-from/pyvrp/", "notebooks/first_tour/", "generated/variants/",
     "generated/command-line/", "reference/functions/",
 )  # fmt: skip
 LOOKS = {"desk-light": ("1280,1000", 1), "desk-dark": ("1280,1000", 0), "phone-light": ("500,900", 1), "phone-dark": ("500,900", 0)}

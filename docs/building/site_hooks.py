@@ -28,8 +28,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     made: dict[str, str | bytes] = {f"generated/{name}.md": page() for name, page in PAGES.items()}
     made |= {f"reference/{name}.md": text for name, text in api_pages.pages().items()}
     executed = bool(config.extra.get("execute_notebooks", True))
-    made["gallery/index.md"], pictures = gallery_page.page(executed=executed)
-    made |= {f"gallery/{name}": data for name, data in pictures.items()}
+    made["generated/gallery.md"], pictures = gallery_page.page(executed=executed)
+    made |= {f"generated/gallery/{name}": data for name, data in pictures.items()}
     for script in notebook_pages.notebooks():
         one = notebook_pages.page(script, executed=executed)
         made |= {f"notebooks/{name}": data for name, data in one.pictures.items()}

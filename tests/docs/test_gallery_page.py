@@ -46,7 +46,7 @@ def test_a_card_shows_an_answer_that_holds_and_a_small_picture(script: Path) -> 
 
 def test_without_execution_the_page_has_titles_and_code_alone() -> None:
     text, pictures = gallery_page.page(executed=False)
-    assert pictures == {} and "value" not in text.split("</div>")[0].split("cards gallery")[1] and "](time_windows.png)" not in text
+    assert pictures == {} and "value" not in text.split("</div>")[0].split("cards gallery")[1] and "time_windows.png" not in text
     assert text.count("```python") == len(SCRIPTS) == text.count("-   **")
 
 
