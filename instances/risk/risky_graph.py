@@ -191,6 +191,7 @@ class RiskyGraph(Declared):
         Parameters
         ----------
         element : RiskElement
+            One of ``elements``.
         before, state, after : array-like of int, shape (moves,)
             States; -1 stands for none.
         """

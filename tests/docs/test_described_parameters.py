@@ -52,6 +52,15 @@ def parameters(thing: Callable[..., Any]) -> list[str]:
     return [name for name in inspect.signature(thing).parameters if not name.startswith("_")]
 
 
+def methods() -> Iterator[tuple[str, Callable[..., Any]]]:
+    """Methods of public classes, own and inherited, whose docstrings have a section of parameters: it has to be whole."""
+    for name in wb.__all__:
+        thing = getattr(wb, name)
+        for own, member in inspect.getmembers(thing, inspect.isfunction) if inspect.isclass(thing) else ():
+            if not own.startswith("_") and re.search(r"^ *Parameters\n", member.__doc__ or "", flags=re.MULTILINE):
+                yield f"{name}.{own}", member
+
+
 def documented() -> Iterator[tuple[str, Callable[..., Any]]]:
     """Functions, classes and alternative constructors, as a user calls them."""
     for name in wb.__all__:
@@ -72,6 +81,12 @@ INSIDE = ("from_document", "from_values", "from_json", "from_instance")
 def test_every_parameter_is_described(name: str) -> None:
     thing = dict(documented())[name]
     assert undescribed(thing, parameters(thing)) == []
+
+
+def test_no_section_of_parameters_of_a_method_has_gaps() -> None:
+    gaps = {name: undescribed(method, [p for p in parameters(method) if p != "self"]) for name, method in methods()}
+    assert len(gaps) > 30
+    assert not {name: missing for name, missing in gaps.items() if missing}
 
 
 def test_an_empty_description_is_none() -> None:
