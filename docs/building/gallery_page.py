@@ -101,7 +101,8 @@ def figures(solution: Solution) -> str:
     """Value, bound and gap in a line."""
     bound = "no bound" if solution.bound is None else f"bound {number(solution.bound)} ({solution.bound_kind})"
     gap = "" if solution.gap is None else f", gap {percent(solution.gap)}"
-    return f"value {number(solution.objective)}, {bound}{gap}; by `{solution.solver}`"
+    told = f"value {number(solution.objective)}, {bound}{gap}; by `{solution.solver}`"
+    return told.replace(" %", "\u00a0%")
 
 
 def page(*, executed: bool = True) -> tuple[str, dict[str, bytes]]:
