@@ -53,11 +53,15 @@ class Certificate:
     Attributes
     ----------
     instance_hash : str
+        SHA-256 of the data, so that a certificate cannot pass for one of another instance.
     problem, sense, convention : str
+        Name of the problem, ``min`` or ``max``, and how distances are rounded (empty without distances).
     feasible : bool or None
         None if there is no answer.
     checks : tuple of Check
+        What was checked of the answer.
     violations : tuple of Violation
+        What it breaks; empty for a feasible answer.
     objective : float, list of float, or None
         Recomputed from the data.
     bound : float or None

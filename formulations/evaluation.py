@@ -49,10 +49,13 @@ class Check:
     Parameters
     ----------
     name : str
+        What was checked, such as ``capacity``.
     passed : bool
+        Whether nothing was above the tolerance.
     residual : float
         The largest amount found, 0 if none.
     tested : int
+        Conditions looked at.
     confidence : float
         With which it passed; below 1 where samples say so.
     """
@@ -78,6 +81,7 @@ class Evaluation:
     values : tuple of float
         One value a level of the objective, recomputed from the data.
     checks : tuple of Check
+        One a kind of condition.
     violations : tuple of Violation
         Residuals above what ``tolerance`` allows; empty for a feasible answer.
     quantities : dict

@@ -83,6 +83,7 @@ class Solution:
     Attributes
     ----------
     problem : Problem
+        The one that was solved.
     answer : object or None
         The problem's own answer, present only if it passed the check.
     status : str
@@ -90,20 +91,31 @@ class Solution:
     limit : str
         ``none, time, iterations, gap, nodes, memory, interrupt``.
     objective, bound : float, list of float (objectives in order of priority) or None
+        What the answer is worth, recomputed from the data, and what no answer can beat.
     bound_kind : str or None
         ``verified`` (derived again by the checker from evidence) or ``claimed`` (a search's own figure).
     bound_source : str or None
+        By which method, or on whose word.
     gap : float or None
+        Relative distance of objective and bound; 0 is optimal.
     solver : str
+        Name of the solver or heuristic.
     form : str or None
+        How the problem was written down, for solvers that take programs.
     seconds : dict
         ``compile, solve, bound, check``.
     seed : int
+        The same one gives the same answer, where no time limit decides.
     versions : dict
+        Of waybound, Python and the solver's package.
     certificate : Certificate
         Verified facts only.
+    evaluation : Evaluation or None
+        The judge's whole verdict on the answer.
     statistics : dict
+        What the solver counts: nodes, iterations, ...
     message : str
+        What else a user should read, such as why a search ended.
     chain : tuple of Link
         How the problem was written down and what was done to that on the way to the solver: form, reductions, each exact, a relaxation or
         a restriction.

@@ -9,6 +9,7 @@ from .atomic import atomic_write
 from .errors import UsageError
 from .formats import FORMATS, Format
 from .instance import Instance
+from .suggestions import did_you_mean
 from .text import an
 
 
@@ -33,9 +34,9 @@ def format_of_suffix(path: str | PathLike[str], kind: str = "routing") -> Format
             return entry
     known = ", ".join(sorted({s for entry in able for s in entry.suffixes}))
     names = ", ".join(entry.name for entry in able)
-    raise UsageError(
-        f"{path}: the suffix stands for no format of {an(kind)} instance; use one of {known}, or name a format of {names}", "unknown-name"
-    )
+    hint = did_you_mean(suffix, {s for entry in able for s in entry.suffixes})
+    none = f"the suffix stands for no format of {an(kind)} instance"
+    raise UsageError(f"{path}: {none}; use one of {known}, or name a format of {names}{hint}", "unknown-name")
 
 
 def _writable() -> list[str]:

@@ -14,6 +14,7 @@ from ..formulations.tolerance import EQUAL, gap, same
 from ..formulations.verified_bounds import beats_bound, better_bound
 from ..instances.errors import UsageError, WayboundError, in_words
 from ..instances.printable import one_line
+from ..instances.suggestions import did_you_mean
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -80,7 +81,9 @@ class Comparison:
     Attributes
     ----------
     problem : Problem
+        The one that all methods got.
     runs : tuple of Compared
+        A name, a ``Solution`` or why there is none, and the seconds, a method.
     faults : tuple of str
         Where what one method claims, or what was verified for it, contradicts a checked answer of another. Empty as it should be.
     """
@@ -244,6 +247,7 @@ def compare(
     Parameters
     ----------
     problem : Problem
+        The one that all methods get.
     methods : sequence of str, or mapping
         Names of solvers and heuristics (``"pyvrp"``, ``"pulp:HiGHS"``, ``"savings"``). A mapping has a name of one's own for each and
         keywords for ``solve``: ``{"h = 3": {"heuristic": "local", "h": 3}}``.
@@ -299,9 +303,9 @@ def _asked(methods: Methods) -> dict[str, dict[str, Any]]:
                     f"{name} is to be compared with itself; a mapping gives runs of one method names of their own", "duplicate"
                 )
             if name not in HEURISTICS and name.partition(":")[0] not in BACKENDS:
-                raise UsageError(
-                    f"no solver and no heuristic is named {name!r}; there are {', '.join([*BACKENDS, *HEURISTICS])}", "unknown-name"
-                )
+                known = [*BACKENDS, *HEURISTICS]
+                there = f"there are {', '.join(known)}{did_you_mean(name, known)}"
+                raise UsageError(f"no solver and no heuristic is named {name!r}; {there}", "unknown-name")
             keywords[name] = {"heuristic" if name in HEURISTICS else "solver": name}
     for own in keywords.values():
         if own.get("solver") is not None:

@@ -7,6 +7,8 @@ from collections.abc import Callable
 import pytest
 
 import waybound as wb
+from waybound.reports.battery.cases import Draw
+from waybound.reports.ratios.study import STUDIES
 
 
 def tiny() -> wb.Problem:
@@ -17,7 +19,22 @@ def tiny() -> wb.Problem:
     ("call", "meant"),
     [
         (lambda: wb.solve(tiny(), "hihgs"), "highs"),
+        (lambda: wb.solve(tiny(), "pulp:HiGSH"), "HiGHS"),
+        (lambda: wb.solve(tiny(), "mathopt:higs"), "highs"),
+        (lambda: wb.solve(tiny(), "cvxpy:CLARABLE"), "CLARABEL"),
         (lambda: wb.solve(tiny(), heuristic="saving"), "savings"),
+        (lambda: wb.bound(tiny(), lp_solver="hihgs"), "highs"),
+        (lambda: wb.compare(tiny(), ["hihgs"]), "highs"),
+        (lambda: wb.compare(tiny(), ["saving"]), "savings"),
+        (lambda: wb.explain(tiny(), form="two-index-mtx"), "two-index-mtz"),
+        (lambda: tiny().compile("three-indx"), "three-index"),
+        (lambda: wb.solve(tiny(), heuristic="savings").plot(view="schedul"), "schedule"),
+        (lambda: wb.read("demo-tny"), "demo-tiny"),
+        (lambda: wb.read("demo-c52"), "demo-c25"),
+        (lambda: tiny().save("x.vpr"), ".vrp"),
+        (lambda: wb.Objective.of("total-cots"), "total-cost"),
+        (lambda: STUDIES["tabel-3-1"], "table-3-1"),
+        (lambda: Draw(10, 1, kind="time-windos"), "time-windows"),
         (lambda: wb.solve(tiny(), form="three-indx"), "three-index"),
         (lambda: wb.solve(tiny(), "pyvrp", min_iterations=3, neighbourhod=2), None),
         (lambda: wb.solve(tiny(), "highs", mip_rel_gapp=0.1), "mip_rel_gap"),

@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .instances.errors import UsageError
+from .instances.errors import InputError, UsageError
 from .instances.limits import check_number, check_whole
 
 if TYPE_CHECKING:
@@ -33,8 +33,12 @@ def read_source(
     """The instance in a file, or the bundled one of that name where there is no such file; see ``read_instance``."""
     from .instances.bundled import bundled_names, bundled_path
     from .instances.reading import read_instance
+    from .instances.suggestions import did_you_mean
 
-    if isinstance(path, str) and path in bundled_names() and not Path(path).exists():
+    hint = did_you_mean(path, bundled_names()) if isinstance(path, str) else ""
+    if isinstance(path, str) and hint and not Path(path).exists():
+        if path not in bundled_names():
+            raise InputError(f"no such file, and no bundled instance of that name{hint}", "file", file=path)
         return read_instance(bundled_path(path), format, problem, settings)
     return read_instance(path, format, problem, settings)
 
@@ -100,6 +104,7 @@ def generate(kind: str, *, seed: int = 1, problem: str | None = None, convention
     kind : str
         Name of a generator: ``solomon, uchoa, random, sata, sensing-regular, sensing-ring, sensing-geometric, coverage, risky-grid``.
     seed : int
+        Of all random draws.
     problem, convention : str, optional
         As in ``read``.
     **settings
@@ -145,6 +150,7 @@ def solve(
     Parameters
     ----------
     problem : Problem, Compiled or Program
+        As ``read`` or its class makes it; or a program, whose answer is a vector.
     solver : str, optional
         A name of ``solvers()``; ``pulp:HiGHS`` names a solver within a solver. Without solver and heuristic, the first
         installed one that can take the problem.
@@ -159,8 +165,16 @@ def solve(
     bound_time : float, seconds, optional
         Budget for bounding after it, or beside it on a free core, and then for second opinions on what was claimed: a tenth of the limit,
         at least 1 s, by default; 0 turns it off.
-    iterations, gap, seed, threads, memory_limit, no_improvement
-        See ``Options``. What the solver or heuristic does not keep to is refused by name.
+    iterations : int, optional
+        Limit on work: iterations, nodes or solutions, whichever the method counts. Makes a run repeatable to the bit.
+    gap : float
+        Relative gap at which the search may stop; 0 asks for a proof.
+    seed, threads : int
+        The same seed gives the same answer where no time limit decides; threads that a solver may use, where it can use several.
+    memory_limit : float, MB, optional
+        Beyond what the process takes idle; with ``isolate``, on Linux.
+    no_improvement : int, optional
+        Iterations without a better answer after which the search ends. What a method does not keep to is refused by name.
     start : answer, Solution, mapping or path, optional
         What to start from: an answer of the problem, or a list that says one (routing: routes as lists of site indices or ids); a
         ``Solution``; the JSON of either; a solution file.
@@ -175,7 +189,9 @@ def solve(
     isolate : bool
         Run the solver in a process of its own, with hard time and memory limits.
     options : dict, optional
-        The solver's or heuristic's own options.
+        The solver's or heuristic's own options, by name.
+    **parameters
+        The same as keywords.
 
     Returns
     -------
@@ -210,6 +226,7 @@ def check(problem: Problem, answer: Any, certificate: Source | Mapping[str, Any]
     Parameters
     ----------
     problem : Problem
+        The problem that the answer is to.
     answer : answer, Solution, mapping or path
         As for the ``start`` of ``solve``. A path names a solution file: ``.json``, of routes also ``.sol`` or ``.tour``.
     certificate : path, mapping or Certificate, optional
@@ -249,6 +266,7 @@ def judge(problem: Problem, answer: Any, *, form: str | None = None) -> Certific
     Parameters
     ----------
     problem : Problem
+        The problem that the answer is to.
     answer : object
         A ``Solution`` or the problem's own answer; of routes a list of lists of sites, such a list by the name of each vehicle, or a frame
         with the columns ``vehicle`` and ``site``, and perhaps ``arrival, begin, departure``, a timetable that is judged too; the parsed
@@ -289,9 +307,11 @@ def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads:
     Parameters
     ----------
     problem : Problem
+        Of any family; whole, for a bound of the relaxation alone is one of the problem too.
     bound_time : float, seconds
         Budget of all methods together, and of all levels of the objective.
     seed, threads : int
+        Of the linear programs and searches that methods begin on their way.
     lp_solver : str, optional
         A name of ``solvers()``: who solves the linear programs that methods meet on their way; HiGHS by default.
 
@@ -328,7 +348,29 @@ def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads:
 
 
 def explain(problem: Problem | Compiled | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:
-    """Why a problem has no answer, in its own words; see ``waybound.solving.explaining.explain``."""
+    """Why a problem has no answer, in its own words.
+
+    First arguments from the data alone (routing: sites that no vehicle can reach, a fleet too small), then a deletion filter over the rows
+    of a form, through HiGHS. Where no form is exact: an answer by any method, or evidence.
+
+    Parameters
+    ----------
+    problem : Problem, Compiled or Program
+        The one of which an answer is missing.
+    time_limit : float, seconds
+        For everything together.
+    form : str, optional
+        Form whose rows shall be named; the problem's first exact one by default.
+
+    Returns
+    -------
+    Explanation
+        ``verdict`` and ``reasons``; it prints itself.
+
+    Notes
+    -----
+    Source of the filter: Chinneck and Dravnieks (1991), Locating minimal infeasible constraint sets in linear programs.
+    """
     from .solving.explaining import explain as by_filter
 
     _refuse_path("explain", problem)

@@ -13,6 +13,10 @@ from waybound.cli.app import app
 HEAD = """# Command line
 
 Made from the commands themselves; `waybound COMMAND --help` says the same. {codes}
+
+`waybound --install-completion` teaches your shell (bash, zsh, fish, PowerShell) the commands, their options, and the names of solvers,
+heuristics, forms, problems, formats, conventions, generators, missions, studies and bundled instances; `--show-completion` shows what it
+would add. A misspelt name is answered with the nearest one.
 """
 
 

@@ -19,7 +19,10 @@ from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
-PAGES = ("", "quick-start/", "notebooks/first_tour/", "generated/variants/", "generated/command-line/", "reference/functions/")
+PAGES = (
+    "", "generated/gallery/", "quick-start/", "limits/", "coming-from/pyvrp/", "notebooks/first_tour/", "generated/variants/",
+    "generated/command-line/", "reference/functions/",
+)  # fmt: skip
 LOOKS = {"desk-light": ("1280,1000", 1), "desk-dark": ("1280,1000", 0), "phone-light": ("500,900", 1), "phone-dark": ("500,900", 0)}
 """Window, and Chromium's preferred colour scheme (0 dark, 1 light); headless windows are at least 500 wide."""
 

@@ -58,6 +58,7 @@ class BinAssignment(Problem):
     Parameters
     ----------
     instance : AssignmentInstance
+        Robots, bins and the costs of allowed pairs.
     objective : str
         ``sum`` or ``bottleneck``.
     match : str
@@ -102,12 +103,12 @@ class BinAssignment(Problem):
 
     @classmethod
     def from_matrix(cls, costs: Any, *, objective: str = "sum", match: str = "most", **further: Any) -> BinAssignment:
-        """See ``AssignmentInstance.from_matrix``."""
+        """A problem on ``costs``: see ``AssignmentInstance.from_matrix``; the rest as of ``BinAssignment``."""
         return cls(AssignmentInstance.from_matrix(costs, **further), objective=objective, match=match)
 
     @classmethod
     def from_frame(cls, costs: pd.DataFrame, *, objective: str = "sum", match: str = "most", **further: Any) -> BinAssignment:
-        """See ``AssignmentInstance.from_frame``."""
+        """A problem on ``costs``: see ``AssignmentInstance.from_frame``; the rest as of ``BinAssignment``."""
         return cls(AssignmentInstance.from_frame(costs, **further), objective=objective, match=match)
 
     def _waited(self) -> tuple[NDArray[np.int32], Floats, NDArray[np.bool_] | None]:

@@ -61,7 +61,13 @@ class GeneralisedAssignment(Problem):
     def from_arrays(
         cls, values: Any, consumption: Any, capacity: Any, objective: str = OBJECTIVES[0], **further: Any
     ) -> GeneralisedAssignment:
-        """See ``GeneralisedAssignmentInstance``."""
+        """A problem on arrays.
+
+        Parameters
+        ----------
+        values, consumption, capacity, objective, **further
+            As of ``GeneralisedAssignmentInstance``.
+        """
         return cls(GeneralisedAssignmentInstance(values, consumption, capacity, objective, **further))
 
     @cached_property

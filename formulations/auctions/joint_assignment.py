@@ -34,6 +34,7 @@ class JointAssignment(Problem):
     Parameters
     ----------
     instance : JointAssignmentInstance
+        Times from robots to bins and requests and between these, and when each bin is full.
 
     Attributes
     ----------
@@ -62,7 +63,19 @@ class JointAssignment(Problem):
 
     @classmethod
     def from_arrays(cls, to_bin: Any, to_request: Any, between: Any, filled: Any = None, **further: Any) -> JointAssignment:
-        """See ``JointAssignmentInstance``."""
+        """A problem on arrays.
+
+        Parameters
+        ----------
+        to_bin, to_request : array of shape (robots, bins) and (robots, requests)
+            Times until a robot is there; infinite where it cannot go.
+        between : array of shape (requests, bins)
+            Times from requests to bins.
+        filled : array of shape (bins,), optional
+            When each bin is full; infinite for never, 0 by default.
+        **further
+            Names and notes.
+        """
         return cls(JointAssignmentInstance(to_bin, to_request, between, filled, **further))
 
     @cached_property

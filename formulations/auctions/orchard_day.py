@@ -48,6 +48,7 @@ class OrchardDay(Problem):
     Parameters
     ----------
     jobs : OrchardJobs
+        The grid, robots, and the bins with their work.
     objective : str
         ``makespan``, or ``completion``: the sum of the steps at which bins come home.
 

@@ -39,6 +39,7 @@ class RoomExploration(Problem):
     Parameters
     ----------
     instance : ExplorationMap
+        Rooms, doors, who hears whom, and what actions gain.
 
     Raises
     ------

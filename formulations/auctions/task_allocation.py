@@ -36,6 +36,7 @@ class TaskAllocation(RobotShares):
     Parameters
     ----------
     instance : RobotTasks
+        Robots, tasks, and distances.
     objective : str
         ``mini-sum``: the sum of the lengths of all paths. ``mini-max``: the longest. ``mini-ave``: the mean over all tasks of how far
         its robot goes until it is there.

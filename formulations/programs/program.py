@@ -57,7 +57,17 @@ class Block:
 
 @dataclass(frozen=True, eq=False)
 class Variables(Block):
-    """A block of variables; arrays of length ``size``."""
+    """A block of variables.
+
+    Parameters
+    ----------
+    name, keys, labels
+        What it is called, such as "x"; arrays of the indices of each variable, (i, j, k) of ``x[i,j,k]``; and what an index is called.
+    lower, upper, cost : array of shape (size,)
+        Bounds, infinite where there is none, and coefficients of the objective.
+    integer : bool
+        Whether they take whole values alone.
+    """
 
     lower: Floats = field(default_factory=lambda: np.zeros(0))
     upper: Floats = field(default_factory=lambda: np.zeros(0))
@@ -71,7 +81,17 @@ class Variables(Block):
 
 @dataclass(frozen=True, eq=False)
 class Rows(Block):
-    """A block of rows ``lower <= A x <= upper`` in CSR form; column indices count over the whole program."""
+    """A block of rows ``lower <= A x <= upper``.
+
+    Parameters
+    ----------
+    name, keys, labels
+        As of ``Variables``, a row each.
+    indptr, indices, data : arrays
+        A in CSR form; column indices count over the whole program.
+    lower, upper : array of shape (size,)
+        Infinite where a side is open.
+    """
 
     indptr: Indices = field(default_factory=lambda: np.zeros(1, dtype=np.int32))
     indices: Indices = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
@@ -113,7 +133,9 @@ class Program:
     sense : str
         ``min`` or ``max``.
     variables, rows : tuples of blocks
+        ``Variables`` and ``Rows``; columns and rows are numbered through all blocks.
     offset : float
+        Constant of the objective.
     quadratic : scipy.sparse matrix of shape (variables, variables), optional
         Symmetric.
     cones : tuple of Cones

@@ -27,6 +27,7 @@ class Allocation:
     Parameters
     ----------
     decision : array of shape (decisions,)
+        A value a decision, in the units of the instance.
     risks : array of shape (constraints,), optional
         What each chance constraint is allowed; None leaves it to what each has.
     """
@@ -36,7 +37,15 @@ class Allocation:
 
     @classmethod
     def of(cls, decision: ArrayLike, risks: ArrayLike | None = None) -> Allocation:
-        """An allocation of anything that numpy takes for vectors."""
+        """An allocation of anything that numpy takes for vectors.
+
+        Parameters
+        ----------
+        decision : array-like, shape (decisions,)
+            A value a decision.
+        risks : array-like, shape (constraints,), optional
+            As of the class.
+        """
         return cls(reals("the decision", decision).copy(), None if risks is None else reals("the risks", risks).copy())
 
     def __repr__(self) -> str:

@@ -50,6 +50,7 @@ class RiskAllocation(Problem):
     Parameters
     ----------
     instance : RiskAllocationInstance
+        Rows, random quantities, and budgets of risk.
 
     Attributes
     ----------
@@ -107,10 +108,13 @@ class RiskAllocation(Problem):
         quantities : array or DataFrame of shape (quantities, decisions)
             What a decision adds to the mean of each.
         covariance : array or DataFrame of shape (quantities, quantities), or their variances, shape (quantities,)
+            Of the noise that comes on top.
         limits : float, array or Series of shape (rows,)
             That the chance rows must not exceed.
         cost : array or Series of shape (decisions,)
             Or the reward, with ``sense="max"``.
+        **further
+            All that follows:
         chance : array or DataFrame of shape (rows, quantities), optional
             The chance rows, by the quantities; each quantity is one by default.
         constraint : sequence of shape (rows,), optional
@@ -126,11 +130,13 @@ class RiskAllocation(Problem):
         offset : float, array or Series of shape (quantities,), optional
             Of the means.
         lower, upper : float, array or Series of shape (decisions,), optional
+            Bounds of decisions; infinite by default.
         rows : array or DataFrame of shape (constraints, decisions), optional
             Deterministic, within ``row_lower`` and ``row_upper``: float, array or Series of shape (constraints,).
         sense : str
             ``min`` or ``max``.
         name : str
+            For tables and files.
 
         Raises
         ------
@@ -155,6 +161,7 @@ class RiskAllocation(Problem):
         covariance : array of shape (q, q)
             Of the noise.
         limits : array of shape (q,)
+            That the quantities must not exceed.
         total : float, optional
             Risk of all of them together.
         each : float or array of shape (q,), optional
@@ -162,6 +169,7 @@ class RiskAllocation(Problem):
         risk : str
             ``allocated`` or ``joint``.
         name : str
+            For tables and files.
         names : sequence of str, optional
             Of the quantities.
 

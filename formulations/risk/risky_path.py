@@ -39,6 +39,7 @@ class RiskyPath(Problem):
     Parameters
     ----------
     graph : RiskyGraph
+        States, moves, goals and risk elements.
     objective : str, optional
         ``risk``: least risk at a goal. ``hazard``: the same order, as ``-ln(1 - risk)``, which adds up along a path. ``reward-per-risk``:
         most reward collected per risk, at a goal or, without goals, anywhere. That of the graph by default.

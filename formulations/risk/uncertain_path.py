@@ -35,6 +35,7 @@ class UncertainPath(Problem):
     Parameters
     ----------
     graph : UncertainGraph
+        Vertices, edges with normal costs, start and goal.
     risk : float
         Above 0, 1/2 at most, where the value is the mean.
 

@@ -40,10 +40,13 @@ def vrptw(sites: Sites, travel: Travel, *, vehicles: int | None = None, capacity
     Parameters
     ----------
     sites : Sites
+        The depot and customers with their windows.
     travel : Travel
+        Distances and durations between them.
     vehicles : int, optional
         At each depot; any number by default.
     capacity : float
+        Of each vehicle, in units of load.
     **limits
         Of ``VehicleType``; or ``fleet=`` a list of vehicle types in place of all; ``objective=``, ``min_vehicles=``, ``name=``.
 
@@ -124,7 +127,7 @@ def orienteering(sites: Sites, travel: Travel, **limits: Any) -> RoutingProblem:
 
 
 def team_orienteering(sites: Sites, travel: Travel, *, vehicles: int, **limits: Any) -> RoutingProblem:
-    """The largest reward that several limited routes collect, each site once. Parameters as of ``orienteering``.
+    """The largest reward that several limited routes collect, each site once. Parameters as of ``vrptw``.
 
     Notes
     -----
@@ -186,6 +189,7 @@ def recharging_vrp(
     energy : float
         That a full store holds; each unit of time on the move draws ``rate``.
     rate : float
+        Energy per unit of time, above 0.
     homes : sequence of int, optional
         Site index of the depot of each vehicle; one vehicle at the first depot by default.
 

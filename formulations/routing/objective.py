@@ -172,7 +172,7 @@ def _read(text: str) -> Weighted:
     for sign, part in [("+", first), *zip(rest[::2], rest[1::2], strict=True)]:
         weight, times, name = part.rpartition("*")
         if name not in TERMS:
-            raise UsageError(f"unknown objective term {name!r}; choose from {', '.join(TERMS)}", "unknown-name")
+            raise UsageError(f"unknown objective term {name!r}; choose from {', '.join(TERMS)}{did_you_mean(name, TERMS)}", "unknown-name")
         try:
             terms.append((float(f"{sign}1") * (float(weight) if times else 1.0), TERMS[name]()))
         except ValueError:
@@ -204,14 +204,26 @@ class Objective(Composable):
 
     @classmethod
     def of(cls, value: Composable | str) -> Objective:
-        """Any composable, or a text such as ``vehicles then total-cost``, as an objective."""
+        """Any composable, or a text such as ``vehicles then total-cost``, as an objective.
+
+        Parameters
+        ----------
+        value : Composable or str
+            A term, a weighted sum, an objective, or its text.
+        """
         if isinstance(value, str):
             return objective_from(value)
         return value if isinstance(value, Objective) else cls(value.levels())
 
     @classmethod
     def named(cls, names: tuple[str, ...]) -> Objective:
-        """An objective from one text a level, first priority first: the name of a term, or a weighted sum (``reward - 0.5*makespan``)."""
+        """An objective from one text a level, first priority first: the name of a term, or a weighted sum (``reward - 0.5*makespan``).
+
+        Parameters
+        ----------
+        names : tuple of str
+            One a level.
+        """
         if not names:
             raise UsageError(f"an objective needs at least one term; choose from {', '.join(TERMS)}", "missing")
         return cls(tuple(_read(name) for name in names))

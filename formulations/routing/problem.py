@@ -62,8 +62,11 @@ class RoutingProblem(Problem):
     Parameters
     ----------
     sites : Sites
+        Depots and customers.
     travel : Travel
+        Distances and durations between them.
     fleet : sequence of VehicleType
+        Kinds of vehicles.
     objective : Objective, term, weighted sum of terms, or text
         Default: total cost. As text: ``"vehicles then total-cost"``, ``"total-cost - 2*reward"``.
     min_vehicles : int
@@ -81,6 +84,9 @@ class RoutingProblem(Problem):
     clock : Clock, optional
         What times count, where that is known: tables of an answer then tell moments where it has an origin.
     name : str
+        For tables and files.
+    notes : tuple of str
+        What a user should be told.
     problem : str
         Name of the member of the family ("vrptw", "cvrp", "tsp", ...).
 
@@ -216,6 +222,7 @@ class RoutingProblem(Problem):
         convention : str
             Distance convention, ``exact`` by default.
         name : str
+            For tables and files.
         closing : array or DataFrame of shape (sites, sites), optional
             Latest times at which moves may begin.
         min_vehicles : int

@@ -173,13 +173,25 @@ class Route:
 
 @dataclass(frozen=True)
 class Routes:
-    """All routes that are driven; vehicles that stay at home have none."""
+    """All routes that are driven; vehicles that stay at home have none.
+
+    Parameters
+    ----------
+    routes : tuple of Route
+        Their order means nothing.
+    """
 
     routes: tuple[Route, ...]
 
     @classmethod
     def of(cls, routes: Iterable[Sequence[int] | Route]) -> Routes:
-        """Routes from sequences of site indices; empty ones are dropped."""
+        """Routes from sequences of site indices; empty ones are dropped.
+
+        Parameters
+        ----------
+        routes : iterable of sequences of int, or of Route
+            Site indices in the order of the visits, without the depots at both ends.
+        """
         parts = (r if isinstance(r, Route) else Route(tuple(int(i) for i in r)) for r in routes)
         return cls(tuple(r for r in parts if r.visits))
 

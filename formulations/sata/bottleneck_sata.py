@@ -35,6 +35,7 @@ class BottleneckSATA(DecidedElements):
     Parameters
     ----------
     graph : SensingGraph
+        Robots, their actions, and which targets these see.
     fractional : bool
         Each robot may divide itself among its actions: the max-min LP, a problem of its own (``bottleneck-lp``), whose optimum
         bounds that of whole actions. Its answers are vectors of shares, one an action.

@@ -37,7 +37,11 @@ class MaxMinLP(Problem):
     sense : str
         ``max`` or ``min``.
     name : str
+        For tables and files.
+    notes : sequence of str
+        What a user should be told.
     variable_names : sequence of str, optional
+        One a column; None stands for "1", "2", ...
 
     Raises
     ------

@@ -36,7 +36,13 @@ class Selection:
 
     @classmethod
     def of(cls, elements: Iterable[int], winners: Iterable[int] | None = None) -> Selection:
-        """From any whole numbers."""
+        """From any whole numbers.
+
+        Parameters
+        ----------
+        elements, winners : iterables of int
+            As of the class.
+        """
         try:
             chosen = tuple(int(e) for e in elements)
             credited = None if winners is None else tuple(int(w) for w in winners)

@@ -32,7 +32,9 @@ class SubmodularSelection(DecidedElements):
     Parameters
     ----------
     function : SetFunction
+        What a set is worth.
     constraint : Constraint
+        Which sets are allowed.
     element_names : sequence of str, optional
         None stands for "1", "2", ...
     name, problem, notes

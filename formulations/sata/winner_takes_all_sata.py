@@ -33,6 +33,7 @@ class WinnerTakesAllSATA(SubmodularSelection):
     Parameters
     ----------
     graph : SensingGraph
+        Robots, their actions, and which targets these see.
 
     Notes
     -----

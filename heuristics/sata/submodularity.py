@@ -99,6 +99,7 @@ def check_submodular(
     samples : int
         Triples to draw. Where no more exist that matter (A, e, and B one element larger than A: together these decide), all are tried.
     seed : int
+        Of the draws.
     constraint : Constraint, optional
         Only sets B + e that it allows are looked at.
 

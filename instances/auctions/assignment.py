@@ -139,7 +139,19 @@ class AssignmentInstance(Declared):
     def from_pairs(
         cls, num_robots: int, num_bins: int, robots: ArrayLike, bins: ArrayLike, costs: ArrayLike, **further: Any
     ) -> AssignmentInstance:
-        """An instance from lists of one entry a pair, in any order, robots and bins as numbers from 0."""
+        """An instance from lists of one entry a pair, in any order, robots and bins as numbers from 0.
+
+        Parameters
+        ----------
+        num_robots, num_bins : int
+            Those included that no pair names.
+        robots, bins : array-like, shape (pairs,)
+            The ends of each pair.
+        costs : array-like, shape (pairs,)
+            Infinity forbids a pair, as leaving it out does.
+        **further
+            As of ``from_matrix``.
+        """
         n, m = arrays.size("num_robots", num_robots), arrays.size("num_bins", num_bins)
         i, j = arrays.whole_numbers("robots", robots), arrays.whole_numbers("bins", bins)
         c = arrays.reals("costs", costs)

@@ -77,8 +77,17 @@ class GeneralisedAssignmentInstance(Declared):
     def from_frame(
         cls, pairs: pd.DataFrame, capacity: Any, objective: str = OBJECTIVES[0], **further: Any
     ) -> GeneralisedAssignmentInstance:
-        """An instance from pandas: one row a pair with the columns agent, job, consumption and cost or profit, pairs that are missing being
-        forbidden; and a series or mapping of each agent's capacity."""
+        """An instance from pandas.
+
+        Parameters
+        ----------
+        pairs : DataFrame
+            One row a pair with the columns agent, job, consumption and cost or profit; missing pairs are forbidden.
+        capacity : Series or mapping
+            The capacity of each agent.
+        objective, **further
+            As of the class.
+        """
         titles = {str(title) for title in pairs.columns}
         wanted = {"agent", "job", "consumption", objective}
         if titles != wanted:
@@ -95,7 +104,21 @@ class GeneralisedAssignmentInstance(Declared):
         cls, agents: tuple[str, ...], jobs: tuple[str, ...], agent: Any, job: Any, values: Floats, consumption: Floats, capacity: ArrayLike,
         objective: str = OBJECTIVES[0], **further: Any,
     ) -> GeneralisedAssignmentInstance:  # fmt: skip
-        """An instance from lists of one entry a pair, by name, in any order; what is not listed is forbidden."""
+        """An instance from lists of one entry a pair, by name, in any order; what is not listed is forbidden.
+
+        Parameters
+        ----------
+        agents, jobs : tuple of str
+            All names.
+        agent, job : sequence of str, one a pair
+            The names of each pair.
+        values, consumption : array of shape (pairs,)
+            Cost or profit of each pair, and what it takes of the agent's capacity.
+        capacity : array of shape (agents,) or float
+            In the unit of the consumption.
+        objective, **further
+            As of the class.
+        """
         numbers = [{name: k for k, name in enumerate(own)} for own in (agents, jobs)]
         table, used = np.full((len(agents), len(jobs)), forbidden_value(objective)), np.zeros((len(agents), len(jobs)))
         listed = np.zeros(table.shape, dtype=bool)

@@ -39,6 +39,7 @@ class OrchardJobs(Declared):
     Parameters
     ----------
     grid : OrchardGrid
+        Cells of the orchard, and the repository.
     robot_cells : array of shape (robots,)
         Where each robot can begin.
     robot_free : array of shape (robots,), steps
@@ -50,6 +51,7 @@ class OrchardJobs(Declared):
     standing : bool array of shape (bins,)
         Whether each stands in its cell at step 0; the others robots bring from the repository.
     work : array of shape (bins,), steps
+        How long filling each takes.
     name, format, problem, problems, notes
         See ``Instance``.
 
@@ -84,8 +86,11 @@ class OrchardJobs(Declared):
         Parameters
         ----------
         rules : OrchardRules
+            The grid, and how bins are filled.
         start : OrchardStart
             Its orders share no cell, and name each harvest cell, so that a group's way does not depend on the others.
+        name : str
+            For tables and files.
 
         Raises
         ------

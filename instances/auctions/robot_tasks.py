@@ -91,13 +91,31 @@ class RobotTasks(Declared):
 
     @classmethod
     def of_positions(cls, robots: ArrayLike, tasks: ArrayLike, metric: str = "euclidean", **further: Any) -> RobotTasks:
-        """From places: arrays of shape (robots, 2) and (tasks, 2), or, on a line, (robots,) and (tasks,)."""
+        """From places.
+
+        Parameters
+        ----------
+        robots, tasks : array-like, shapes (robots, 2) and (tasks, 2), or, on a line, (robots,) and (tasks,)
+            Where they stand.
+        metric, **further
+            As of the class.
+        """
         starts, places = _points("robot", robots), _points("task", tasks)
         return cls(len(starts), len(places), metric, np.vstack([starts, places]), **further)
 
     @classmethod
     def of_distances(cls, starts: ArrayLike, between: ArrayLike, **further: Any) -> RobotTasks:
-        """From distances: of shape (robots, tasks) from the robots to the tasks, and (tasks, tasks) between tasks."""
+        """From distances.
+
+        Parameters
+        ----------
+        starts : array-like, shape (robots, tasks)
+            From the robots to the tasks.
+        between : array-like, shape (tasks, tasks)
+            From task to task.
+        **further
+            As of the class.
+        """
         first, second = _table("distances from the robots", starts), _table("distances between the tasks", between)
         tasks = second.shape[1]
         if second.shape[0] != tasks or first.shape[1] != tasks:
@@ -108,6 +126,13 @@ class RobotTasks(Declared):
     @classmethod
     def from_frame(cls, robots: pd.DataFrame, tasks: pd.DataFrame, metric: str = "euclidean", name: str = "frame") -> RobotTasks:
         """Robots and tasks of two pandas frames with columns x, y and perhaps name, that of tasks perhaps weight too.
+
+        Parameters
+        ----------
+        robots, tasks : DataFrame
+            One row each.
+        metric, name
+            As of the class.
 
         Raises
         ------
@@ -133,6 +158,7 @@ class RobotTasks(Declared):
         Parameters
         ----------
         graph : networkx graph
+            Its nodes are places, its edges ways.
         robots, tasks : sequences of nodes
             A node may hold several; names are those of the nodes where they differ.
         weight : str

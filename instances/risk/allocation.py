@@ -198,17 +198,29 @@ class RiskAllocationInstance:
     lower, upper : array of shape (decisions,)
         Infinite where there is none.
     decision_names : tuple of str
+        One a decision.
     quantities : Quantities
+        The random quantities: means and covariance.
     cost : Affine
         One row: the linear cost (``min``) or reward (``max``).
     terms : tuple of CostTerm
         Added to a cost, subtracted from a reward.
     constraints : Affine
-        Within ``constraint_lower`` and ``constraint_upper``, on means.
+        Rows on means.
+    constraint_lower, constraint_upper : array of shape (rows of constraints,)
+        Between which they lie; infinite where there is no limit.
     cones : tuple of Cone
+        Rows ``|F x + f| <= g x + h``, on means.
     chance : ChanceConstraints
+        The rows that may fail, and the alternatives among them.
     risk : Risk
+        How much may fail: budgets, and whether they are shared out or held jointly.
+    constraint_names : tuple of str
+        One a row of ``constraints``.
     sense : str
+        ``min`` of a cost or ``max`` of a reward.
+    name, format, problem, problems, notes
+        See ``Instance``.
     """
 
     kind: ClassVar[str] = "risk-allocation"

@@ -39,9 +39,11 @@ class RiskyGraph(Declared):
     Parameters
     ----------
     num_states : int
+        States are numbered from 0.
     tail, head : array-like of int, shape (arcs,)
         Moves, in any order, none twice, none from a state to itself.
     elements : sequence of RiskElement
+        What puts a path at risk; each looks at a state, at three in a row, or at the whole path.
     start : int
         The first state; its risk counts.
     conditional : bool
@@ -56,10 +58,13 @@ class RiskyGraph(Declared):
     objective : str
         ``risk``, ``hazard`` or ``reward-per-risk``; by default the last where there are rewards and no goals, else the first.
     positions : array-like, shape (states, 2) or (states, 3), optional
+        For pictures.
     obstacles : array-like, shape (boxes, 4) or (boxes, 6)
         For pictures.
     state_names : sequence of str, optional
         None stands for "1", "2", ...
+    name, format, problem, problems, notes
+        See ``Instance``.
     """
 
     kind = "risky-graph"
@@ -140,12 +145,13 @@ class RiskyGraph(Declared):
         Parameters
         ----------
         graph : networkx.Graph or DiGraph
+            Nodes are states, edges moves, undirected ones both ways.
         elements, start, conditional, goals
             See the class; ``start`` and ``goals`` are nodes.
         reward, position : str
             Attributes of nodes, used where they are there.
-        **given
-            Of the class.
+        **further
+            As of the class.
         """
         nodes = list(graph)
         index = {node: k for k, node in enumerate(nodes)}
@@ -185,6 +191,7 @@ class RiskyGraph(Declared):
         Parameters
         ----------
         element : RiskElement
+            One of ``elements``.
         before, state, after : array-like of int, shape (moves,)
             States; -1 stands for none.
         """

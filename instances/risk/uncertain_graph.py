@@ -38,11 +38,13 @@ class UncertainGraph(Declared):
     Parameters
     ----------
     num_vertices : int
+        Vertices are numbered from 0.
     tails, heads : arrays of shape (edges,)
         Vertices from 0; no edge twice, none from a vertex to itself. They are put into the order of tails, then heads.
     mean, variance : arrays of shape (edges,)
         Of each edge's cost, in any unit and its square; not negative.
     start, goal : int
+        Where paths begin and end.
     least : array of shape (edges,), optional
         What a cost that came true is raised to where it was drawn below, such as an edge's length; planning leaves it aside.
     variable : array of shape (edges,), optional
@@ -93,6 +95,21 @@ class UncertainGraph(Declared):
 
         Without ``vertices``, these come in ascending order where all are whole numbers, else as they first appear. Each edge of an
         undirected graph leads both ways, at one random cost.
+
+        Parameters
+        ----------
+        tails, heads : list of str
+            The ends of each edge.
+        costs : mapping of str to array of shape (edges,)
+            As of the class, by name.
+        start, goal : str
+            Where paths begin and end.
+        vertices : list of str, optional
+            Their order.
+        undirected : bool
+            Whether edges lead both ways.
+        **further
+            As of the class.
         """
         names = list(dict.fromkeys(name for ends in zip(tails, heads, strict=True) for name in ends)) if vertices is None else vertices
         if vertices is None and all(name.isascii() and name.isdigit() and len(name) < 19 for name in names):
@@ -123,8 +140,11 @@ class UncertainGraph(Declared):
         edges : DataFrame
             Columns ``from``, ``to``, ``mean``, ``variance`` and optionally ``least``; one row an edge.
         start, goal : str or int
+            Vertices where paths begin and end.
         undirected : bool
             Whether each edge leads both ways, at one random cost.
+        name : str
+            For tables and files.
 
         Raises
         ------

@@ -39,11 +39,15 @@ class RoutingInstance:
     Parameters
     ----------
     name : str
+        For tables and files.
     format : str
         Name of the format it was read from (``solomon``, ``vrplib``, ``csv``, ``json``, ``generated``, ...).
     sites : Sites
+        Depots and customers.
     travel : Travel
+        Distances and durations between them.
     fleet : sequence of VehicleType
+        Kinds of vehicles.
     problem : str
         The problem the format stands for (``vrptw``, ``cvrp``, ``tsp``, ...).
     problems : tuple of str

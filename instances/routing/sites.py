@@ -56,6 +56,7 @@ class Group:
     sites : tuple of int
         Site indices of customers, none of them required by itself.
     required : bool
+        Whether one of them must be visited.
     """
 
     sites: tuple[int, ...]
@@ -83,6 +84,7 @@ class Sites:
     service : array, units of time, >= 0
         At a depot: of a stop there on the way, none at departure and return.
     reward : array, >= 0
+        Collected by a visit; counts where the objective has the term ``reward``.
     required : array of bool
         Customers that must be visited; by default all that are no depots and in no group.
     penalty : array, units of cost, >= 0
@@ -99,7 +101,9 @@ class Sites:
     skills : tuple of frozenset of str, optional
         Empty, or one entry a site: what a vehicle must be able to do in order to serve it.
     shipments : tuple of Shipment
+        Loads to be fetched at one site and brought to another by the same vehicle.
     groups : tuple of Group
+        Alternatives, of which at most one is visited.
     attributes : mapping from title to tuple, optional
         Whatever else is known of the sites, one entry a site: shown in tables and maps, kept in files, and never computed with.
     geographic : bool
@@ -157,6 +161,15 @@ class Sites:
 
         ``demand`` and ``pickup`` of shape (sites, dimensions) hold several loads. ``windows`` and ``skills`` are by site index; a site
         with several windows takes ``ready`` and ``due`` from them.
+
+        Parameters
+        ----------
+        ids, depot, demand, ready, due, service, reward, required, penalty, pickup, coordinates
+            As of the class.
+        windows, skills : mapping from site index, optional
+            The windows of a site, and what serving it asks for.
+        shipments, groups, attributes, geographic
+            As of the class.
         """
         n = len(ids)
         if n == 0:

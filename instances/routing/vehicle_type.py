@@ -21,7 +21,9 @@ class Energy:
     Parameters
     ----------
     capacity : float, energy, >= 0
+        What a full store holds.
     rate : float, energy per unit of time, > 0
+        What is drawn while the charged time passes.
     charge : str
         What a route is charged for, from loosest to strictest: ``travel`` (time on the move; waiting and service are
         free), ``elapsed`` (from departure to return, departing as late as possible), ``elapsed-fixed-start`` (the same,
@@ -81,17 +83,21 @@ class VehicleType:
     count : int or None
         How many there are; None for any number.
     capacity : float, units of load
+        Most that it carries at any moment; infinite by default.
     start, end : int
         Site index of the depot where its routes start, and end.
     max_duration : float, units of time
         Longest time from departure to return, service and waiting included, departing as late as the windows allow.
     max_distance : float, units of distance
+        Longest route; infinite by default.
     energy : Energy, optional
+        A store that must last; none by default.
     fixed_cost : float
         Cost of using one vehicle.
     unit_cost : float
         Cost of one unit of distance.
     name : str
+        For tables, pictures and files.
     further_capacity : tuple of float
         Of the second load dimension, the third, ...; empty for no limit.
     unit_duration_cost : float

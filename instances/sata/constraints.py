@@ -157,7 +157,13 @@ class LinearConstraint(Constraint):
 
 @dataclass(frozen=True)
 class Cardinality(LinearConstraint):
-    """At most ``limit`` elements."""
+    """A number of elements at most.
+
+    Parameters
+    ----------
+    limit : int
+        At least 1.
+    """
 
     name: ClassVar[str] = "cardinality"
     kind: ClassVar[str] = "cardinality"
@@ -216,7 +222,15 @@ class PartitionMatroid(LinearConstraint):
 
     @classmethod
     def of(cls, groups: ArrayLike, limits: ArrayLike = 1) -> PartitionMatroid:
-        """A partition matroid from any arrays; one limit for all groups, or one each."""
+        """A partition matroid from any arrays; one limit for all groups, or one each.
+
+        Parameters
+        ----------
+        groups : array-like of int, shape (elements,)
+            The group of each element, from 0.
+        limits : int or array-like of int, shape (groups,)
+            Most elements of a group.
+        """
         member, most = arrays.indices("groups", groups), arrays.indices("limits", np.atleast_1d(np.asarray(limits)))
         if np.ndim(limits):
             return cls(member, most)
@@ -268,7 +282,9 @@ class Knapsack(LinearConstraint):
     Parameters
     ----------
     costs : array of shape (elements,), >= 0
+        One an element, in any unit.
     budget : float, >= 0
+        In the unit of the costs.
     """
 
     name: ClassVar[str] = "knapsack"

@@ -55,7 +55,9 @@ class SelectionInstance(Declared):
     Parameters
     ----------
     function : SetFunction
+        What a set is worth.
     constraint : Constraint
+        Which sets are allowed.
     element_names : tuple of str, optional
         None stands for "1", "2", ...
     name, format, problem, problems, notes

@@ -52,6 +52,7 @@ class SensingGraph(Declared):
     indptr, indices, weights : arrays
         CSR form of actions x targets: ascending targets within an action, no pair twice, weights positive and finite.
     num_robots, num_targets : int
+        Those included that have no action, or that nobody sees.
     robot_names, action_names, target_names : tuple of str, optional
         The file's own names; None stands for "1", "2", ... (actions: the position among the robot's own, after a dot: "3.1").
     action_positions, target_positions : arrays of shape (actions, 2) and (targets, 2), optional
@@ -151,14 +152,51 @@ class SensingGraph(Declared):
         cls, edges: pd.DataFrame, actions: pd.DataFrame | None = None, *, duplicates: str = "error", order: str = "names",
         name: str = "sensing-graph",
     ) -> SensingGraph:  # fmt: skip
-        """A graph from pandas frames, with the frames' own names; see ``sensing_sources.edges_from_frames``."""
+        """A graph from pandas frames, with the frames' own names.
+
+        Parameters
+        ----------
+        edges : DataFrame
+            Columns ``robot``, ``action``, ``target`` and, unless all weights are 1, ``weight``; one row an edge.
+        actions : DataFrame, optional
+            Columns ``robot`` and ``action``: robots and actions that may see nothing; the action is empty for a robot without actions.
+        duplicates : str
+            Edges that stand twice: ``error`` or ``sum``.
+        order : str
+            How robots, actions and targets are numbered: ``names``: where all are whole numbers, in ascending order, else, and with
+            ``rows`` always, as they first appear, in ``actions`` and then in ``edges``.
+        name : str
+            For tables and files.
+
+        Raises
+        ------
+        InputError
+            Naming the column or row (counted from 0) that is wrong.
+        """
         from .sensing_sources import edges_from_frames
 
         return _warned(graph_of_edges(**edges_from_frames(edges, actions, duplicates=duplicates, order=order, name=name)))
 
     @classmethod
     def from_networkx(cls, graph: Any, *, duplicates: str = "error", name: str | None = None) -> SensingGraph:
-        """A graph from a networkx graph of robots, actions and targets; see ``sensing_sources.edges_from_networkx``."""
+        """A graph from a networkx graph of robots, actions and targets.
+
+        Parameters
+        ----------
+        graph : networkx.Graph
+            Each node has the attribute ``kind``: ``robot``, ``action`` or ``target``. Its name is the attribute ``name``, else the node
+            itself; it may have a position ``pos``. Edges join each action to its one robot, and to the targets that it sees, these
+            with the attribute ``weight``, 1 by default.
+        duplicates : str
+            Parallel edges: ``error`` or ``sum``.
+        name : str, optional
+            The graph's own by default.
+
+        Raises
+        ------
+        InputError
+            Naming the node or edge that is wrong.
+        """
         from .sensing_sources import edges_from_networkx
 
         return _warned(graph_of_edges(**edges_from_networkx(graph, duplicates=duplicates, name=name)))
@@ -169,7 +207,37 @@ class SensingGraph(Declared):
         weight: str = "binary", closest: float = 0.01, robots: int | Iterable[str] | None = None, targets: Iterable[str] | None = None,
         action_names: Iterable[str] | None = None, name: str = "sensing-graph",
     ) -> SensingGraph:  # fmt: skip
-        """A graph of what lies within a sensing range; see ``sensing_sources.edges_from_positions``."""
+        """A graph of what lies within a sensing range.
+
+        Parameters
+        ----------
+        action_positions : array of shape (actions, 2), units of distance
+            Where the robot would be.
+        robot_of_action : array of shape (actions,)
+            The robot of each action, from 0.
+        target_positions : array of shape (targets, 2), units of distance
+            Where targets are.
+        sensing_range : float, units of distance, > 0
+            Targets at this distance are still seen.
+        weight : str
+            ``binary``: 1; ``inverse-distance``: 1 / max(distance, closest).
+        closest : float, units of distance, > 0
+            Distances below count as this one, so that no weight exceeds 1 / closest.
+        robots, targets, action_names, name
+            See ``SensingGraph.from_edges``.
+
+        Raises
+        ------
+        InputError
+            If a position or a distance is not what it must be.
+        UsageError
+            For another weight.
+
+        Notes
+        -----
+        Source: Sung (2019), section 3.3, with the cap that inverse distances need as the distance vanishes;
+        docs/formulations/sensing.md#model.
+        """
         from .sensing_sources import edges_from_positions
 
         edges = edges_from_positions(

@@ -32,26 +32,7 @@ def edges_from_frames(
     edges: pd.DataFrame, actions: pd.DataFrame | None = None, *, duplicates: str = "error", order: str = "names",
     name: str = "sensing-graph",
 ) -> dict[str, Any]:  # fmt: skip
-    """The arguments of ``graph_of_edges`` for a graph with the frames' own names; see ``sensing_rows`` for what rows with empty cells mean.
-
-    Parameters
-    ----------
-    edges : DataFrame
-        Columns ``robot``, ``action``, ``target`` and, unless all weights are 1, ``weight``; one row an edge.
-    actions : DataFrame, optional
-        Columns ``robot`` and ``action``: robots and actions that may see nothing; the action is empty for a robot without actions.
-    duplicates : str
-        Edges that stand twice: ``error`` or ``sum``.
-    order : str
-        How robots, actions and targets are numbered: ``names``: where all are whole numbers, in ascending order, else, and with
-        ``rows`` always, as they first appear, in ``actions`` and then in ``edges``.
-    name : str
-
-    Raises
-    ------
-    InputError
-        Naming the column or row (counted from 0) that is wrong.
-    """
+    """The arguments of ``graph_of_edges`` for a graph with the frames' own names; parameters as of ``SensingGraph.from_frames``."""
     parts: list[tuple[str, dict[str, Any], int]] = []
     for what, frame, known, needed in (("actions", actions, KINDS[:2], KINDS[:1]), ("edges", edges, COLUMNS, KINDS)):
         if frame is not None:
@@ -98,24 +79,7 @@ def graph_to_frame(graph: SensingGraph) -> pd.DataFrame:
 
 
 def edges_from_networkx(graph: Any, *, duplicates: str = "error", name: str | None = None) -> dict[str, Any]:
-    """The arguments of ``graph_of_edges`` for a graph of networkx, directed or not; all come in the order of its nodes.
-
-    Parameters
-    ----------
-    graph : networkx.Graph
-        Each node has the attribute ``kind``: ``robot``, ``action`` or ``target``. Its name is the attribute ``name``, else the node
-        itself; it may have a position ``pos``. Edges join each action to its one robot, and to the targets that it sees, these
-        with the attribute ``weight``, 1 by default.
-    duplicates : str
-        Parallel edges: ``error`` or ``sum``.
-    name : str, optional
-        The graph's own by default.
-
-    Raises
-    ------
-    InputError
-        Naming the node or edge that is wrong.
-    """
+    """The arguments of ``graph_of_edges`` for a graph of networkx, directed or not; parameters as of ``SensingGraph.from_networkx``."""
     if not callable(getattr(graph, "edges", None)) or not callable(getattr(graph, "nodes", None)):
         raise InputError("not a networkx graph", found=type(graph).__name__)
     if duplicates not in ("error", "sum"):
@@ -230,34 +194,9 @@ def edges_from_positions(
     action_names: Iterable[str] | None = None,
     name: str = "sensing-graph",
 ) -> dict[str, Any]:
-    """The arguments of ``graph_of_edges`` for a graph in which an action sees the targets within a distance.
+    """The arguments of ``graph_of_edges`` for a graph in which an action sees what is near.
 
-    Parameters
-    ----------
-    action_positions : array of shape (actions, 2), units of distance
-        Where the robot would be.
-    robot_of_action : array of shape (actions,)
-        The robot of each action, from 0.
-    target_positions : array of shape (targets, 2), units of distance
-    sensing_range : float, units of distance, > 0
-        Targets at this distance are still seen.
-    weight : str
-        ``binary``: 1; ``inverse-distance``: 1 / max(distance, closest).
-    closest : float, units of distance, > 0
-        Distances below count as this one, so that no weight exceeds 1 / closest.
-    robots, targets, action_names, name
-        See ``SensingGraph.from_edges``.
-
-    Raises
-    ------
-    InputError
-        If a position or a distance is not what it must be.
-    UsageError
-        For another weight.
-
-    Notes
-    -----
-    Source: Sung (2019), section 3.3, with the cap that inverse distances need as the distance vanishes; docs/formulations/sensing.md#model.
+    Parameters as of ``SensingGraph.from_positions``.
     """
     from scipy.spatial import cKDTree
 

@@ -265,6 +265,7 @@ class Coverage(_Checked):
     indptr, indices : arrays
         CSR form of elements x items: ascending items within an element, none twice.
     item_weights : array of shape (items,), >= 0
+        What each item is worth where it is covered.
     """
 
     name: ClassVar[str] = "coverage"
@@ -276,7 +277,15 @@ class Coverage(_Checked):
 
     @classmethod
     def from_sets(cls, sets: Any, item_weights: ArrayLike) -> Coverage:
-        """A coverage function from one list of items an element; items are numbers from 0, and repeated ones count once."""
+        """A coverage function from one list of items an element; items are numbers from 0, and repeated ones count once.
+
+        Parameters
+        ----------
+        sets : sequence of sequences of int
+            The items that each element covers.
+        item_weights : array-like, shape (items,), >= 0
+            As of the class.
+        """
         lists = [np.unique(arrays.whole_numbers(f"set {k}", list(s), "items by their numbers from 0")) for k, s in enumerate(sets)]
         starts = np.cumsum([0] + [len(s) for s in lists])
         items = np.concatenate(lists) if lists else np.zeros(0)
@@ -313,6 +322,7 @@ class FacilityLocation(_Checked):
     indptr, indices, weights : arrays
         CSR form of elements x items, weights >= 0; pairs that are left out weigh 0.
     num_items : int
+        Clients, those included that no element serves.
     """
 
     name: ClassVar[str] = "facility-location"
@@ -386,6 +396,7 @@ class UserFunction(SetFunction):
     evaluate : callable
         From a boolean array of shape (sets, elements) to the values, shape (sets,).
     num_elements : int
+        Size of the ground set.
     monotone, submodular : bool
         What the user declares; guarantees and bounds rest on it and say so. ``check_submodular`` samples it.
     label : str

@@ -13,6 +13,7 @@ from ...formulations.problem import Problem
 from ...formulations.programs.exactness import Exactness
 from ...formulations.programs.program import Program
 from ...instances.errors import UsageError
+from ...instances.suggestions import did_you_mean
 from .kinds import KINDS
 from .truth import Truth, truth
 
@@ -34,7 +35,8 @@ class Draw:
 
     def __post_init__(self) -> None:
         if self.kind is not None and self.kind not in KINDS:
-            raise UsageError(f"the battery has no kind {self.kind!r}; it has {', '.join(KINDS)}", "unknown-name")
+            hint = did_you_mean(self.kind, KINDS)
+            raise UsageError(f"the battery has no kind {self.kind!r}; it has {', '.join(KINDS)}{hint}", "unknown-name")
         if self.form is not None and FORMS[self.form] and not self.kinds:
             raise UsageError(f"no program of the battery has the form {self.form}" + (f" and the kind {self.kind}" if self.kind else ""))
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from ... import _guard as _guard
 from ...instances.errors import UsageError
 from ...instances.registry import Registry
+from ...instances.suggestions import did_you_mean
 
 if TYPE_CHECKING:
     from ...formulations.problem import Problem
@@ -44,9 +45,8 @@ def views(problem: Problem) -> list[str]:
 def check_drawable(problem: Problem, view: str | None = None) -> None:
     """Raise UsageError if no plot is registered for the problem's family, or no such view."""
     if view is not None and view not in views(problem):
-        raise UsageError(
-            f"answers to {problem.problem} problems have no view {view!r}; there are {', '.join(views(problem))}", "unknown-name"
-        )
+        there = f"there are {', '.join(views(problem))}{did_you_mean(view, views(problem))}"
+        raise UsageError(f"answers to {problem.problem} problems have no view {view!r}; {there}", "unknown-name")
     if view != HISTORY and problem.family not in PLOTS:
         raise UsageError(f"answers to {problem.problem} problems cannot be drawn", "unsupported")
 

@@ -35,6 +35,7 @@ def plot_history(history: History, *, ax: Any = None, title: str | None = None, 
     Parameters
     ----------
     history : Solution, Comparison, sequence of Solution, or mapping from names to them
+        One run, or several in one picture.
     ax : matplotlib axes, optional
         New ones by default.
     title : str, optional

@@ -29,13 +29,15 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """A titled table of printable texts; ``total`` is a last row set apart, ``most`` the rows shown unless all are asked for."""
+    """A titled table of printable texts; ``total`` is a last row set apart, ``most`` the rows shown unless all are asked for, ``rest`` the
+    word for the others."""
 
     title: str
     columns: tuple[Column, ...]
     rows: tuple[tuple[str, ...], ...]
     total: tuple[str, ...] = field(default=())
     most: int | None = None
+    rest: str = "more rows"
 
     def __post_init__(self) -> None:
         def cleaned(row: tuple[str, ...]) -> tuple[str, ...]:
@@ -97,7 +99,7 @@ def table_plain(table: Table) -> str:
 
 
 def table_html(table: Table) -> str:
-    """An HTML table; all text is escaped."""
+    """An HTML table; all text is escaped. What follows the first ``most`` rows is folded."""
     cell = "padding:1px 10px 1px 0;vertical-align:top"
     sides = [f"text-align:{'right' if column.right else 'left'};{cell}" for column in table.columns]
 
@@ -106,10 +108,14 @@ def table_html(table: Table) -> str:
 
     names = [column.name for column in table.columns]
     head = f"<thead>{line(names, 'th')}</thead>" if any(names) else ""
-    body = "".join(line(row, "td") for row in table.rows[:SHOWN_ROWS])
+    lines = [line(row, "td") for row in table.rows[:SHOWN_ROWS]]
+    body, folded = "".join(lines[: table.most]), [] if table.most is None else lines[table.most :]
     foot = f"<tfoot>{line(table.total, 'th')}</tfoot>" if table.total else ""
     more = len(table.rows) - SHOWN_ROWS
     rest = f"<p>and {more:,} more rows</p>" if more > 0 else ""
+    if folded:
+        table_of = f'<table style="border-collapse:collapse">{head}<tbody>{"".join(folded)}</tbody></table>'
+        rest = f"<details><summary>and {len(folded)} {html.escape(table.rest)}</summary>{table_of}{rest}</details>"
     title = f'<caption style="text-align:left;font-weight:bold">{html.escape(table.title)}</caption>' if table.title else ""
     return f'<table style="border-collapse:collapse">{title}{head}<tbody>{body}</tbody>{foot}</table>{rest}'
 

@@ -11,6 +11,7 @@ from ...formulations.programs.program import CONES, INTEGERS, QUADRATIC, Program
 from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
 from ...formulations.programs.reductions.one_sided_rows import ONE_SIDED_ROWS
 from ...instances.errors import MissingPackageError, UsageError
+from ...instances.suggestions import did_you_mean
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
 from ..packages import is_installed
@@ -59,7 +60,8 @@ class CVXPY(ProgramBackend):
         self.solver = variant.upper()
         self.engine = {"CLARABEL": "Clarabel", "SCS": "SCS", "ECOS": "ECOS"}.get(self.solver, "HiGHS")  # or where there are integers
         if self.solver and self.solver not in PROGRAMS:
-            raise UsageError(f"waybound uses {', '.join(PROGRAMS)} through CVXPY, not {variant!r}", "unknown-name")
+            hint = did_you_mean(variant, PROGRAMS)
+            raise UsageError(f"waybound uses {', '.join(PROGRAMS)} through CVXPY, not {variant!r}{hint}", "unknown-name")
         if self.solver:
             self.programs, self.library = PROGRAMS[self.solver], LIBRARIES[self.solver]
 

@@ -19,6 +19,7 @@ from ...formulations.programs.reductions.linear_products import LINEAR_PRODUCTS
 from ...formulations.programs.reductions.reduction import Irreducible, Reduction, Step
 from ...formulations.programs.reductions.whole_numbers import WHOLE_VARIABLES
 from ...instances.errors import Code, UsageError
+from ...instances.suggestions import did_you_mean
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..own_options import own_options
 from ..program_backend import FEASIBLE_TOLERANCE, ProgramBackend
@@ -97,7 +98,8 @@ class MathOpt(ProgramBackend):
         super().__init__(variant)
         chosen = {"scip": "gscip", "cpsat": "cp-sat", "cp_sat": "cp-sat"}.get(variant.lower(), variant.lower())
         if chosen and chosen not in PROGRAMS:
-            raise UsageError(f"mathopt has no solver {variant!r}; it has {', '.join(PROGRAMS)}", "unknown-name")
+            hint = did_you_mean(variant, PROGRAMS)
+            raise UsageError(f"mathopt has no solver {variant!r}; it has {', '.join(PROGRAMS)}{hint}", "unknown-name")
         self.solver = chosen
         self.engine = ENGINES.get(chosen, "SCIP")  # without a name it is SCIP that takes programs with integers
         if chosen:

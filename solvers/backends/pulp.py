@@ -16,6 +16,7 @@ from ...formulations.programs.reductions.minimisation import MINIMISATION
 from ...formulations.programs.reductions.one_sided_rows import ONE_SIDED_ROWS
 from ...formulations.programs.reductions.reduction import Reduction
 from ...instances.errors import MissingPackageError, UsageError
+from ...instances.suggestions import did_you_mean
 from ..backend import BACKENDS, Control, Options, RawResult
 from ..children import scratch
 from ..own_options import own_options
@@ -71,7 +72,8 @@ class PuLP(ProgramBackend):
             import pulp
 
             if self.variant not in pulp.listSolvers():
-                raise UsageError(f"PuLP knows no solver {self.variant!r}; it knows {', '.join(pulp.listSolvers())}", "unknown-name")
+                hint = did_you_mean(self.variant, pulp.listSolvers())
+                raise UsageError(f"PuLP knows no solver {self.variant!r}; it knows {', '.join(pulp.listSolvers())}{hint}", "unknown-name")
             if self.variant not in _found():
                 raise MissingPackageError(f"PuLP does not find {self.variant} on this machine; found: {', '.join(_found())}")
         return super().converted(options)

@@ -77,11 +77,18 @@ def test_a_pipe_is_read_once(tmp_path):
     assert json.loads(told.stdout)["instance_hash"] == wb.read("demo-tiny").digest()
 
 
-def test_info_leaves_out_who_takes_other_families(run):
-    shown = run("info", "demo-tiny").stdout
-    assert " pyvrp " in shown and " outer-approximation " in shown and " lapjv " not in shown and " auction " not in shown
-    assert "solvers for other families are left out; `waybound solvers demo-tiny` lists all" in " ".join(shown.split())
-    assert " lapjv " in run("solvers", "demo-tiny").stdout
+@pytest.mark.parametrize("command", ["info", "solvers", "heuristics"])
+def test_what_applies_comes_first_and_the_rest_is_a_count(run, json_of, command):
+    shown, every = (run(command, "demo-tiny", *more).stdout for more in ((), ("-v",)))
+    data = json_of(command, "demo-tiny")
+    for what in {"solvers", "heuristics"} & set(data):
+        able, unable = ([row["name"] for row in data[what] if bool(row["missing"]) == lacks] for lacks in (False, True))
+        assert able and unable and sorted([*able, *unable]) == [row["name"] for row in data[what]]
+        assert all(f"\n {name} " in every or f"\n{name} " in every for name in able + unable)
+        assert all(f"\n {name} " in shown or f"\n{name} " in shown for name in able)
+        assert not [name for name in unable if f"\n {name} " in shown or f"\n{name} " in shown]
+        assert max(every.index(f"{name} ") for name in able) < every.index(f"{unable[-1]} ")
+        assert f"and {len(unable)} that do not take it; -v shows all" in shown
 
 
 def test_bundled_instances_are_listed_shown_and_found(json_of, run):

@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -24,13 +25,22 @@ PAGES = sorted(
     for page in {ROOT / "README.md", *(ROOT / "docs").rglob("*.md")} - FOLLOWED - EXECUTED
     if re.search(r"^```(?:python|console)$", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
 )
-QUICK = {"faq.md", "proofs.md"}
+QUICK = {"faq.md", "proofs.md", "limits.md"}
+
+PEERS = {"pyvrp": ("pyvrp",), "ortools": ("ortools",), "vroom": ("vroom",), "cvxpy-and-pulp": ("cvxpy", "pulp")}
+"""Pages for those who come from a peer, and its modules, which their blocks run beside waybound."""
 
 
-@pytest.mark.parametrize(
-    "page", [p if p.name in QUICK else pytest.param(p, marks=pytest.mark.long) for p in PAGES], ids=lambda page: page.stem
-)
+def marked(page: Path) -> Any:
+    if page.parent.name == "coming-from":
+        return pytest.param(page, marks=pytest.mark.slow)
+    return page if page.name in QUICK else pytest.param(page, marks=pytest.mark.long)
+
+
+@pytest.mark.parametrize("page", [marked(page) for page in PAGES], ids=lambda page: page.stem)
 def test_blocks_of_a_page_run(page: Path, tmp_path: Path) -> None:
+    for module in PEERS[page.stem] if page.parent.name == "coming-from" else ():
+        pytest.importorskip(module, reason=f"{module} is not installed, whose model the page runs beside waybound's")
     env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(RUNNER.parent)]), "MPLBACKEND": "agg"}
     ended = subprocess.run([sys.executable, str(RUNNER), str(page)], cwd=tmp_path, env=env, capture_output=True, text=True)
     assert ended.returncode == 0, ended.stdout + ended.stderr
@@ -38,6 +48,16 @@ def test_blocks_of_a_page_run(page: Path, tmp_path: Path) -> None:
 
 def test_pages_that_begin_with_an_example_are_among_them() -> None:
     assert {"README.md", "quick-start.md", "how-to.md", "faq.md"} <= {page.name for page in PAGES}
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page.parent.name == "coming-from"], ids=lambda page: page.stem)
+def test_pages_for_users_of_peers_run_both_and_show_equal_objectives(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    assert all(re.search(rf"^(import|from) {module}\b", text, flags=re.MULTILINE) for module in (*PEERS[page.stem], "waybound"))
+    shown = re.search(r"^>>> [^\n]*proved\.objective$|^>>> [^\n]*solution\.objective$", text, flags=re.MULTILINE)
+    assert shown is not None, "the values of both sides stand in one line, and the tests run it"
+    values = text[shown.end() :].splitlines()[1]
+    assert len({float(value) for value in re.findall(r"\d+(?:\.\d+)?", values)} - {0.0, 6.0}) == 1
 
 
 def test_no_block_is_left_out() -> None:

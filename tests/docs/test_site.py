@@ -124,3 +124,11 @@ def test_the_site_builds_without_a_warning_and_fetches_nothing(tmp_path: Path) -
     fetched = re.compile(rf"""<(?:script|img|iframe)[^>]*\ssrc{outside}|<link[^>]*rel=["']?stylesheet[^>]*href{outside}""")
     assert not [page for page in pages if fetched.search(page.read_text(encoding="utf-8"))]
     assert not (tmp_path / "building").exists()
+
+
+def test_names_in_code_are_not_broken_and_longer_code_may_be() -> None:
+    pytest.importorskip("mkdocs", reason="needs the extra docs")
+    import site_hooks
+
+    told = site_hooks.on_page_content("<code>--time-limit</code> <code>waybound solve</code> <code>" + "x" * 40 + "</code>")
+    assert told.count('<code class="name">') == 1 and '<code class="name">--time-limit' in told

@@ -10,6 +10,7 @@ import typer
 
 from ..instances.errors import InputError, UsageError
 from ..instances.suggestions import did_you_mean
+from . import completing
 from .delivery import PLOT_SUFFIXES, check_matplotlib, check_outputs
 from .handling import remark
 from .options import Json, Quiet, Verbose, arg, bounded, opt
@@ -31,7 +32,10 @@ _Cluster = Annotated[str | None, opt("--cluster ADDRESS", "Run on Dask: local, o
 
 
 def bench(
-    campaign: Annotated[str, arg("CAMPAIGN", "A campaign file (.toml), a bundled campaign, or a results file, of which nothing is run.")],
+    campaign: Annotated[
+        str,
+        arg("CAMPAIGN", "A campaign file (.toml), a bundled campaign, or a results file, of which nothing is run.", completing.campaigns),
+    ],
     status: _Status = False,
     export: _Export = None,
     jobs: Annotated[int, opt("--jobs N", "Runs at a time; more than there are cores would slow each other down.")] = 1,

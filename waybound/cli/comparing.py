@@ -26,8 +26,8 @@ def compare(
     other: Annotated[
         str | None, arg("[RESULTS]", "A second results file, of waybound bench: FILE is one too, and the two are compared.")
     ] = None,
-    solver: Annotated[list[str] | None, opt("--solver NAME", "A solver to compare. Repeatable.")] = None,
-    heuristic: Annotated[list[str] | None, opt("--heuristic NAME", "A heuristic to compare. Repeatable.")] = None,
+    solver: Annotated[list[str] | None, opt("--solver NAME", "A solver to compare. Repeatable.", "solver")] = None,
+    heuristic: Annotated[list[str] | None, opt("--heuristic NAME", "A heuristic to compare. Repeatable.", "heuristic")] = None,
     time_limit: Annotated[float, opt("--time-limit S", "Seconds for each search alone.")] = 60.0,
     bound_time: Annotated[float | None, opt("--bound-time S", "Seconds for bounding after each; a tenth of the limit by default.")] = None,
     seed: Seed = 1,

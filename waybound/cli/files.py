@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from ..instances.errors import UsageError
+from . import completing
 from .delivery import output_path
 from .options import Source, Verbose, arg, bounded, opt, parse_pairs, parse_settings
 from .output import print_text
@@ -16,7 +17,7 @@ PROGRAM_SUFFIXES = (".mps", ".lp")
 def export(
     source: Source,
     to: Annotated[Path, opt("--to FILE", "model.mps or model.lp.")],
-    form: Annotated[str | None, opt("--form NAME", "How to write the problem down; its first form by default.")] = None,
+    form: Annotated[str | None, opt("--form NAME", "How to write the problem down; its first form by default.", "form")] = None,
     relax: Annotated[bool, opt("--relax", "Drop integrality.")] = False,
     verbose: Verbose = False,
 ) -> None:
@@ -32,7 +33,7 @@ def export(
 def convert(
     source: Source,
     to: Annotated[Path, opt("--to FILE", "Written in the format that the suffix stands for.")],
-    to_format: Annotated[str | None, opt("--to-format NAME", "Format to write, where the suffix does not say it.")] = None,
+    to_format: Annotated[str | None, opt("--to-format NAME", "Format to write, where the suffix does not say it.", "format")] = None,
     verbose: Verbose = False,
 ) -> None:
     """Write an instance in another format, changed as asked; what that format cannot express is an error."""
@@ -49,13 +50,13 @@ def convert(
 
 
 def generate(
-    kind: Annotated[str, arg("KIND", "solomon, uchoa, sata, coverage, ...; an unknown one lists them all.")],
+    kind: Annotated[str, arg("KIND", "solomon, uchoa, sata, coverage, ...; an unknown one lists them all.", completing.names("generator"))],
     out: Annotated[Path, opt("--out FILE", "Written in the format that the suffix stands for.")],
     settings: Annotated[
         list[str] | None, opt("--set KEY=VALUE", "A setting of the recipe; an unknown one lists them all. Repeatable.")
     ] = None,
     seed: Annotated[int, opt("--seed N", "The same seed and settings give the same bytes.")] = 1,
-    to_format: Annotated[str | None, opt("--to-format NAME", "Format to write, where the suffix does not say it.")] = None,
+    to_format: Annotated[str | None, opt("--to-format NAME", "Format to write, where the suffix does not say it.", "format")] = None,
     verbose: Verbose = False,
 ) -> None:
     """Make an instance by a published recipe; the same seed gives the same file."""

@@ -33,7 +33,9 @@ def check(
         arg("SOLUTION", "Solution file: .json, .csv, .xlsx, of routes .sol, .tour, .vroom, .geojson; or a solver's, of an exported model."),
     ],
     certificate: Annotated[Path | None, opt("--certificate FILE", "Verify this certificate's bound too.")] = None,
-    form: Annotated[str | None, opt("--form NAME", "For a solver's file: the form that was exported; whichever fits by default.")] = None,
+    form: Annotated[
+        str | None, opt("--form NAME", "For a solver's file: the form that was exported; whichever fits by default.", "form")
+    ] = None,
     json: Json = False,
     verbose: Verbose = False,
 ) -> None:
@@ -164,7 +166,7 @@ def bound(
 
 def explain(
     source: Source,
-    form: Annotated[str | None, opt("--form NAME", "Form whose rows shall be named.")] = None,
+    form: Annotated[str | None, opt("--form NAME", "Form whose rows shall be named.", "form")] = None,
     time_limit: Annotated[float, opt("--time-limit S", "Seconds for everything together.")] = 60.0,
     json: Json = False,
     verbose: Verbose = False,

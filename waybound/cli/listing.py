@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,6 +12,7 @@ import typer
 from ..instances.errors import UsageError
 from ..instances.limits import check_whole
 from ..solvers import interrupts
+from . import completing
 from .handling import complain, handled, remark
 from .options import Format, Json, Objective, ProblemName, Quiet, Set, Source, Verbose, arg, bounded, opt, parse_pairs
 from .output import print_json, print_table, print_text, write_out
@@ -20,11 +21,10 @@ from .progress import PartsCounter
 if TYPE_CHECKING:
     from ..reports.battery.cases import Draw
     from ..reports.battery.examining import Examination
-    from ..reports.tables.table import Table
 
 
 def info(source: Source, json: Json = False, verbose: Verbose = False) -> None:
-    """Show what an instance holds, which solvers and heuristics take it, and what the others lack."""
+    """Show what an instance holds, which solvers and heuristics take it, and with -v what the others lack."""
     from ..reports.tables.facts import facts, facts_table
     from ..reports.tables.listing import heuristics_table, solvers_table
     from ..solving.listing import heuristic_table, solver_table
@@ -37,19 +37,14 @@ def info(source: Source, json: Json = False, verbose: Verbose = False) -> None:
         print_json({"format": instance.format, "problems": list(instance.problems), **data, **listed})
         return
     print_table(facts_table(data))
-    foreign = {f"{asked.family} problems", f"a form for {asked.family} problems"}
-    tables: dict[str, tuple[list[Any], Callable[..., Table]]] = {
-        "solvers": (able, solvers_table), "heuristics": (approximate, heuristics_table),
-    }  # fmt: skip
-    for what, (rows, table) in tables.items():
-        near = [row for row in rows if not foreign & set(row.missing)]
-        print_table(table(near, asked=True))
-        if len(near) < len(rows):
-            print_text(f"{len(rows) - len(near)} {what} for other families are left out; `waybound {what} {source.file}` lists all")
+    print_table(solvers_table(able, asked=True), verbose)
+    print_table(heuristics_table(approximate, asked=True), verbose)
 
 
 def solvers(
-    file: Annotated[str | None, arg("[FILE]", "Ask about this instance; with --examine the name of a solver.")] = None,
+    file: Annotated[
+        str | None, arg("[FILE]", "Ask about this instance; with --examine the name of a solver.", completing.instances)
+    ] = None,
     format: Format = None,  # noqa: A002
     problem: ProblemName = None,
     settings: Set = None,
@@ -60,7 +55,7 @@ def solvers(
     count: Annotated[int | None, opt("--count N", "Programs for each solver that is examined.")] = None,
     seed: Annotated[int | None, opt("--seed N", "The same seed gives the same programs.")] = None,
     kind: Annotated[str | None, opt("--kind NAME", "Programs of this kind alone, such as time-windows.")] = None,
-    form: Annotated[str | None, opt("--form NAME", "Programs of this form alone.")] = None,
+    form: Annotated[str | None, opt("--form NAME", "Programs of this form alone.", "form")] = None,
     option: Annotated[
         list[str] | None, opt("--option KEY=VALUE", "Option of the solver's own, which overrules waybound's. Repeatable.")
     ] = None,
@@ -84,11 +79,13 @@ def solvers(
     if json:
         print_json({"solvers": [dataclasses.asdict(i) for i in infos]})
     else:
-        print_table(solvers_table(infos, asked=file is not None))
+        print_table(solvers_table(infos, asked=file is not None), verbose)
 
 
 def heuristics(
-    file: Annotated[str | None, arg("[FILE]", "Ask about this instance: who takes it, and what the others lack.")] = None,
+    file: Annotated[
+        str | None, arg("[FILE]", "Ask about this instance: who takes it, and what the others lack.", completing.instances)
+    ] = None,
     format: Format = None,  # noqa: A002
     problem: ProblemName = None,
     settings: Set = None,
@@ -104,7 +101,7 @@ def heuristics(
     if json:
         print_json({"heuristics": [dataclasses.asdict(i) for i in infos]})
     else:
-        print_table(heuristics_table(infos, asked=file is not None))
+        print_table(heuristics_table(infos, asked=file is not None), verbose)
 
 
 # -- solvers --examine ----------------------------------------------------------------------------------------------------
@@ -183,7 +180,7 @@ def _tell(draw: Draw, examinations: Sequence[Examination], by: str, out: Path | 
 
 instances = typer.Typer(help="Bundled instances.", no_args_is_help=True)
 
-Name = Annotated[str, arg("NAME", "Name of a bundled instance.")]
+Name = Annotated[str, arg("NAME", "Name of a bundled instance.", completing.names("instance"))]
 
 
 @instances.command("list")

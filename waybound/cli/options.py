@@ -6,7 +6,7 @@ import contextlib
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
@@ -16,27 +16,31 @@ import typer
 
 from ..instances.errors import UsageError
 from ..instances.limits import check_number, check_whole
+from . import completing
 
 if TYPE_CHECKING:
     from ..formulations.problem import Problem
     from ..instances.instance import Instance
 
 
-def opt(words: str, help: str) -> Any:  # noqa: A002 - typer's word
-    """An option by its names and the name of its value: ``opt("--seed N", ...)``."""
+def opt(words: str, help: str, offers: str = "") -> Any:  # noqa: A002 - typer's word
+    """An option by its names and the name of its value, ``opt("--seed N", ...)``, and whose names the shell offers for that."""
     names = [word for word in words.split() if word.startswith("-")]
-    return typer.Option(*names, metavar=" ".join(words.split()[len(names) :]) or None, help=help)
+    metavar = " ".join(words.split()[len(names) :]) or None
+    return typer.Option(*names, metavar=metavar, help=help, autocompletion=completing.names(offers) if offers else None)
 
 
-def arg(metavar: str, help: str) -> Any:  # noqa: A002 - typer's word
-    """An argument by the name that help shows."""
-    return typer.Argument(metavar=metavar, help=help, show_default=False)
+def arg(metavar: str, help: str, offers: Callable[[str], list[str]] | None = None) -> Any:  # noqa: A002 - typer's word
+    """An argument by the name that help shows, and what the shell offers for it."""
+    return typer.Argument(metavar=metavar, help=help, show_default=False, autocompletion=offers)
 
 
-File = Annotated[str, arg("FILE", "Instance file, or the name of a bundled instance.")]
-Format = Annotated[str | None, opt("--format NAME", "Format of FILE; recognised from the content by default.")]
-ProblemName = Annotated[str | None, opt("--problem NAME", "Problem to read FILE as; by default what its format stands for.")]
-Convention = Annotated[str | None, opt("--convention NAME", "Rounding of distances: file, exact, trunc1 (dimacs), trunc2, round, ceil.")]
+File = Annotated[str, arg("FILE", "Instance file, or the name of a bundled instance.", completing.instances)]
+Format = Annotated[str | None, opt("--format NAME", "Format of FILE; recognised from the content by default.", "format")]
+ProblemName = Annotated[str | None, opt("--problem NAME", "Problem to read FILE as; by default what its format stands for.", "problem")]
+Convention = Annotated[
+    str | None, opt("--convention NAME", "Rounding of distances: file, exact, trunc1 (dimacs), trunc2, round, ceil.", "convention")
+]
 Set = Annotated[
     list[str] | None,
     opt(
@@ -47,7 +51,7 @@ Set = Annotated[
 ]
 Seed = Annotated[int, opt("--seed N", "The same seed gives the same answer, where no time limit decides.")]
 Threads = Annotated[int, opt("--threads N", "Threads that a solver may use, where it can use several.")]
-LpSolver = Annotated[str | None, opt("--lp-solver NAME", "Who solves the linear programs met on the way; highs by default.")]
+LpSolver = Annotated[str | None, opt("--lp-solver NAME", "Who solves the linear programs met on the way; highs by default.", "solver")]
 Json = Annotated[bool, opt("--json", "Print one JSON object and nothing else on standard output.")]
 Verbose = Annotated[bool, opt("--verbose -v", "Say more; tracebacks of internal errors.")]
 Quiet = Annotated[bool, opt("--quiet -q", "No progress.")]

@@ -73,7 +73,7 @@ def table_text(table: Table, every: bool = False) -> str:
 
     shown = SHOWN_ROWS if table.most is None else len(table.rows) if every else table.most
     more, where = len(table.rows) - shown, "--json has all" if table.most is None else "-v shows all"
-    return _rendered(table_rich(table, shown)) + (f"and {more:,} more rows; {where}\n" if more > 0 else "")
+    return _rendered(table_rich(table, shown)) + (f"and {more:,} {table.rest}; {where}\n" if more > 0 else "")
 
 
 def lines_text(title: str, lines: Sequence[Line]) -> str:
@@ -83,9 +83,9 @@ def lines_text(title: str, lines: Sequence[Line]) -> str:
     return _rendered(as_rich(title, lines))
 
 
-def print_table(table: Table) -> None:
+def print_table(table: Table, every: bool = False) -> None:
     """Put a table on standard output."""
-    write_out(table_text(table))
+    write_out(table_text(table, every))
 
 
 def print_lines(title: str, lines: Sequence[Line]) -> None:

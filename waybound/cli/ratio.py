@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..solvers import interrupts
+from . import completing
 from .handling import complain, remark
 from .options import Json, Quiet, Verbose, arg, bounded, opt
 from .output import print_json, print_table, print_text
@@ -21,7 +22,9 @@ ALL = "all"
 
 
 def ratio(
-    study: Annotated[str | None, arg("[STUDY]", "Name of a study, or all; without one, they are listed.")] = None,
+    study: Annotated[
+        str | None, arg("[STUDY]", "Name of a study, or all; without one, they are listed.", completing.names("study"))
+    ] = None,
     instances: Annotated[
         int | None,
         opt("--instances N", "Random instances for each heuristic, spread over the families; trials of each point of an experiment."),

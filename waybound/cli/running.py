@@ -9,6 +9,7 @@ import typer
 
 from ..instances.errors import UsageError
 from ..solvers import interrupts
+from . import completing
 from .delivery import Delivery, check_matplotlib, check_outputs
 from .handling import complain, remark
 from .options import Json, Quiet, Verbose, arg, bounded, opt, parse_pairs
@@ -24,9 +25,11 @@ ANIMATION_SUFFIXES = (".gif", ".html")
 
 
 def run(
-    mission: Annotated[str, arg("MISSION", "tracking, ...; an unknown one lists them all.")],
-    solver: Annotated[str | None, opt("--solver NAME", "What solves the problems. See `waybound solvers`.")] = None,
-    heuristic: Annotated[str | None, opt("--heuristic NAME", "An approximation instead of a solver. See `waybound heuristics`.")] = None,
+    mission: Annotated[str, arg("MISSION", "tracking, ...; an unknown one lists them all.", completing.names("mission"))],
+    solver: Annotated[str | None, opt("--solver NAME", "What solves the problems. See `waybound solvers`.", "solver")] = None,
+    heuristic: Annotated[
+        str | None, opt("--heuristic NAME", "An approximation instead of a solver. See `waybound heuristics`.", "heuristic")
+    ] = None,
     policy: Annotated[
         str | None, opt("--policy NAME", "A rule of the mission's own that solves no problem; an unknown one lists them.")
     ] = None,

@@ -23,10 +23,13 @@ if TYPE_CHECKING:
 def solve(
     source: Source,
     solver: Annotated[
-        str | None, opt("--solver NAME", "highs, pulp, ortools, pyvrp, ...; a solver within one as pulp:HiGHS. See `waybound solvers`.")
+        str | None,
+        opt("--solver NAME", "highs, pulp, ortools, pyvrp, ...; a solver within one as pulp:HiGHS. See `waybound solvers`.", "solver"),
     ] = None,
-    heuristic: Annotated[str | None, opt("--heuristic NAME", "An approximation instead of a solver. See `waybound heuristics`.")] = None,
-    form: Annotated[str | None, opt("--form NAME", "How the problem is written down, for solvers that take programs.")] = None,
+    heuristic: Annotated[
+        str | None, opt("--heuristic NAME", "An approximation instead of a solver. See `waybound heuristics`.", "heuristic")
+    ] = None,
+    form: Annotated[str | None, opt("--form NAME", "How the problem is written down, for solvers that take programs.", "form")] = None,
     relax: Annotated[bool, opt("--relax", "Drop integrality: the optimum is a bound.")] = False,
     option: Annotated[list[str] | None, opt("--option KEY=VALUE", "An option of the solver or heuristic itself. Repeatable.")] = None,
     time_limit: Annotated[float, opt("--time-limit S", "Seconds for the search alone.")] = 60.0,

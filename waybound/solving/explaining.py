@@ -60,6 +60,7 @@ class Explanation:
         ``the data`` (each reason is a proof that a checker confirmed, or ``evidence`` is; or an answer passed every check), a solver's name
         (its word for it), or "" if undecided.
     reasons : tuple of Reason
+        Sites, vehicles or rows that contradict each other, and why.
     minimal : bool
         For rows: whether leaving out any one of them was found to allow an answer.
     form : str or None
@@ -124,17 +125,7 @@ def explain(problem: Problem | Compiled | Program, *, time_limit: float = 60.0, 
     First arguments from the data alone (routing: sites that no vehicle can reach, a fleet too small), then a deletion
     filter over the row blocks and the rows of a form, through HiGHS. Where no form is exact: an answer by any method, or evidence.
 
-    Parameters
-    ----------
-    problem : Problem, Compiled or Program
-    time_limit : float, seconds
-        For everything together.
-    form : str, optional
-        Form whose rows shall be named; the problem's first exact one by default.
-
-    Returns
-    -------
-    Explanation
+    Parameters as of ``waybound.explain``.
 
     Notes
     -----

@@ -29,9 +29,11 @@ class RelayTree:
     Parameters
     ----------
     relays : array of shape (relays, 2)
+        Positions, in the unit of the terminals'.
     links : array of shape (terminals + relays - 1, 2)
         Pairs of numbers: terminals first, then relays.
     guarantee : Guarantee
+        The stated ratio to the fewest relays, with its assumptions.
     """
 
     relays: Floats
@@ -103,9 +105,11 @@ def fewest_relays(linked: ArrayLike, terminals: ArrayLike, most: int | None = No
     linked : array of shape (nodes, nodes)
         Whether two nodes are within reach of each other.
     terminals : sequence of int
+        Nodes to be connected, by number from 0.
     most : int, optional
         Relays at most; by default all other nodes.
     stop : Stop
+        Deadline and wish to end.
 
     Returns
     -------
@@ -166,6 +170,7 @@ def fermat_weber(points: ArrayLike, weights: ArrayLike | None = None, steps: int
     Parameters
     ----------
     points : array of shape (points, 2)
+        Positions in the plane, in any unit.
     weights : array of shape (points,), optional
         Positive; equal by default.
     steps : int

@@ -9,7 +9,6 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from ....formulations.programs.program import Program, Rows, Variables
 from ....formulations.stop import Stop
@@ -170,6 +169,8 @@ class Master:
         boxed: bool = False,
     ) -> None:  # fmt: skip
         self.pool, self.cost, self.row, self.lacking, self.seed, self.known = pool, cost, row, lacking, seed, 0
+        from scipy import sparse
+
         visits, self.types = len(lacking) - 1, len(most) if len(most) > 1 else 0
         # Columns: missing visits, routes too few, too many, their number, visits that need not be made, visits more and less at the prices
         # of the box, and the number of each type.

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy import sparse
 
 from ....formulations.programs.program import Program, Rows, Variables
 from ....formulations.routing.routes import Routes
@@ -48,6 +47,8 @@ def best_choice(pool: Pool, partition: SetPartition, reduced: Floats, gap: float
 
 def _program(pool: Pool, partition: SetPartition, cost: Floats) -> Program:
     """Each visit is made by one route, or need not be; numbers of routes are within their limits, of each type and of all."""
+    from scipy import sparse
+
     size, visits, types = len(pool), len(partition.optional) - 1, len(partition.types)
     loose: Flags = partition.optional[1:]
     at = np.nonzero(pool.head)[0]

@@ -63,6 +63,13 @@ def test_long_tables_say_how_much_they_leave_out() -> None:
     assert Cells(table_html(table)).tags.count("td") == SHOWN_ROWS
 
 
+def test_rows_after_the_first_ones_are_folded() -> None:
+    table = Table("T", (Column("n"),), tuple((str(k),) for k in range(5)), most=2, rest="<b>ad rows")
+    first, folded = table_html(table).split("<details><summary>and 3 &lt;b&gt;ad rows</summary>")
+    assert (Cells(first).tags.count("td"), Cells(folded).tags.count("td")) == (2, 3)
+    assert table_plain(table).count("\n") >= 5
+
+
 def evil_problem() -> wb.RoutingProblem:
     import pandas as pd
 
@@ -94,8 +101,8 @@ def ends() -> dict[str, Any]:
 def test_everything_that_a_cell_ends_with_shows_itself(ends: dict[str, Any], what: str) -> None:
     page = ends[what]._repr_html_()
     seen = Cells(page)
-    assert set(seen.tags) <= {"table", "caption", "thead", "tbody", "tr", "th", "td"}
-    assert page.count("<table") == 1
+    assert set(seen.tags) <= {"table", "caption", "thead", "tbody", "tr", "th", "td", "details", "summary"}
+    assert page.count("<table") == 1 + page.count("<details>")
     assert "\x1b" not in page
     screen = io.StringIO()
     Console(file=screen, width=100).print(ends[what])
