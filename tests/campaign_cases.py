@@ -24,7 +24,7 @@ def toml(value: Any) -> str:
     return "[" + ", ".join(map(toml, value)) + "]" if isinstance(value, list) else json.dumps(value)
 
 
-def campaign_file(folder: Path, without: str = "", **changes: Any) -> Path:
+def campaign_file(folder: Path, /, without: str = "", **changes: Any) -> Path:
     """A campaign file in ``folder``: ``SMALL`` with changes."""
     keys = {key: value for key, value in {**SMALL, **changes}.items() if key != without}
     path = folder / "c.toml"

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import csv
 import inspect
 import json
 import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -39,7 +38,7 @@ class Option:
         self.names, self.words = names, words
 
 
-Folder = Annotated[Path, Option(type=Path, help="of the benchmark files and bks.csv; what WAYBOUND_BENCHMARKS names by default")]
+Folder = Annotated[Path, Option(type=Path, help="of the benchmark files; what WAYBOUND_BENCHMARKS names by default")]
 
 
 def command(run: Callable[..., bool | str | tuple[str, bool] | None]) -> Callable[..., int]:
@@ -114,14 +113,6 @@ def in_a_fresh_process(*arguments: object) -> dict[str, Any]:
     if done.returncode:
         raise RuntimeError(done.stderr)
     return dict(json.loads(done.stdout.splitlines()[-1]))
-
-
-def known_values(folder: Path, families: Sequence[str] = ()) -> Iterator[dict[str, str]]:
-    """Lines of ``bks.csv``: of all families, or of some, named in full or by their first part."""
-    with (folder / "bks.csv").open(newline="") as stream:
-        for line in csv.DictReader(stream):
-            if not families or {line["family"], line["family"].partition("/")[0]} & {*families}:
-                yield line
 
 
 def markdown(heads: Sequence[object], rows: Iterable[Sequence[object]] = ()) -> list[str]:

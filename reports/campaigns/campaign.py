@@ -5,8 +5,8 @@ from __future__ import annotations
 import itertools
 import re
 import tomllib
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +15,9 @@ from ...instances.limits import check_number, check_whole
 from ...instances.suggestions import did_you_mean
 from ...instances.text import read_text
 from .best_known import Value, best_known
-from .instance_list import Named, files_named, named_instances
+from .instance_list import Named, files_named, named_instances, with_variables
 from .keys import Keys
+from .own_modules import import_modules
 from .setting import LIMITS, Setting, canonical
 
 OVERTIME = 60.0
@@ -26,7 +27,8 @@ _READING = ("problem", "convention", "format", "set")
 _LIMITING = ("lp_solver", *LIMITS)
 _SEARCHING = ("form", "relax", *_LIMITING)
 _TOP = (
-    "results", "instances", "solvers", "heuristics", "seeds", *_LIMITING, "overtime", *_READING, "options", "grid", "best_known",
+    "results", "folder", "instances", "solvers", "heuristics", "seeds", *_LIMITING, "overtime", *_READING, "options", "grid",
+    "best_known", "modules",
 )  # fmt: skip
 
 Key = tuple[str, str, str, int]
@@ -63,6 +65,10 @@ class Campaign:
         After all its limits, before a run is ended.
     best_known : Path or None
         A table of best known values, where the campaign names one.
+    stated : mapping
+        What it says of the best known value of an instance, by hash and reading: the value, or whether that of a table holds.
+    modules : tuple of str
+        Modules of its own, which register solvers and the like.
     """
 
     file: Path
@@ -71,10 +77,21 @@ class Campaign:
     runs: tuple[Planned, ...]
     overtime: float = OVERTIME
     best_known: Path | None = None
+    stated: Mapping[tuple[str, str], float | bool] = field(default_factory=dict)
+    modules: tuple[str, ...] = ()
 
-    def best_known_values(self) -> dict[str, list[Value]]:
-        """Best values that tables tell of its instances, by the hash of their files."""
-        return best_known({run.instance.hash: run.instance for run in self.runs}.values(), self.best_known)
+    def best_known_values(self) -> dict[tuple[str, str], list[Value]]:
+        """Best values known of its instances, by the hash of the file and how it is read.
+
+        Those of tables are of files as they stand: where ``set`` or ``problem`` make something else of them, the campaign must say so.
+        """
+        tables = best_known({run.instance.hash: run.instance for run in self.runs}.values(), self.best_known)
+        found: dict[tuple[str, str], list[Value]] = {}
+        for run in self.runs:
+            key = run.instance.hash, run.setting.reading
+            holds = self.stated.get(key, not run.setting.changes and run.setting.problem is None)
+            found[key] = [(None, None, float(holds))] if not isinstance(holds, bool) else tables.get(key[0], []) if holds else []
+        return found
 
 
 def bundled_campaigns() -> dict[str, Path]:
@@ -113,16 +130,23 @@ def read_campaign(path: str | Path, folder: Path | None = None) -> Campaign:
     check_number("overtime", overtime)
     for seed in seeds:
         check_whole("seed", seed, option="a seed")
+    modules = tuple(name for name in top.texts("modules") if name is not None)
+    try:
+        import_modules(modules, folder)
+    except ImportError as fault:
+        raise top.fault(f"a module cannot be imported: {fault}", "missing") from None
     methods, instances = list(_methods(top)), list(_instances(top, folder))
     if not methods:
         raise top.fault("names no method: solvers = [...] or heuristics = [...]", "missing")
     if not instances:
         raise top.fault("names no instance: instances = [...]", "missing")
-    pairs = [(one, Setting(**reading, **method)) for one, reading in instances for method in methods]
+    pairs = [(one, Setting(**reading, **method)) for one, reading, _ in instances for method in methods]
+    stated = {(one.hash, Setting(method="", **reading).reading): value for one, reading, value in instances if value is not None}
     made = (Planned(one, setting, seed) for seed in seeds for one, setting in pairs)
     runs = {run.key: run for run in made}
     _check({run.setting.hash: run.setting for run in runs.values()}.values(), file)
-    return Campaign(file, folder, folder / results, tuple(runs.values()), float(overtime), None if known is None else folder / known)
+    table = None if known is None else folder / with_variables(known, file)
+    return Campaign(file, folder, folder / with_variables(results, file), tuple(runs.values()), float(overtime), table, stated, modules)
 
 
 def _parsed(file: Path) -> dict[str, Any]:
@@ -134,19 +158,22 @@ def _parsed(file: Path) -> dict[str, Any]:
         raise InputError(f"is no TOML: {words}", file=file, line=int(place[1]) if place else None) from None
 
 
-def _instances(top: Keys, folder: Path) -> Iterator[tuple[Named, dict[str, Any]]]:
-    """Each instance with each way to read it, as parts of a ``Setting``."""
+def _instances(top: Keys, folder: Path) -> Iterator[tuple[Named, dict[str, Any], float | bool | None]]:
+    """Each instance with each way to read it, as parts of a ``Setting``, and what is said of its best known value."""
     for entry in top.entries("instances", "file"):
-        own = Keys(entry, top.file, "an instance", ("file", *_READING))
-        said = own.text("file")
-        if said is None:
+        own = Keys(entry, top.file, "an instance", ("file", "folder", "best_known", *_READING))
+        best, place = own.table.get("best_known"), own.text("folder") or top.text("folder") or "."
+        if best is not None and not isinstance(best, bool | int | float):
+            raise own.expected("best_known", "a value, or true or false", best)
+        if own.texts("file") == [None]:
             raise top.fault("an instance has no key 'file'", "missing")
         changes = {**top.inner("set"), **own.inner("set")}
         how = {"changes": changes, "files": files_named(changes, folder), "format": own.text("format") or top.text("format")}
         problems, conventions = ((own if key in own else top).texts(key) for key in ("problem", "convention"))
-        for one in named_instances(said, folder, top.file):
-            for problem, convention in itertools.product(problems, conventions):
-                yield one, {**how, "problem": problem, "convention": convention}
+        looked_in = folder / with_variables(place, top.file)
+        named = (one for said in own.texts("file") for one in named_instances(with_variables(str(said), top.file), looked_in, top.file))
+        for one, problem, convention in itertools.product(named, problems, conventions):
+            yield one, {**how, "problem": problem, "convention": convention}, best
 
 
 def _methods(top: Keys) -> Iterator[dict[str, Any]]:

@@ -35,7 +35,7 @@ COUNTED = [
 """Columns of results that counting needs."""
 
 
-def counted(frame: pd.DataFrame, known: Mapping[str, list[Value]] | None = None) -> pd.DataFrame:
+def counted(frame: pd.DataFrame, known: Mapping[tuple[str, str], list[Value]] | None = None) -> pd.DataFrame:
     """Results with what they are compared with.
 
     An answer counts if it passed every check and nothing about its run contradicts it.
@@ -45,7 +45,7 @@ def counted(frame: pd.DataFrame, known: Mapping[str, list[Value]] | None = None)
     frame : DataFrame
         Of ``results``, with the columns ``COUNTED`` at least.
     known : mapping, optional
-        Best known values, of ``best_known``.
+        Best known values, of ``Campaign.best_known_values``.
 
     Returns
     -------
@@ -91,8 +91,8 @@ def _named_apart(f: pd.DataFrame) -> pd.Series[str]:
     return pd.Series([words.get(key, key[0]) for key in keys], index=f.index)
 
 
-def _known(f: pd.DataFrame, known: Mapping[str, list[Value]]) -> NDArray[np.float64]:
+def _known(f: pd.DataFrame, known: Mapping[tuple[str, str], list[Value]]) -> NDArray[np.float64]:
     """The best known value of each row."""
-    keys = list(zip(f["file_hash"], f["convention"], f["sense"], strict=True))
-    values = {key: value_for(known.get(key[0], []), key[1], key[2]) for key in set(keys)}
+    keys = list(zip(f["file_hash"], f["reading"], f["convention"], f["sense"], strict=True))
+    values = {key: value_for(known.get(key[:2], []), key[2], key[3]) for key in set(keys)}
     return np.array([values[key] for key in keys], dtype=np.float64)

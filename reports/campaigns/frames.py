@@ -16,7 +16,7 @@ from ...instances.errors import MissingPackageError, UsageError
 from ...instances.suggestions import did_you_mean
 from .campaign import Key
 from .one_run import COLUMNS, DOCUMENTS
-from .results_file import opened, readable
+from .results_file import columns_of, opened, readable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -63,7 +63,7 @@ def results(path: str | PathLike[str], columns: Sequence[str] | None = None) -> 
         alone), ``gap``, ``verified_bound``, ``checked`` (whether an answer passed every check), ``limit``, ``method`` (the solver and its
         own options), ``options``, ``problem``, ``sense``, ``convention``, ``form``, ``instance_hash``, ``bound_source``, ``levels`` (all
         levels of an objective in order of priority, as JSON), ``faults``, ``reason`` and ``error_code`` of a run that failed,
-        ``compile_seconds, bound_seconds, check_seconds, run_seconds``, ``began``, ``limits`` and ``reading`` (how the instance
+        ``compile_seconds, bound_seconds, check_seconds, cpu_seconds, run_seconds``, ``began``, ``limits`` and ``reading`` (how the instance
         was read), ``setting``, ``versions`` and ``machine`` (as JSON), ``setting_hash``, ``file``, ``file_hash``.
 
     Raises
@@ -84,7 +84,8 @@ def results(path: str | PathLike[str], columns: Sequence[str] | None = None) -> 
     file, own = Path(path), [name for name in names if name in COLUMNS]
     with opened(file) as connection, readable(file):
         connection.execute("BEGIN")  # one state of the file for all that follows
-        chosen = ", ".join(f'"{name}"' for name in (*_TABLES, "seed", *own))
+        there = columns_of(connection)
+        chosen = ", ".join(f'"{name}"' if name in there else "NULL" for name in (*_TABLES, "seed", *own))
         runs = pd.DataFrame(connection.execute(f"SELECT {chosen} FROM runs").fetchall(), columns=[*_TABLES, "the seed", *own])
         shared = {refers: _looked_up(connection, table, known, names) for refers, (table, known) in _TABLES.items()}
     places = {refers: np.searchsorted(numbers, runs[refers].to_numpy(dtype=np.int64)) for refers, (numbers, _, _) in shared.items()}

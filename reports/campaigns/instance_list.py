@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import fnmatch
 import hashlib
+import os
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -79,6 +81,20 @@ def named_instances(said: str, folder: Path, campaign: Path) -> list[Named]:
         raise InputError(f"instance {said!r} cannot be looked for: {fault}", "file", file=campaign) from fault
     hint = did_you_mean(said, bundled_names())
     raise InputError(f"there is no instance {said!r}: no such file, and no bundled instance of that name{hint}", "missing", file=campaign)
+
+
+def with_variables(said: str, campaign: Path) -> str:
+    """A path in which ``$NAME`` stands for an environment variable.
+
+    Raises
+    ------
+    InputError
+        Where there is no variable of that name.
+    """
+    for name in re.findall(r"\$(\w+)", said):
+        if name not in os.environ:
+            raise InputError(f"{said!r} needs the environment variable {name}, which is not set", "missing", file=campaign)
+    return re.sub(r"\$(\w+)", lambda found: os.environ[found[1]], said)
 
 
 def files_named(changes: dict[str, Any], folder: Path) -> dict[str, str]:

@@ -6,6 +6,7 @@ import importlib
 import json
 import os
 import platform
+import resource
 import time
 from contextlib import suppress
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from ..._version import __version__
 from ...formulations.json_text import finite
 from ...instances.errors import InputError, NoAnswerError, WayboundError, in_words
 from .instance_list import hash_of
+from .own_modules import import_modules
 from .setting import Setting
 
 if TYPE_CHECKING:
@@ -27,13 +29,14 @@ COLUMNS = {
     "problem": "TEXT", "sense": "TEXT", "convention": "TEXT", "form": "TEXT", "instance_hash": "TEXT", "status": "TEXT", "limit": "TEXT",
     "objective": "REAL", "bound": "REAL", "bound_kind": "TEXT", "bound_source": "TEXT", "gap": "REAL", "verified_bound": "REAL",
     "levels": "TEXT", "checked": "INTEGER", "faults": "INTEGER", "reason": "TEXT", "error_code": "TEXT", "seconds": "REAL",
-    "compile_seconds": "REAL", "bound_seconds": "REAL", "check_seconds": "REAL", "run_seconds": "REAL", "began": "TEXT",
+    "compile_seconds": "REAL", "bound_seconds": "REAL", "check_seconds": "REAL", "cpu_seconds": "REAL", "run_seconds": "REAL",
+    "began": "TEXT",
 }  # fmt: skip
 """Columns of a run, by name, and as what SQLite keeps it.
 
 ``objective`` and ``bound`` are those of the first level of priority; all levels are in ``levels``, as JSON, where there are several.
 ``checked`` is 1 where an answer passed every check and nothing about it contradicts itself. ``seconds`` are those of the search alone,
-``run_seconds`` those of the whole run.
+``run_seconds`` those of the whole run, ``cpu_seconds`` those of all its processors, from after reading on, child processes included.
 """
 
 DOCUMENTS = ("solution", "certificate", "history")
@@ -56,6 +59,8 @@ class Task:
         After all limits, before it is ended.
     hash : str
         SHA-256 of the instance's file when the run was planned; "" if anything goes.
+    modules : tuple of str
+        Imported before it.
     """
 
     path: str
@@ -64,6 +69,7 @@ class Task:
     folder: str
     overtime: float
     hash: str = ""
+    modules: tuple[str, ...] = ()
 
     @property
     def deadline(self) -> float:
@@ -102,6 +108,7 @@ def run_task(task: Task) -> Outcome:
     setting, row, documents = task.setting, dict[str, Any](), dict[str, str]()
     versions = own_versions()
     try:
+        import_modules(task.modules, task.folder)
         if setting.files:
             os.chdir(task.folder)
         if task.hash and Path(task.path).is_file() and hash_of(Path(task.path)) != task.hash:
@@ -114,8 +121,9 @@ def run_task(task: Task) -> Outcome:
         instance = read_source(task.path, setting.format, setting.problem, changes)
         problem = problem_of(instance, setting.problem, setting.convention, changes)
         row.update(problem=problem.problem, sense=problem.sense, convention=problem.convention)
+        before = processor_seconds()
         solution = solve(problem, request_of(problem, seed=task.seed, **setting.keywords()))
-        row.update(_told(solution))
+        row.update(_told(solution), cpu_seconds=processor_seconds() - before)
         documents.update(_documents(solution))
         versions.update(solution.versions)
     except NoAnswerError as fault:
@@ -133,6 +141,12 @@ def failed(reason: str, code: str, limit: str = "none") -> dict[str, Any]:
 def lost(task: Task, reason: str, limit: str = "none", seconds: float | None = None) -> Outcome:
     """The outcome of a run whose process did not live to tell it."""
     return Outcome({**failed(reason, "search-failed", limit), "run_seconds": seconds}, {}, own_versions(), machine())
+
+
+def processor_seconds() -> float:
+    """Seconds of the processor of this process, and of those children that have ended."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(one.ru_utime + one.ru_stime for one in used)
 
 
 def own_versions() -> dict[str, str]:

@@ -92,6 +92,8 @@ class ResultsFile:
                 c.execute(statement)
             c.execute(f"PRAGMA application_id = {APPLICATION}")
             c.execute(f"PRAGMA user_version = {SCHEMA}")
+        for name in COLUMNS.keys() - columns_of(c):  # of a file that was made before there were these
+            c.execute(f'ALTER TABLE runs ADD COLUMN "{name}" {COLUMNS[name]}')
         c.execute("COMMIT")
 
     def keys(self) -> set[Key]:
@@ -172,6 +174,11 @@ class ResultsFile:
 
 
 _KEYS = "SELECT i.name, i.hash, s.hash, r.seed FROM runs r JOIN instances i ON i.id = r.instance JOIN settings s ON s.id = r.setting"
+
+
+def columns_of(connection: sqlite3.Connection) -> set[str]:
+    """Columns of the table of runs; those that came later are none of a file that nothing was added to since."""
+    return {name for _, name, *_ in connection.execute("PRAGMA table_info(runs)")}
 
 
 def check_schema(connection: sqlite3.Connection, path: Path) -> None:

@@ -54,8 +54,8 @@ def run_campaign(campaign: Campaign, workers: AbstractContextManager[Workers], *
         if not missing:
             return 0
         check_reading(missing)
-        done, planned, folder = 0, len(campaign.runs), str(campaign.folder)
-        tasks = ((run, Task(run.instance.source, run.setting, run.seed, folder, campaign.overtime, run.instance.hash)) for run in missing)
+        done, planned, common = 0, len(campaign.runs), (str(campaign.folder), campaign.overtime)
+        tasks = ((run, Task(run.instance.source, run.setting, run.seed, *common, run.instance.hash, campaign.modules)) for run in missing)
         with workers as able:
             for run, outcome in able.outcomes(tasks):
                 results.add(run, outcome)

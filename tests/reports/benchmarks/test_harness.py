@@ -9,7 +9,7 @@ from typing import Annotated
 import pytest
 
 from waybound.reports.benchmarks import _harness as harness
-from waybound.reports.benchmarks._harness import Option, best_of, command, in_a_fresh_process, known_values, markdown, timed
+from waybound.reports.benchmarks._harness import Option, best_of, command, in_a_fresh_process, markdown, timed
 
 
 @command
@@ -28,7 +28,7 @@ def test_defaults_say_what_options_take_and_false_is_exit_code_1(capsys: pytest.
     assert end.value.code == 2 and "invalid choice: 'c'" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["routing_bounds", "routing_families", "routing_heuristics"])
+@pytest.mark.parametrize("name", ["pricing_alone", "stabilised_prices"])
 def test_without_a_folder_it_says_so(name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.delenv("WAYBOUND_BENCHMARKS", raising=False)
     with pytest.raises(SystemExit):
@@ -61,8 +61,5 @@ def test_works_are_timed_in_turn() -> None:
     assert turns == ["one", "other"] * 2
 
 
-def test_families_are_chosen_by_their_whole_name_or_its_first_part(tmp_path: Path) -> None:
-    (tmp_path / "bks.csv").write_text("family,instance\ncvrp/A,one\ncvrp/B,two\ntop,three\n")
-    assert [line["instance"] for line in known_values(tmp_path, ["cvrp"])] == ["one", "two"]
-    assert [line["instance"] for line in known_values(tmp_path, ["cvrp/B", "top"])] == ["two", "three"]
+def test_tables_are_lines_of_markdown() -> None:
     assert markdown(("a", "b"), [(1, "x")]) == ["| a | b |", "| --- | --- |", "| 1 | x |"]

@@ -54,6 +54,32 @@ def test_an_instance_may_be_read_in_its_own_way(tmp_path: Path) -> None:
     assert second.setting.changes == {"capacity": 50, "vehicles": "unlimited"} and second.setting.convention == "trunc1"
 
 
+def test_instances_may_lie_in_a_folder_that_a_variable_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for place in ("here", "there"):
+        (tmp_path / "files" / place).mkdir(parents=True)
+        for name in ("a.txt", "b.txt"):
+            (tmp_path / "files" / place / name).write_text(place + name)
+    monkeypatch.setenv("FILES_OF_A_TEST", str(tmp_path / "files"))
+    entries = ["here/a.txt", {"folder": "$FILES_OF_A_TEST/there", "file": ["a.txt", "b*"], "convention": "trunc1"}, "demo-tiny"]
+    made = read_campaign(campaign_file(tmp_path, folder="$FILES_OF_A_TEST", instances=entries, seeds=[1], results="$FILES_OF_A_TEST/r"))
+    assert [run.instance.file for run in made.runs] == ["here/a.txt", "a.txt", "b.txt", "demo-tiny"]
+    assert [run.setting.convention for run in made.runs] == [None, "trunc1", "trunc1", None]
+    assert made.results == tmp_path / "files" / "r" and made.folder == tmp_path
+
+
+def test_values_of_a_table_are_of_files_as_they_stand_or_as_the_campaign_says(tmp_path: Path) -> None:
+    (tmp_path / "own.csv").write_text("instance,value\ndemo-tiny,7\n")
+    ways: list[dict[str, Any]] = [
+        {"convention": "trunc1"}, {"set": {"customers": 3}}, {"set": {"vehicles": 9}, "best_known": True}, {"best_known": False},
+        {"problem": "tsp", "best_known": 5}, {"problem": "cvrp"},
+    ]  # fmt: skip
+    asked = campaign_file(tmp_path, instances=[{"file": "demo-tiny", **way} for way in ways], best_known="own.csv", seeds=[1])
+    made = read_campaign(asked)
+    known = made.best_known_values()
+    values = [[value for *_, value in known[run.instance.hash, run.setting.reading]] for run in made.runs]
+    assert values == [[7.0], [], [7.0], [], [5.0], []]
+
+
 @pytest.mark.parametrize(
     ("changes", "code", "told"),
     [
@@ -64,6 +90,8 @@ def test_an_instance_may_be_read_in_its_own_way(tmp_path: Path) -> None:
         ({"instances": []}, "missing", "names no instance"),
         ({"instances": ["gone.txt"]}, "missing", "no such file"),
         ({"instances": [{"problem": "tsp"}]}, "missing", "no key 'file'"),
+        ({"instances": ["$NO_SUCH_VARIABLE/a.txt"]}, "missing", "needs the environment variable NO_SUCH_VARIABLE, which is not set"),
+        ({"instances": [{"file": "demo-tiny", "best_known": "5"}]}, "malformed", "a value, or true or false"),
         ({"solvers": [{"form": "circuit"}]}, "missing", "no key 'name'"),
         ({"heuristics": [{"name": "savings", "form": "circuit"}]}, "unknown-name", "unknown key 'form' of a heuristic"),
         ({"solvers": [{"name": "highs", "form": "circuits"}]}, "unknown-name", "did you mean 'circuit'"),

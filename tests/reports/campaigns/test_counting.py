@@ -51,9 +51,9 @@ def test_cases_that_are_read_otherwise_are_never_compared(tmp_path: Path) -> Non
 
 def test_best_known_values_are_those_of_the_convention_and_a_better_answer_has_a_negative_gap(tmp_path: Path) -> None:
     rows = frame(tmp_path, (planned(), outcome(9.0)))
-    known = {"hash-a": [("exact", "min", 10.0), ("trunc1", "min", 5.0)]}
+    known = {("hash-a", planned().setting.reading): [("exact", "min", 10.0), ("trunc1", "min", 5.0)]}
     assert counted(rows, known)["gap_to_known"].tolist() == [pytest.approx(-0.1)]
-    assert math.isnan(counted(rows)["gap_to_known"][0]) and math.isnan(counted(rows, {"other": []})["known"][0])
+    assert math.isnan(counted(rows)["gap_to_known"][0]) and math.isnan(counted(rows, {("other", ""): []})["known"][0])
 
 
 def test_a_method_with_several_limits_is_several_methods(tmp_path: Path) -> None:

@@ -81,6 +81,14 @@ def test_a_newer_schema_is_refused_by_name(path: Path) -> None:
             use(path)
 
 
+def test_a_file_from_before_a_column_is_read_and_added_to(path: Path) -> None:
+    changed(path, "ALTER TABLE runs DROP COLUMN cpu_seconds")
+    assert results(path)["cpu_seconds"].isna().all()
+    with ResultsFile(path) as file:
+        file.add(planned(seed=3), outcome(3.0, cpu_seconds=0.5))
+    assert results(path)["cpu_seconds"].fillna(0.0).tolist() == [0.0, 0.0, 0.5]
+
+
 @pytest.mark.parametrize(
     ("content", "code", "told"),
     [(b"nonsense " * 99, "malformed", "damaged"), (b"SQLite format 3\0" + b"\xff" * 4096, "malformed", "damaged")],

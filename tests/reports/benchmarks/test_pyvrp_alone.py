@@ -1,0 +1,24 @@
+"""PyVRP alone as a solver of campaigns."""
+
+from __future__ import annotations
+
+import pytest
+
+import waybound as wb
+from waybound.instances.errors import UnsupportedError
+from waybound.reports.benchmarks.pyvrp_alone import BarePyVRP
+
+
+def test_it_is_judged_as_any_solver_and_never_chosen_unasked() -> None:
+    found = wb.solve(wb.generate("random", customers=8, capacity=40), "bare-pyvrp", time_limit=0.3, bound_time=0)
+    assert found.status == "feasible" and found.certificate.feasible
+    assert not BarePyVRP.by_default
+
+
+def test_what_its_script_models_not_is_refused() -> None:
+    problem = wb.read("demo-tiny")
+    several = wb.RoutingProblem(
+        problem.sites, problem.travel, (wb.VehicleType(2, reloads=(0,), capacity=50),), wb.TotalCost(), name="reloads"
+    )
+    with pytest.raises(UnsupportedError, match="reloads"):
+        wb.solve(several, "bare-pyvrp", time_limit=0.1)
