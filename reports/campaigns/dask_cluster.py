@@ -86,10 +86,13 @@ class DaskWorkers:
         running: dict[Any, tuple[Planned, Task]] = {}
         ended = as_completed(loop=self._client.loop)
         while True:
-            for run, task in islice(tasks, max(0, AHEAD * self._places() - len(running))):
-                future = self._client.submit(run_here, task, pure=False)
-                running[future] = run, task
-                ended.add(future)
+            try:
+                for run, task in islice(tasks, max(0, AHEAD * self._places() - len(running))):
+                    future = self._client.submit(run_here, task, pure=False)
+                    running[future] = run, task
+                    ended.add(future)
+            except OSError:
+                raise self._lost() from None
             if not running:
                 return
             future = next(ended)
@@ -113,7 +116,10 @@ class DaskWorkers:
             if isinstance(fault, KilledWorker):
                 return lost(task, f"{fault.allowed_failures + 1} workers were lost while they did this run")
             raise SearchFailedError(f"the workers of {self.address} cannot do runs: {in_words(fault)}; is waybound installed there?")
-        raise SearchFailedError(f"the scheduler of {self.address} was lost; what was done is kept, and the same command goes on from there")
+        raise self._lost()
+
+    def _lost(self) -> SearchFailedError:
+        return SearchFailedError(f"the scheduler of {self.address} was lost; what was done is kept, and the same command goes on from there")
 
 
 _TALKERS = ("distributed", "asyncio", "tornado")
