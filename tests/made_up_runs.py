@@ -38,5 +38,5 @@ def _run(task: Task) -> Outcome:
 
 def main(descriptor: int, folder: str) -> None:
     """Do such runs; nothing is loaded for them."""
-    fork_server.PRELOADED, fork_server._discover, fork_server.run_task = (), lambda: None, _run  # type: ignore[assignment]
+    fork_server._preload, fork_server.run_task = lambda: None, _run  # type: ignore[assignment]
     fork_server.main(descriptor, folder)

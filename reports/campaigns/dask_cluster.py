@@ -119,7 +119,9 @@ class DaskWorkers:
         raise self._lost()
 
     def _lost(self) -> SearchFailedError:
-        return SearchFailedError(f"the scheduler of {self.address} was lost; what was done is kept, and the same command goes on from there")
+        return SearchFailedError(
+            f"the scheduler of {self.address} was lost; what was done is kept, and the same command goes on from there"
+        )
 
 
 _TALKERS = ("distributed", "asyncio", "tornado")

@@ -1,7 +1,7 @@
 """A process that has everything loaded and forks a child for each run, which costs milliseconds instead of seconds.
 
 It does nothing else: no run is done in it, and it has one thread. What a run had to load or to compile, it loads too before the next one.
-A child that dies costs its run only, and one that does not end is killed.
+A child that dies costs its run only, and one that does not end is killed. Where forking is unsafe, each run is a fresh interpreter instead.
 """
 
 from __future__ import annotations
@@ -40,8 +40,12 @@ STANDS = 600.0
 LOADS = 2
 """How often that may be: what had no time to be loaded in the first one is in the second."""
 
+FORKS = hasattr(os, "fork") and sys.platform != "darwin"
+"""Whether children are forked: the system's libraries of macOS, those for linear algebra too, do not outlive it."""
+
 _PICKED_UP = "outcome"
 _SAID = "output"
+_TASK = "task"
 
 
 @dataclass
@@ -95,6 +99,7 @@ class ForkServer:
 
     def __init__(self, connection: Connection, folder: Path) -> None:
         self.connection, self.folder = connection, folder
+        os.set_inheritable(connection.fileno(), False)
         self.running: dict[int, _Running] = {}
         self._woken, mouth = os.pipe()
         for end in (self._woken, mouth):
@@ -105,9 +110,8 @@ class ForkServer:
 
     def serve(self) -> None:
         """Do runs until nobody asks for any."""
-        for name in PRELOADED:
-            importlib.import_module(name)
-        _discover()
+        if FORKS:
+            _preload()
         gc.collect()
         gc.freeze()
         while self._step():
@@ -144,7 +148,7 @@ class ForkServer:
         place = self.folder / f"run-{number}"
         mine, theirs = Pipe(duplex=False)
         place.mkdir()
-        pid = os.fork()
+        pid = os.fork() if FORKS else _spawn(task, place, theirs)
         if not pid:
             mine.close()
             self.connection.close()
@@ -165,7 +169,7 @@ class ForkServer:
         if outcome is None:
             outcome = _obituary(one, code)
         shutil.rmtree(one.place, ignore_errors=True)
-        if any(learned):
+        if FORKS and any(learned):
             _learn(*learned)
             if one.before < LOADS and time.monotonic() - one.began < SHORT:
                 self._begin(one.number, one.task, one.before + 1)
@@ -173,8 +177,23 @@ class ForkServer:
         self.connection.send_bytes(pickle.dumps((one.number, outcome)))
 
 
+def _spawn(task: Task, place: Path, news: Connection) -> int:
+    """Begin a run in a fresh interpreter; returns its process."""
+    (place / _TASK).write_bytes(pickle.dumps(task))
+    os.set_inheritable(news.fileno(), True)
+    code = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import spawned; spawned({str(place)!r}, {news.fileno()})"
+    return os.posix_spawn(sys.executable, [sys.executable, "-c", code], os.environ, setsigdef=[signal.SIGINT])
+
+
+def spawned(place: str, news: int) -> None:
+    """Do the run of a fresh interpreter."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _preload()
+    _be_a_run(pickle.loads((Path(place) / _TASK).read_bytes()), Path(place), Connection(news))
+
+
 def _be_a_run(task: Task, place: Path, news: Connection) -> None:
-    """Do a run in this forked child and leave."""
+    """Do a run in this child and leave."""
     try:
         signal.set_wakeup_fd(-1)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
@@ -218,8 +237,10 @@ def _obituary(one: _Running, code: int) -> Outcome:
 # -- what later runs need not load again --------------------------------------------------------------------------------------
 
 
-def _discover() -> None:
-    """Have the registries that every run asks import what they list."""
+def _preload() -> None:
+    """Import what every run needs, and what the registries that it asks list."""
+    for name in PRELOADED:
+        importlib.import_module(name)
     from ...formulations.evidence import CHECKERS
     from ...formulations.problem import PROBLEMS
     from ...heuristics.heuristic import HEURISTICS

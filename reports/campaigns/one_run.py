@@ -101,12 +101,13 @@ class Outcome:
 def run_task(task: Task) -> Outcome:
     """Do a run in this process, whose memory is limited from then on; whatever it raises but an interrupt is told as its outcome."""
     from ...api import problem_of, read_source
+    from ...solvers.isolation import limit_memory
     from ...solving.request import request_of
     from ...solving.solve import solve
 
     began, at = time.perf_counter(), datetime.now(UTC).isoformat(timespec="seconds")
     setting, row, documents = task.setting, dict[str, Any](), dict[str, str]()
-    versions = own_versions()
+    versions, kept = own_versions(), True
     try:
         import_modules(task.modules, task.folder)
         if setting.files:
@@ -116,7 +117,7 @@ def run_task(task: Task) -> Outcome:
             raise InputError(message, "foreign", file=task.path)
         if setting.memory_limit is not None:
             _load(setting)
-            _limit(setting.memory_limit)
+            kept = limit_memory(setting.memory_limit)
         changes = {**setting.changes}
         instance = read_source(task.path, setting.format, setting.problem, changes)
         problem = problem_of(instance, setting.problem, setting.convention, changes)
@@ -130,6 +131,8 @@ def run_task(task: Task) -> Outcome:
         row.update(failed(str(fault), fault.code), status="unknown")
     except Exception as fault:
         row.update(_of_fault(fault, setting))
+    if not kept:
+        row["reason"] = "; ".join(filter(None, (row.get("reason"), NOT_KEPT)))
     return Outcome({**row, "began": at, "run_seconds": time.perf_counter() - began}, documents, versions, machine())
 
 
@@ -204,12 +207,6 @@ def _load(setting: Setting) -> None:
             importlib.import_module(name)
 
 
-def _limit(megabytes: float) -> None:
-    from ...solvers.isolation import limit_memory
-
-    limit_memory(megabytes)
-
-
 def _of_fault(fault: BaseException, setting: Setting) -> dict[str, Any]:
     """The row of a run that ended in an error; under a limit on memory much that fails is a lack of it."""
     from ...solvers.isolation import lacked_memory
@@ -222,3 +219,4 @@ def _of_fault(fault: BaseException, setting: Setting) -> dict[str, Any]:
 
 
 _NO_STACK = "can't start new thread"
+NOT_KEPT = "the memory limit was not kept: this system has none"

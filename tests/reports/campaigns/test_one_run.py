@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import platform
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -76,6 +77,22 @@ def test_memory_is_limited_once_libraries_are_loaded(tmp_path: Path, monkeypatch
     asked: list[float] = []
     monkeypatch.setattr("waybound.solvers.isolation.limit_memory", lambda megabytes: asked.append(megabytes) or True)
     assert run_task(task(tmp_path, memory_limit=500.0)).row["status"] == "feasible" and asked == [500.0]
+
+
+def test_a_run_tells_that_its_memory_was_not_limited_where_the_system_does_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("waybound.solvers.isolation.limit_memory", lambda megabytes: False)
+    row = run_task(task(tmp_path, memory_limit=500.0)).row
+    assert row["status"] == "feasible" and row["reason"] == "the memory limit was not kept: this system has none"
+    assert run_task(task(tmp_path)).row["reason"] is None
+
+
+def test_a_machine_without_proc_is_told_by_what_python_knows(monkeypatch: pytest.MonkeyPatch) -> None:
+    machine.cache_clear()
+    monkeypatch.setattr(Path, "read_text", lambda *_: (_ for _ in ()).throw(FileNotFoundError("/proc/cpuinfo")))
+    try:
+        assert machine()["processor"] in (platform.processor(), platform.machine()) and machine()["cores"]
+    finally:
+        machine.cache_clear()
 
 
 def test_what_fails_for_want_of_a_stack_is_a_lack_of_memory_where_that_is_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

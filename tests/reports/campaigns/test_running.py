@@ -80,6 +80,30 @@ def test_an_instance_that_cannot_be_read_costs_its_runs_alone(tmp_path: Path) ->
     assert frame["status"].tolist() == ["error", "feasible"] and "bad.txt" in frame["reason"][0]
 
 
+def test_a_disk_that_runs_full_costs_nothing_of_what_is_there_and_the_campaign_goes_on_when_there_is_room(tmp_path: Path) -> None:
+    script = f"mount -t tmpfs -o size=1500k none {tmp_path} && exec {sys.executable} {TESTS / 'full_disks.py'} {tmp_path}"
+    try:
+        ended = subprocess.run(["unshare", "-r", "-m", "sh", "-c", script], capture_output=True, text=True)
+    except OSError:
+        pytest.skip("there is no unshare to make a small disk with")
+    if "unshare" in ended.stderr or "mount" in ended.stderr:
+        pytest.skip(f"no small disk can be mounted: {ended.stderr.strip()}")
+    assert ended.returncode == 0, ended.stderr
+    first, there, second, still, third, last = ended.stdout.splitlines()
+    assert first == second == f"{tmp_path}/r.sqlite: cannot be written: the disk is full; what was there is kept, and is not run again"
+    assert 0 < int(there) <= int(still) < 20 and third == f"{20 - int(still)} done" and last == "20"
+
+
+def test_an_instance_that_vanishes_while_the_campaign_runs_costs_its_runs_alone(tmp_path: Path) -> None:
+    for name in ("a.json", "b.json"):
+        (tmp_path / name).write_bytes(bundled_path("demo-tiny").read_bytes())
+    asked = read_campaign(campaign_file(tmp_path, instances=["a.json", "b.json"], seeds=[1]))
+    (tmp_path / "b.json").unlink()
+    assert run_campaign(asked, Here()) == 2
+    frame = results(asked.results)
+    assert frame["status"].tolist() == ["feasible", "error"] and "b.json: no such file" in frame["reason"][1]
+
+
 def killed(folder: Path, times: int, seed: int) -> list[str]:
     command = [sys.executable, str(TESTS / "killed_campaigns.py"), str(folder), str(times), str(seed)]
     ended = subprocess.run(command, capture_output=True, text=True)
