@@ -54,6 +54,8 @@ from .instances.sata.selection import CONSTRAINTS, SET_FUNCTIONS, JsonPart, Sele
 from .instances.sata.sensing_graph import SensingGraph
 from .instances.sata.set_functions import AT_ENTRY, AT_ITEM, IN_MATRIX, ItemFunction, ItemWeights, SetFunction
 from .instances.worlds import WORLDS, World, WorldKind
+from .reports.campaigns.frames import EXPORTERS, Exporter
+from .reports.campaigns.running import WORKERS
 from .reports.missions.mission import MISSIONS, Decision, Mission, Scene
 from .reports.plots import PLOTS, Plot
 from .reports.plots.drawing import as_plot, bars
@@ -75,6 +77,7 @@ __all__ = [
     "CONES",
     "CONSTRAINTS",
     "ENDLESS",
+    "EXPORTERS",
     "FORMATS",
     "FORMS",
     "GENERATORS",
@@ -95,6 +98,7 @@ __all__ = [
     "STUDIES",
     "TABLES",
     "WHOLE_NUMBERS",
+    "WORKERS",
     "WORLDS",
     "Axis",
     "BottleneckSATA",
@@ -120,6 +124,7 @@ __all__ = [
     "Evidence",
     "EvidenceChecker",
     "Exactness",
+    "Exporter",
     "Fault",
     "Figure",
     "Flags",

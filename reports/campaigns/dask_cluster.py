@@ -19,6 +19,7 @@ from ...instances.errors import MissingPackageError, SearchFailedError, UsageErr
 from .campaign import Planned
 from .one_run import Outcome, Task, lost
 from .run_processes import RunProcesses
+from .running import WORKERS
 
 LOCAL = "local"
 AHEAD = 2
@@ -48,8 +49,6 @@ class DaskWorkers:
     def __init__(self, address: str, jobs: int = 1) -> None:
         if find_spec("distributed") is None:
             raise MissingPackageError("--cluster needs the package distributed: pip install 'waybound[cluster]'")
-        if address != LOCAL and "://" not in address:
-            raise UsageError(f"--cluster {address}: write {LOCAL}, or the address of a scheduler: tcp://HOST:8786", "malformed")
         self.address, self.jobs = address, jobs
         self._stack = ExitStack()
         self._client: Any = None
@@ -123,6 +122,9 @@ class DaskWorkers:
             f"the scheduler of {self.address} was lost; what was done is kept, and the same command goes on from there"
         )
 
+
+for _scheme in (LOCAL, "tcp", "tls", "ucx", "ws", "wss"):
+    WORKERS.add(_scheme, DaskWorkers)
 
 _TALKERS = ("distributed", "asyncio", "tornado")
 

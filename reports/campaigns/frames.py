@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
 from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
@@ -12,7 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.atomic import atomic_write
 from ...instances.errors import MissingPackageError, UsageError
+from ...instances.registry import Registry
 from ...instances.suggestions import did_you_mean
 from .campaign import Key
 from .one_run import COLUMNS, DOCUMENTS
@@ -151,33 +154,40 @@ def of_runs(frame: pd.DataFrame, keys: Collection[Key]) -> pd.DataFrame:
     return frame[[key in keys for key in own]].reset_index(drop=True)
 
 
-def _write_csv(frame: pd.DataFrame, path: Path) -> None:
-    from ...instances.atomic import atomic_write
+@dataclass(frozen=True)
+class Exporter:
+    """A form in which frames of runs are written.
 
-    atomic_write(path, frame.to_csv(index=False))
+    Parameters
+    ----------
+    content : callable
+        Text or bytes of a frame.
+    packages : tuple of str
+        Of which one must be installed; none by default.
+    requirement : str
+        What ``pip install`` is to be told where none is.
+    """
+
+    content: Callable[[pd.DataFrame], str | bytes]
+    packages: tuple[str, ...] = ()
+    requirement: str = ""
 
 
-def _write_parquet(frame: pd.DataFrame, path: Path) -> None:
-    import io
+EXPORTERS: Registry[Exporter] = Registry("suffix of exports", __package__, group="waybound.exporters")
+"""By the suffix of the file."""
 
-    from ...instances.atomic import atomic_write
-
-    held = io.BytesIO()
-    frame.to_parquet(held, index=False)
-    atomic_write(path, held.getvalue())
-
-
-EXPORTS: dict[str, Callable[[Any, Path], None]] = {".csv": _write_csv, ".parquet": _write_parquet}
-"""Functions that write a frame, by the suffix of the file."""
+EXPORTERS.add(".csv", Exporter(lambda frame: frame.to_csv(index=False)))
+EXPORTERS.add(".parquet", Exporter(lambda frame: frame.to_parquet(index=False), ("pyarrow", "fastparquet"), "waybound[parquet]"))
 
 
 def check_export(path: Path) -> None:
     """Raise MissingPackageError where a file of this kind cannot be written, before anything is run."""
-    if path.suffix.lower() == ".parquet" and not any(find_spec(name) for name in ("pyarrow", "fastparquet")):
-        raise MissingPackageError("--export of .parquet needs the package pyarrow: pip install 'waybound[parquet]'")
+    form = EXPORTERS[path.suffix.lower()]
+    if form.packages and not any(find_spec(name) for name in form.packages):
+        raise MissingPackageError(f"--export of {path.suffix} needs the package {form.packages[0]}: pip install '{form.requirement}'")
 
 
 def export(frame: pd.DataFrame, path: Path) -> None:
     """Write a frame, whole or not at all, in the form that the suffix stands for."""
     check_export(path)
-    EXPORTS[path.suffix.lower()](frame, path)
+    atomic_write(path, EXPORTERS[path.suffix.lower()].content(frame))

@@ -17,6 +17,7 @@ from types import TracebackType
 from ...solvers.children import child, scratch
 from .campaign import Planned
 from .one_run import Outcome, Task, lost
+from .running import WORKERS
 
 TRIES = 2
 """How often a run is begun whose fork server dies: which of several runs is to blame, nobody knows."""
@@ -127,3 +128,6 @@ class RunProcesses:
                 self._begin(task, future, tries - 1)
             else:
                 future.set_result(lost(task, f"the process that starts runs ended with code {process.returncode}, {TRIES} times"))
+
+
+WORKERS.add("processes", lambda _, jobs: RunProcesses(jobs))

@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager, suppress
 from typing import Protocol
 
 from ...instances.errors import InputError, UnsupportedError
+from ...instances.registry import Registry
 from .campaign import Campaign, Planned
 from .one_run import Outcome, Task
 from .results_file import ResultsFile
@@ -21,6 +22,23 @@ class Workers(Protocol):
     def outcomes(self, tasks: Iterator[tuple[Planned, Task]]) -> Iterator[tuple[Planned, Outcome]]:
         """Each run with its outcome, in the order in which they end; tasks are taken as they can be done."""
         ...
+
+
+WORKERS: Registry[Callable[[str, int], AbstractContextManager[Workers]]] = Registry("cluster", __package__, group="waybound.workers")
+"""From the address of a cluster and a number of jobs to its workers, by the scheme of the address: ``tcp`` of ``tcp://host:8786``."""
+
+
+def workers_at(address: str | None, jobs: int) -> AbstractContextManager[Workers]:
+    """The workers of a cluster, or processes of this machine.
+
+    Raises
+    ------
+    UsageError
+        For an address of another kind than there are.
+    MissingPackageError
+        Where the package that it takes is not installed.
+    """
+    return WORKERS["processes" if address is None else address.partition("://")[0]](address or "", jobs)
 
 
 def run_campaign(campaign: Campaign, workers: AbstractContextManager[Workers], *, again: bool = False, progress: Told | None = None) -> int:

@@ -9,14 +9,14 @@ from typing import Any
 import pytest
 from campaign_cases import Here, campaign_file, outcome
 
-from waybound.cli import benching
+from waybound.reports.campaigns import running
 
 
 @pytest.fixture
 def made_up(monkeypatch: pytest.MonkeyPatch) -> Here:
     """Workers that make outcomes up: values 10 and 20 by seed."""
     workers = Here(lambda task: outcome(10.0 * task.seed, status="optimal"))
-    monkeypatch.setattr(benching, "_workers", lambda cluster, jobs: workers)
+    monkeypatch.setattr(running, "workers_at", lambda cluster, jobs: workers)
     return workers
 
 
@@ -104,13 +104,3 @@ def test_the_bundled_campaign_is_found_and_its_results_come_to_where_the_user_is
     monkeypatch.chdir(tmp_path)
     told = json_of("bench", "demo-campaign")
     assert told["done"] == told["planned"] == 30 and (tmp_path / "demo-campaign.sqlite").exists()
-
-
-def test_workers_are_those_of_this_machine_or_of_a_cluster(monkeypatch: pytest.MonkeyPatch) -> None:
-    from waybound.reports.campaigns import dask_cluster
-    from waybound.reports.campaigns.run_processes import RunProcesses
-
-    monkeypatch.setattr(dask_cluster, "find_spec", lambda name: name)
-    here, there = benching._workers(None, 3), benching._workers("tcp://x:1", 2)
-    assert isinstance(here, RunProcesses) and here.jobs == 3
-    assert isinstance(there, dask_cluster.DaskWorkers) and there.address == "tcp://x:1"

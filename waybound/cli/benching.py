@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -21,9 +20,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from ..reports.campaigns.campaign import Campaign
-    from ..reports.campaigns.running import Workers
-
-EXPORT_SUFFIXES = (".csv", ".parquet")
 
 _Status = Annotated[bool, opt("--status", "Say how far it is, and run nothing.")]
 _Export = Annotated[Path | None, opt("--export FILE", "Write one row a run: .csv or .parquet.")]
@@ -53,10 +49,10 @@ def bench(
     Exit code 0 when all is done, 5 if an answer or a claim of some run failed a check, 2 for what cannot be run, 130 after Ctrl-C, which
     keeps what is done.
     """
-    from ..reports.campaigns.frames import check_export
+    from ..reports.campaigns.frames import EXPORTERS, check_export
 
     bounded(jobs=jobs)
-    check_outputs([campaign], export=(export, EXPORT_SUFFIXES), profile=(profile, (".csv", *PLOT_SUFFIXES)))
+    check_outputs([campaign], export=(export, tuple(EXPORTERS.names())), profile=(profile, (".csv", *PLOT_SUFFIXES)))
     if profile is not None and profile.suffix.lower() != ".csv":
         check_matplotlib("--profile")
     if export is not None:
@@ -102,21 +98,11 @@ def _asked(campaign: str) -> Campaign:
     return read_campaign(campaign)
 
 
-def _workers(cluster: str | None, jobs: int) -> AbstractContextManager[Workers]:
-    if cluster is not None:
-        from ..reports.campaigns.dask_cluster import DaskWorkers
-
-        return DaskWorkers(cluster, jobs)
-    from ..reports.campaigns.run_processes import RunProcesses
-
-    return RunProcesses(jobs)
-
-
 def _run(campaign: Campaign, cluster: str | None, jobs: int, again: bool, quiet: bool) -> int:
-    from ..reports.campaigns.running import run_campaign
+    from ..reports.campaigns.running import run_campaign, workers_at
 
     with PartsCounter(campaign.file.stem, quiet, unit="runs") as counter:
-        return run_campaign(campaign, _workers(cluster, jobs), again=again, progress=counter)
+        return run_campaign(campaign, workers_at(cluster, jobs), again=again, progress=counter)
 
 
 def _results(campaign: Campaign | None, path: Path) -> pd.DataFrame | None:

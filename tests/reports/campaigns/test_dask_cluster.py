@@ -24,7 +24,7 @@ from waybound.reports.campaigns.dask_cluster import DaskWorkers
 from waybound.reports.campaigns.one_run import Outcome, Task
 from waybound.reports.campaigns.results_file import opened
 from waybound.reports.campaigns.run_processes import RunProcesses
-from waybound.reports.campaigns.running import run_campaign
+from waybound.reports.campaigns.running import run_campaign, workers_at
 from waybound.reports.campaigns.setting import Setting
 from waybound.solvers.children import child
 
@@ -39,8 +39,11 @@ def test_without_dask_its_package_is_named(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_an_address_is_local_or_that_of_a_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(dask_cluster, "find_spec", lambda name: name)
-    with pytest.raises(UsageError, match="tcp://HOST:8786", check=coded("malformed")):
-        DaskWorkers("somewhere")
+    here, there = workers_at(None, 3), workers_at("tcp://x:1", 2)
+    assert isinstance(here, RunProcesses) and here.jobs == 3
+    assert isinstance(there, DaskWorkers) and there.address == "tcp://x:1"
+    with pytest.raises(UsageError, match="unknown cluster 'somewhere'; choose from local, processes, tcp", check=coded("unknown-name")):
+        workers_at("somewhere", 1)
 
 
 class Future:

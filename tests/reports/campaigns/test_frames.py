@@ -68,3 +68,12 @@ def test_parquet_holds_what_the_frame_does(done: Any, tmp_path: Path) -> None:
     frame = wb.results(done.results)
     frames.export(frame, tmp_path / "x.parquet")
     pd.testing.assert_frame_equal(pd.read_parquet(tmp_path / "x.parquet"), frame, check_dtype=False)
+
+
+def test_a_further_form_of_export_is_one_entry(done: Any, tmp_path: Path) -> None:
+    frame = wb.results(done.results)
+    with frames.EXPORTERS.temporary(".count", frames.Exporter(lambda frame: str(len(frame)))):
+        frames.export(frame, tmp_path / "x.count")
+    assert (tmp_path / "x.count").read_text() == str(len(frame))
+    with pytest.raises(UsageError, match=r"unknown suffix of exports '.count'; choose from .csv, .parquet"):
+        frames.export(frame, tmp_path / "x.count")
