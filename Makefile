@@ -65,7 +65,7 @@ screenshots: docs
 
 benchmarks: $(READY)
 	$(BIN)/python -m waybound.reports.benchmarks.equal_answers --instances 300
-	for name in compile_three_index startup overhead greedy certified_ratio local_algorithm compile_max_min winner_takes_all saddle protections risk_allocation uncertain_path assignment; do $(BIN)/python -m waybound.reports.benchmarks.$$name || exit 1; done
+	for name in compile_three_index startup overhead greedy certified_ratio local_algorithm compile_max_min saddle protections risk_allocation uncertain_path assignment; do $(BIN)/python -m waybound.reports.benchmarks.$$name || exit 1; done
 
 clean:
 	rm -rf .venv .venv-* build dist demo site screenshots .mypy_cache .pytest_cache .ruff_cache .hypothesis .coverage htmlcov *.egg-info

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import gc
+import importlib
 import os
 import signal
+import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -59,6 +61,24 @@ def registered() -> Iterator[Callable[..., Any]]:
     """``registered(REGISTRY, name, entry)``: an entry for one test, in place of the one that may have the name."""
     with ExitStack() as stack:
         yield lambda registry, name, entry: stack.enter_context(registry.temporary(name, entry))
+
+
+@pytest.fixture
+def own_modules() -> Iterator[Callable[[str], Any]]:
+    """``own_modules(NAME)`` imports a module that registers solvers or problems, for one test alone, as campaigns with modules do."""
+    from waybound.formulations.problem import PROBLEMS
+    from waybound.solvers.backend import BACKENDS
+
+    before, path = set(sys.modules), list(sys.path)
+    with ExitStack() as stack:
+        for registry in (BACKENDS, PROBLEMS):
+            first = registry.names()[0]
+            stack.enter_context(registry.temporary(first, registry[first]))  # which forgets what comes meanwhile
+        yield importlib.import_module
+    sys.path[:] = path
+    for name in set(sys.modules) - before:
+        if name.startswith("waybound.reports.benchmarks.") or name.endswith("_of_a_test"):
+            del sys.modules[name]
 
 
 ORDER = ("hostile", "cli", "conformance", "docs", "formulations", "instances", "reference", "outside", "solving", "solvers")

@@ -1,4 +1,4 @@
-"""Proofs, and how fast they are found: the battery's programs, winner takes all, covers, and Solomon's files cut to 25 customers.
+"""Proofs, and how fast they are found: the battery's programs, winner takes all, and covers.
 
 Exits with 1 if anything that is verified of the battery is not true.
 """
@@ -8,12 +8,9 @@ from __future__ import annotations
 import itertools
 import math
 import sys
-import time
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from functools import partial
-from pathlib import Path
-from typing import Annotated
 
 import numpy as np
 
@@ -22,7 +19,6 @@ from waybound.api import read
 from waybound.extending import same
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.verified_bounds import beats_bound, verified_bound
-from waybound.instances.routing.formats import solomon
 from waybound.reports.battery.cases import Draw, cases
 from waybound.reports.battery.truth import Truth
 from waybound.solvers.backend import solver_named
@@ -31,20 +27,16 @@ from waybound.solving.bounding import find_bounds
 from waybound.solving.request import Request
 from waybound.solving.solve import solve
 
-from ._harness import Option, command, generated, timed
-
-FIRST_CLASS = (*(f"C10{k}" for k in range(1, 10)), *(f"R1{k:02d}" for k in range(1, 13)), *(f"RC10{k}" for k in range(1, 9)))
+from ._harness import command, generated, timed
 
 
-def proof(problem: wb.Problem, value: float | None, seconds: float) -> tuple[float | None, float, wb.Evidence | None]:
-    """The best verified bound found in ``seconds``, the time that it took, and its evidence; the bound is None where there is none."""
-    began = time.perf_counter()
+def proof(problem: wb.Problem, value: float | None, seconds: float) -> tuple[float | None, wb.Evidence | None]:
+    """The best verified bound found in ``seconds``, and its evidence; None where there is none."""
     evidence = find_bounds(problem, seconds, target=value)
-    took = time.perf_counter() - began
     sign = 1.0 if problem.sense == "min" else -1.0
     bounds = [(sign * verified_bound(problem, e), k) for k, e in enumerate(evidence)]
     best = max(bounds, default=(-math.inf, -1))
-    return (None, took, None) if best[0] == -math.inf else (sign * best[0], took, evidence[best[1]])
+    return (None, None) if best[0] == -math.inf else (sign * best[0], evidence[best[1]])
 
 
 def verified_of_battery(count: int, seconds: float, seed: int) -> int:
@@ -128,7 +120,7 @@ def beside_highs(title: str, problems: Iterable[tuple[str, wb.Problem]]) -> None
     for name, problem in problems:
         own, answer = timed(partial(solve, problem, Request(solver="highs", bound_time=0)))
         assert isinstance(answer.objective, float)
-        took, (bound, _, evidence) = timed(partial(proof, problem, answer.objective, 60.0))
+        took, (bound, evidence) = timed(partial(proof, problem, answer.objective, 60.0))
         proved = bound is not None and same(bound, answer.objective)
         shown = "-" if bound is None else f"{bound:.8g}"
         print(
@@ -160,25 +152,6 @@ def checking(leaves: int, rows: int = 100, columns: int = 150) -> None:
     print(f"the checker takes {seconds:.1f} CPU s for {_leaves(evidence)} leaves of a program of {rows} rows\n")
 
 
-def proved_files(folder: Path, names: Sequence[str], seconds: float) -> None:
-    """Solomon's files cut to 25 customers: what HiGHS proves in 20 s by its own word, and what is verified."""
-    print("file   answer    highs s  (CPU)  bound    proof s  (CPU)  leaves  proved")
-    for name in names:
-        path = folder / f"{name}.txt"
-        if not path.exists():
-            continue
-        problem = wb.RoutingProblem.from_instance(solomon.read(path.read_text(), path), settings={"customers": 25, "convention": "trunc1"})
-        searching, word = timed(partial(solve, problem, Request(solver="highs", time_limit=20.0, bound_time=0)))
-        answer = solve(problem, Request(solver="pyvrp", time_limit=2.0, bound_time=0, start=word.answer))
-        assert isinstance(answer.objective, float)
-        proving, (bound, took, evidence) = timed(partial(proof, problem, answer.objective, seconds))
-        proved = bound is not None and same(bound, answer.objective)
-        own = f"{word.seconds['solve']:.1f}" if word.status == "optimal" else "-"
-        shown, verdict = "-" if bound is None else f"{bound:.1f}", "yes" if proved else "no"
-        figures = f"{own:>7s}  {searching:5.1f}  {shown:>7s}  {took:7.1f}  {proving:5.1f}  {_leaves(evidence):6d}"
-        print(f"{name:6s} {answer.objective:7.1f}  {figures}  {verdict}", flush=True)
-
-
 def _leaves(evidence: wb.Evidence | None) -> int:
     return 0 if evidence is None else sum("branch" not in node for node in evidence.data.get("nodes", [{}]))
 
@@ -191,9 +164,6 @@ def main(
     winner_takes_all: int = 10,
     covers: int = 5,
     leaves: int = 10_000,
-    solomon: Annotated[Path | None, Option(type=Path, help="the folder of Solomon's files")] = None,
-    files: tuple[str, ...] = FIRST_CLASS,
-    file_seconds: float = 60.0,
 ) -> bool:
     false = verified_of_battery(battery, seconds, seed) if battery else 0
     if winner_takes_all:
@@ -202,8 +172,6 @@ def main(
         checking(leaves)
     if covers:
         set_covers(covers)
-    if solomon is not None:
-        proved_files(solomon, files, file_seconds)
     return not false
 
 

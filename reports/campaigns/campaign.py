@@ -15,7 +15,7 @@ from ...instances.limits import check_number, check_whole
 from ...instances.suggestions import did_you_mean
 from ...instances.text import read_text
 from .best_known import Value, best_known
-from .instance_list import Named, files_named, named_instances, with_variables
+from .instance_list import Named, files_named, generated_instances, named_instances, with_variables
 from .keys import Keys
 from .own_modules import import_modules
 from .setting import LIMITS, Setting, canonical
@@ -100,7 +100,7 @@ def bundled_campaigns() -> dict[str, Path]:
 
 
 def read_campaign(path: str | Path, folder: Path | None = None) -> Campaign:
-    """The campaign that a file describes; nothing is run, and no instance is read.
+    """The campaign that a file describes; nothing is run, and no instance is read. Those that it asks to be generated are.
 
     Parameters
     ----------
@@ -124,8 +124,7 @@ def read_campaign(path: str | Path, folder: Path | None = None) -> Campaign:
     for key in ("results", "instances"):
         if key not in top:
             raise top.fault(f"the key {key!r} is missing", "missing")
-    results, seeds = top.text("results"), top.numbers("seeds", [1])
-    assert results is not None
+    results, seeds = folder / with_variables(str(top.text("results")), file), top.numbers("seeds", [1])
     known, overtime = top.text("best_known"), top.table.get("overtime", OVERTIME)
     check_number("overtime", overtime)
     for seed in seeds:
@@ -135,7 +134,7 @@ def read_campaign(path: str | Path, folder: Path | None = None) -> Campaign:
         import_modules(modules, folder)
     except ImportError as fault:
         raise top.fault(f"a module cannot be imported: {fault}", "missing") from None
-    methods, instances = list(_methods(top)), list(_instances(top, folder))
+    methods, instances = list(_methods(top)), list(_instances(top, folder, results))
     if not methods:
         raise top.fault("names no method: solvers = [...] or heuristics = [...]", "missing")
     if not instances:
@@ -146,7 +145,7 @@ def read_campaign(path: str | Path, folder: Path | None = None) -> Campaign:
     runs = {run.key: run for run in made}
     _check({run.setting.hash: run.setting for run in runs.values()}.values(), file)
     table = None if known is None else folder / with_variables(known, file)
-    return Campaign(file, folder, folder / with_variables(results, file), tuple(runs.values()), float(overtime), table, stated, modules)
+    return Campaign(file, folder, results, tuple(runs.values()), float(overtime), table, stated, modules)
 
 
 def _parsed(file: Path) -> dict[str, Any]:
@@ -158,20 +157,25 @@ def _parsed(file: Path) -> dict[str, Any]:
         raise InputError(f"is no TOML: {words}", file=file, line=int(place[1]) if place else None) from None
 
 
-def _instances(top: Keys, folder: Path) -> Iterator[tuple[Named, dict[str, Any], float | bool | None]]:
+def _instances(top: Keys, folder: Path, results: Path) -> Iterator[tuple[Named, dict[str, Any], float | bool | None]]:
     """Each instance with each way to read it, as parts of a ``Setting``, and what is said of its best known value."""
     for entry in top.entries("instances", "file"):
-        own = Keys(entry, top.file, "an instance", ("file", "folder", "best_known", *_READING))
+        own = Keys(entry, top.file, "an instance", ("file", "generate", "seeds", "folder", "best_known", *_READING))
         best, place = own.table.get("best_known"), own.text("folder") or top.text("folder") or "."
         if best is not None and not isinstance(best, bool | int | float):
             raise own.expected("best_known", "a value, or true or false", best)
-        if own.texts("file") == [None]:
-            raise top.fault("an instance has no key 'file'", "missing")
-        changes = {**top.inner("set"), **own.inner("set")}
+        recipe = own.text("generate")
+        if ("file" in own) == (recipe is not None):
+            raise top.fault("an instance has no key 'file'" if recipe is None else "an instance has both 'file' and 'generate'", "missing")
+        changes = {**top.inner("set"), **(own.inner("set") if recipe is None else {})}
         how = {"changes": changes, "files": files_named(changes, folder), "format": own.text("format") or top.text("format")}
         problems, conventions = ((own if key in own else top).texts(key) for key in ("problem", "convention"))
         looked_in = folder / with_variables(place, top.file)
-        named = (one for said in own.texts("file") for one in named_instances(with_variables(str(said), top.file), looked_in, top.file))
+        if recipe is not None:
+            named = generated_instances(recipe, own.numbers("seeds", [1]), own.inner("set"), results.with_suffix(".instances"), top.file)
+        else:
+            paths = (with_variables(str(said), top.file) for said in own.texts("file"))
+            named = [one for path in paths for one in named_instances(path, looked_in, top.file)]
         for one, problem, convention in itertools.product(named, problems, conventions):
             yield one, {**how, "problem": problem, "convention": convention}, best
 

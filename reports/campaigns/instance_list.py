@@ -6,13 +6,17 @@ import fnmatch
 import hashlib
 import os
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ...instances.bundled import bundled_names, bundled_path
-from ...instances.errors import InputError
+from ...instances.errors import InputError, UsageError
+from ...instances.generating import generate
 from ...instances.suggestions import did_you_mean
+from ...instances.writing import write_instance
+from .setting import canonical, short_hash
 
 _PATTERN = "*?["
 
@@ -95,6 +99,33 @@ def with_variables(said: str, campaign: Path) -> str:
         if name not in os.environ:
             raise InputError(f"{said!r} needs the environment variable {name}, which is not set", "missing", file=campaign)
     return re.sub(r"\$(\w+)", lambda found: os.environ[found[1]], said)
+
+
+def generated_instances(recipe: str, seeds: list[int], settings: dict[str, Any], folder: Path, campaign: Path) -> list[Named]:
+    """Instances of a recipe, one a seed: files in ``folder``, made where they are not there.
+
+    Raises
+    ------
+    UsageError
+        For a recipe or a setting that does not exist.
+    InputError
+        For a file that cannot be written.
+    """
+    words = re.sub(r"[^\w=.]+", "-", " ".join(f"{key}={value}" for key, value in settings.items()))
+    place = folder / f"{words[:100]}-{short_hash(canonical(settings))[:6]}".lstrip("-")
+    named = []
+    for seed in seeds:
+        path = place / f"{recipe}-{seed}.json"
+        if not path.is_file():
+            try:
+                instance = generate(recipe, seed, **settings)
+            except UsageError as fault:
+                raise UsageError(f"{campaign}: {fault}", fault.code) from None
+            with suppress(OSError):  # told where the file is written
+                place.mkdir(parents=True, exist_ok=True)
+            write_instance(instance, path)
+        named.append(_named(f"{folder.name}/{place.name}/{path.name}", path, campaign))
+    return named
 
 
 def files_named(changes: dict[str, Any], folder: Path) -> dict[str, str]:

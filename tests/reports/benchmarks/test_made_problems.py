@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 import waybound as wb
 from waybound.formulations.problem import problem_from_instance
 from waybound.instances.errors import InputError
 from waybound.instances.instance import Instance
-from waybound.reports.benchmarks import made_problems
+
+
+@pytest.fixture(autouse=True)
+def module(own_modules: Any) -> Any:
+    return own_modules("waybound.reports.benchmarks.made_problems")
 
 
 @pytest.fixture
@@ -21,8 +27,8 @@ def test_one_customer_in_three_is_visited_each_with_those_nearest_to_a_centre(in
     assert len(groups) == 4 and sorted(site for group in groups for site in group.sites) == list(range(1, 13))
 
 
-def test_two_vehicles_come_back_for_more_within_their_length(instance: Instance, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(made_problems.LENGTHS, instance.name, 800)
+def test_two_vehicles_come_back_for_more_within_their_length(module: Any, instance: Instance, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(module.LENGTHS, instance.name, 800)
     (vehicle,) = problem_from_instance(instance, "two-vehicles-with-reloads").fleet  # type: ignore[attr-defined]
     assert (vehicle.count, vehicle.reloads, vehicle.max_distance) == (2, (0,), 440.0)
 

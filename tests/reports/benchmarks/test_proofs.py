@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -11,7 +10,7 @@ from waybound.api import solve
 from waybound.reports.battery.cases import Draw, cases
 from waybound.reports.battery.truth import Truth
 from waybound.reports.benchmarks import proofs
-from waybound.reports.benchmarks.proofs import FALSE, VERIFIED, beside_highs, main, proved_files, set_cover, verified_of_battery
+from waybound.reports.benchmarks.proofs import FALSE, VERIFIED, beside_highs, main, set_cover, verified_of_battery
 
 
 @pytest.mark.slow
@@ -46,9 +45,3 @@ def test_covers_are_drawn_and_proved(capsys: pytest.CaptureFixture[str]) -> None
     assert small.program.matrix.sum(axis=1).min() >= 2
     beside_highs("covers", [("small", small)])
     assert capsys.readouterr().out.rstrip().endswith("yes")
-
-
-@pytest.mark.long
-def test_files_are_cut_and_proved(benchmarks: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    proved_files(benchmarks / "vrptw-solomon", ["R101", "none"], 30.0)
-    assert "R101     617.1" in capsys.readouterr().out

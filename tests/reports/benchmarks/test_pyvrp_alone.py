@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 import waybound as wb
 from waybound.instances.errors import UnsupportedError
-from waybound.reports.benchmarks.pyvrp_alone import BarePyVRP
 
 
-def test_it_is_judged_as_any_solver_and_never_chosen_unasked() -> None:
+@pytest.fixture(autouse=True)
+def module(own_modules: Any) -> Any:
+    return own_modules("waybound.reports.benchmarks.pyvrp_alone")
+
+
+def test_it_is_judged_as_any_solver_and_never_chosen_unasked(module: Any) -> None:
     found = wb.solve(wb.generate("random", customers=8, capacity=40), "bare-pyvrp", time_limit=0.3, bound_time=0)
     assert found.status == "feasible" and found.certificate.feasible
-    assert not BarePyVRP.by_default
+    assert not module.BarePyVRP.by_default
 
 
 def test_what_its_script_models_not_is_refused() -> None:

@@ -67,6 +67,20 @@ def test_instances_may_lie_in_a_folder_that_a_variable_names(tmp_path: Path, mon
     assert made.results == tmp_path / "files" / "r" and made.folder == tmp_path
 
 
+def test_instances_may_be_generated_once_and_are_files_beside_the_results(tmp_path: Path) -> None:
+    entry = {"generate": "random", "seeds": [1, 4], "set": {"customers": 5}, "convention": "exact"}
+    asked = campaign_file(tmp_path, instances=[entry, {**entry, "set": {"customers": 6}}], seeds=[1], set={"vehicles": 3})
+    first = read_campaign(asked)
+    assert [run.instance.name for run in first.runs] == 2 * ["random-1", "random-4"]
+    assert len({run.instance.hash for run in first.runs}) == 4 and {run.setting.convention for run in first.runs} == {"exact"}
+    assert all(run.setting.changes == {"vehicles": 3} for run in first.runs), "settings of a generator are no changes of the data"
+    paths = [run.instance.path for run in first.runs]
+    assert all(path.is_relative_to(tmp_path / "r.instances") for path in paths) and paths[0].parent != paths[2].parent
+    written = [path.stat().st_mtime_ns for path in paths]
+    assert [run.key for run in read_campaign(asked).runs] == [run.key for run in first.runs]
+    assert written == [path.stat().st_mtime_ns for path in paths]
+
+
 def test_values_of_a_table_are_of_files_as_they_stand_or_as_the_campaign_says(tmp_path: Path) -> None:
     (tmp_path / "own.csv").write_text("instance,value\ndemo-tiny,7\n")
     ways: list[dict[str, Any]] = [
@@ -90,6 +104,9 @@ def test_values_of_a_table_are_of_files_as_they_stand_or_as_the_campaign_says(tm
         ({"instances": []}, "missing", "names no instance"),
         ({"instances": ["gone.txt"]}, "missing", "no such file"),
         ({"instances": [{"problem": "tsp"}]}, "missing", "no key 'file'"),
+        ({"instances": [{"generate": "randon"}]}, "unknown-name", "c.toml: unknown .*did you mean 'random'"),
+        ({"instances": [{"generate": "random", "set": {"customer": 5}}]}, "unknown-name", "did you mean 'customers'"),
+        ({"instances": [{"generate": "random", "file": "demo-tiny"}]}, "missing", "both 'file' and 'generate'"),
         ({"instances": ["$NO_SUCH_VARIABLE/a.txt"]}, "missing", "needs the environment variable NO_SUCH_VARIABLE, which is not set"),
         ({"instances": [{"file": "demo-tiny", "best_known": "5"}]}, "malformed", "a value, or true or false"),
         ({"solvers": [{"form": "circuit"}]}, "missing", "no key 'name'"),

@@ -109,8 +109,7 @@ class OneEach(Engine):
         time.sleep(0.3)
         return RawResult("feasible", answer=Routes.of([[int(k)] for k in problem.customers]))
 
-if "one-each-slowly" not in BACKENDS:
-    BACKENDS.add("one-each-slowly", OneEach)
+BACKENDS.add("one-each-slowly", OneEach)
 """
 
 ROWS = """SELECT i.name, s.method, r.seed, r.status, r.objective, r.checked FROM runs r JOIN instances i ON i.id = r.instance
@@ -141,7 +140,7 @@ class Cluster:
 
 
 @pytest.fixture
-def cluster(tmp_path: Path) -> Iterator[Cluster]:
+def cluster(tmp_path: Path, own_modules: Any) -> Iterator[Cluster]:
     pytest.importorskip("distributed")
     with ExitStack() as stack:
         yield Cluster(tmp_path, stack)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from campaign_cases import campaign_file
@@ -32,17 +32,10 @@ class OneEach(Engine):
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Iterator[Path]:
-    """A campaign's folder, with a module beside it; what importing it leaves is undone."""
-    from waybound.solvers.backend import BACKENDS
-
+def folder(tmp_path: Path, own_modules: Any) -> Path:
+    """A campaign's folder, with a module beside it."""
     (tmp_path / "own_solver_of_a_test.py").write_text(MODULE)
-    before, path = BACKENDS.names(), list(sys.path)
-    yield tmp_path
-    sys.path[:] = path
-    sys.modules.pop("own_solver_of_a_test", None)
-    for name in set(BACKENDS.names()) - set(before):
-        del BACKENDS._entries[name], BACKENDS._foreign[name]
+    return tmp_path
 
 
 def test_a_solver_beside_the_campaign_runs_in_processes_of_its_own(folder: Path) -> None:
@@ -60,11 +53,8 @@ def test_a_module_that_is_not_there_is_told_before_anything_is_run(folder: Path)
         read_campaign(campaign_file(folder, modules=["gone_of_a_test"]))
 
 
-def test_the_folder_comes_behind_all_others(tmp_path: Path) -> None:
+def test_the_folder_comes_behind_all_others(tmp_path: Path, own_modules: Any) -> None:
     (tmp_path / "statistics.py").write_text("raise ZeroDivisionError")
     before = list(sys.path)
-    try:
-        import_modules(["statistics"], tmp_path)
-        assert sys.path == [*before, str(tmp_path)]
-    finally:
-        sys.path[:] = before
+    import_modules(["statistics"], tmp_path)
+    assert sys.path == [*before, str(tmp_path)]
