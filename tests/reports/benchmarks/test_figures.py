@@ -18,9 +18,10 @@ CAMPAIGNS = sorted((Path(figures.__file__).parent / "campaigns").glob("*.toml"))
 
 UNKNOWN = {
     "portfolio-other-families": {"lc101", "lr104", "lrc103", "lr205", "lc1_2_5", "lr1_2_10", "lrc1_2_10", "lr2_2_10"},
+    "routing-heuristics": {"M-n200-k17"},
     "routing-families": {"lc101", "tsiligirides_problem_1_budget_30"},
 }
-"""Instances that are compared with no best known value: those of vehicles and then distance, and one that has none."""
+"""Instances that are compared with no best known value: those of vehicles and then distance, and others that have none."""
 
 
 @pytest.mark.parametrize("file", CAMPAIGNS, ids=lambda file: file.stem)
@@ -29,7 +30,8 @@ def test_every_campaign_plans_files_that_are_there_and_have_a_value_to_compare_w
 ) -> None:
     asked = read_campaign(file, tmp_path)
     known = asked.best_known_values()
-    without = {run.instance.name for run in asked.runs if not known[run.instance.hash, run.setting.reading]}
+    values = {run.instance.name: known[run.instance.hash, run.setting.reading] for run in asked.runs}
+    without = {name for name, of in values.items() if not of or len({value[:2] for value in of}) < len(of)}  # none, or several
     if file.stem not in ("proofs-solomon-cut", "winner-takes-all"):  # of parts of files and what is generated nobody published a value
         assert without == UNKNOWN.get(file.stem, set())
     assert asked.results.name == f"{file.stem}.sqlite" and len(asked.runs) > 30
