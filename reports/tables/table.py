@@ -26,6 +26,9 @@ class Column:
     right: bool = False
     wide: bool = False
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", printable(self.name, SHOWN_CELL))
+
 
 @dataclass(frozen=True)
 class Table:

@@ -1,0 +1,74 @@
+"""Figures of matplotlib as SVG within a page."""
+
+from __future__ import annotations
+
+import colorsys
+import io
+import re
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+    from .rendering import Rendering
+
+_IDS = re.compile(r'( id="|href="#|url\(#)')
+_COLOUR = re.compile(r"#[0-9a-f]{6}\b")
+_HEAD = re.compile(r"<svg [^>]*?viewBox=\"0 0 ([\d.]+) ([\d.]+)\"[^>]*>")
+
+MOST_COLOURS = 40
+"""Distinct colours of a figure that turn with the ground; more are a scale, whose meaning would change."""
+
+DARK_GROUND = 0.012
+"""Relative luminance of the dark page."""
+
+LEAST_CONTRAST = 4.5
+"""Of lines and text on dark ground (Web Content Accessibility Guidelines 2.2, criterion 1.4.3)."""
+
+
+def figure_svg(drawn: Any, made: Rendering) -> tuple[Markup, float]:
+    """The figure of matplotlib axes, or a figure, as an SVG element, and its width in CSS pixels.
+
+    Text stays text, and ids are unique on the page. Colours refer to variables of the page, so that they turn with its ground.
+    """
+    from markupsafe import Markup
+    from matplotlib import rc_context
+
+    figure = getattr(drawn, "figure", drawn)
+    held = io.BytesIO()
+    name = made.name("f")
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "waybound"}):
+        figure.savefig(held, format="svg", transparent=True, metadata={"Date": None})
+    text = held.getvalue().decode("utf-8")
+    head = _HEAD.search(text)
+    assert head is not None, "matplotlib writes a viewBox"
+    width, height = float(head[1]), float(head[2])
+    body = re.sub(r"<metadata>.*?</metadata>", "", text[head.end() :], flags=re.DOTALL)
+    body = _IDS.sub(rf"\g<1>{name}-", body)
+    colours = set(_COLOUR.findall(body))
+    if len(colours) <= MOST_COLOURS:
+        made.colours |= colours
+        body = re.sub(r"(?<=: )#([0-9a-f]{6})\b", r"var(--c\1)", body)
+    pixels = width * 96.0 / 72.0
+    return Markup(f'<svg viewBox="0 0 {width:g} {height:g}" aria-hidden="true">{body.strip()}'), pixels  # matplotlib escapes
+
+
+def dark_colour(colour: str) -> str:
+    """The counterpart of ``#rrggbb`` on dark ground: greys are mirrored, other colours made light enough to be told from it."""
+    rgb = [int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5)]
+    hue, light, full = colorsys.rgb_to_hls(*rgb)
+    if max(rgb) - min(rgb) < 0.04:
+        return _hex([0.93 - 0.82 * light] * 3)
+    while (_luminance(rgb) + 0.05) / (DARK_GROUND + 0.05) < LEAST_CONTRAST and light < 0.9:
+        light += 0.02
+        rgb = list(colorsys.hls_to_rgb(hue, light, min(full, 0.75)))
+    return _hex(rgb)
+
+
+def _luminance(rgb: list[float]) -> float:
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in rgb]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def _hex(rgb: list[float]) -> str:
+    return "#" + "".join(f"{round(255.0 * min(max(c, 0.0), 1.0)):02x}" for c in rgb)

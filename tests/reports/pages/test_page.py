@@ -1,0 +1,48 @@
+"""Pages as files."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from waybound.instances.errors import InputError
+from waybound.reports.pages.blocks import DataTable, Text
+from waybound.reports.pages.page import Page
+
+PAGE = Page("A title", "A lead", [Text("words"), DataTable(pd.DataFrame({"n": [2, 1]}))])
+
+
+def test_page_is_one_file_without_addresses(tmp_path: Path) -> None:
+    PAGE.write(tmp_path / "page.html")
+    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert text.startswith("<!doctype html>") and "<title>A title</title>" in text
+    assert not re.findall(r"""(?:src|href)=["'](?!data:|#)""", text) and "@import" not in text and "http:" not in text
+
+
+def test_only_the_page_s_own_script_may_run() -> None:
+    text = PAGE.html()
+    script = re.search(r"<script>(.*)</script>", text, re.DOTALL)
+    assert script is not None and "table.sorts" in script[1]
+    digest = base64.b64encode(hashlib.sha256(script[1].encode()).digest()).decode()
+    assert f"script-src 'sha256-{digest}'" in text and "default-src 'none'" in text
+
+
+def test_same_page_is_the_same_text() -> None:
+    assert PAGE.html() == PAGE.html()
+
+
+@pytest.mark.parametrize("path", ["", "missing/page.html"])
+def test_page_that_cannot_be_written_leaves_nothing(tmp_path: Path, path: str) -> None:
+    with pytest.raises(InputError):
+        PAGE.write(tmp_path / path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_title_is_escaped() -> None:
+    text = Page("</title><script>x", "</p><script>y", []).html()
+    assert text.count("<script>") == 1 and "&lt;/title&gt;&lt;script&gt;x" in text
