@@ -261,6 +261,28 @@ class Solution:
         self._need_answer()
         return plotting.draw(self, ax=ax, title=title, **options)
 
+    def to_html(self, path: str | PathLike[str] | None = None) -> str:
+        """The page of the answer: figures and facts, pictures (of routes a map that zooms), tables that sort, and the certificate.
+
+        Without an answer it says why there is none. See ``docs/pages.md``.
+
+        Parameters
+        ----------
+        path : path-like, optional
+            Also write it to this file, whole or not at all.
+
+        Returns
+        -------
+        str
+            An HTML document that needs no network.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written.
+        """
+        return plotting.page(self, path)
+
     def _need_answer(self) -> None:
         from ..instances.errors import NoAnswerError
 

@@ -333,13 +333,19 @@ def _draw(solution: Solution, **options: Any) -> Any:
     return plot_solution(solution, **options)
 
 
+def _page(solution: Solution, path: Any) -> str:
+    from .reports.pages.answers import answer_html
+
+    return answer_html(solution, path)
+
+
 def _tell(problem: Problem) -> Any:
     from .reports.tables.facts import facts, facts_table
 
     return facts_table(facts(problem))
 
 
-plotting.draw, plotting.tell = _draw, _tell
+plotting.draw, plotting.page, plotting.tell = _draw, _page, _tell
 
 
 def __getattr__(name: str) -> Any:

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 MOST_ROWS = 5000
 """Rows of a table that a page holds; how many more there are is said below it."""
 
+WIDE_TEXT = 40
+"""Characters of a text above which its column takes more room."""
+
 _KINDS = {b"\x89PNG": "image/png", b"GIF8": "image/gif", b"\xff\xd8\xff": "image/jpeg", b"RIFF": "image/webp"}
 
 
@@ -77,7 +80,7 @@ class DataTable:
 
     def html(self, made: Rendering) -> Markup:
         made.scripts["table.js"] = None
-        table, most = (self.data, len(self.data.rows)) if isinstance(self.data, Table) else (_table_of(self.data), len(self.data))
+        table, most = (self.data, len(self.data.rows)) if isinstance(self.data, Table) else (table_of(self.data), len(self.data))
         more = most - MOST_ROWS
         notes = [f"and {more:,} more rows"] if more > 0 else []
         notes += [printable(self.note)] if self.note else []
@@ -87,13 +90,12 @@ class DataTable:
         )  # fmt: skip
 
 
-def _table_of(frame: pd.DataFrame) -> Table:
-    """A frame as texts, numbers with six digits; missing values are empty."""
-    shown = frame.head(MOST_ROWS)
+def table_of(frame: pd.DataFrame, most: int | None = MOST_ROWS) -> Table:
+    """The first rows of a frame (all where ``most`` is None) as texts, numbers with six digits; missing values are empty."""
+    shown = frame.head(len(frame) if most is None else most)
     if any(name is not None for name in frame.index.names):
         shown = shown.reset_index()
     numeric = [shown.iloc[:, k].dtype.kind in "iuf" for k in range(shown.shape[1])]
-    columns = tuple(Column(str(name), right=right) for name, right in zip(shown.columns, numeric, strict=True))
 
     def told(value: Any, right: bool) -> str:
         return str(value) if not right or isinstance(value, int) else f"{float(value):.6g}"
@@ -102,6 +104,8 @@ def _table_of(frame: pd.DataFrame) -> Table:
         tuple("" if lacks else told(value, right) for value, lacks, right in zip(row, lacking, numeric, strict=True))
         for row, lacking in zip(shown.itertuples(index=False), shown.isna().itertuples(index=False), strict=True)
     ]
+    wide = [any(len(row[k]) > WIDE_TEXT for row in rows) for k in range(len(numeric))]
+    columns = tuple(Column(str(name), right, w) for name, right, w in zip(shown.columns, numeric, wide, strict=True))
     return Table("", columns, tuple(rows))
 
 

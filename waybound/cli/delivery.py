@@ -12,7 +12,7 @@ from ..instances.errors import InputError, MissingPackageError, UsageError, Wayb
 from .handling import complain
 from .output import write_out
 
-PLOT_SUFFIXES = (".png", ".svg", ".pdf")
+PLOT_SUFFIXES, PAGE_SUFFIXES = (".png", ".svg", ".pdf"), (".html", ".htm")
 
 
 def output_path(option: str, path: Path | None, suffixes: Sequence[str] = (), *, unlike: Sequence[str] = ()) -> None:

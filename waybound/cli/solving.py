@@ -9,7 +9,7 @@ import typer
 
 from ..instances.errors import UsageError
 from ..solvers import interrupts
-from .delivery import PLOT_SUFFIXES, Delivery, check_matplotlib, check_outputs
+from .delivery import PAGE_SUFFIXES, PLOT_SUFFIXES, Delivery, check_matplotlib, check_outputs
 from .handling import complain, remark
 from .options import Json, Log, LpSolver, Quiet, Seed, Source, Threads, Verbose, bounded, opt, parse_pairs
 from .output import lines_text, stdout_is_ours, table_text
@@ -58,6 +58,9 @@ def solve(
         str | None,
         opt("--view NAME", "What --plot draws: history; of routes also schedule, loads, of risks risks, violations; else a map."),
     ] = None,
+    page: Annotated[
+        Path | None, opt("--page FILE", "Write the answer as a page to look at (.html): map or pictures, tables, certificate.")
+    ] = None,
     log: Log = None,
     json: Json = False,
     quiet: Quiet = False,
@@ -72,8 +75,12 @@ def solve(
     )  # fmt: skip
     options = parse_pairs(option, "--option")
     asked = source.read()
-    check_outputs(source.inputs(), log, out=(out, ()), certificate=(certificate, (".json",)), plot=(plot, PLOT_SUFFIXES))
+    check_outputs(
+        source.inputs(), log, out=(out, ()), certificate=(certificate, (".json",)), plot=(plot, PLOT_SUFFIXES), page=(page, PAGE_SUFFIXES)
+    )
     _check_answer(asked, out, plot, view)
+    if page is not None:
+        check_matplotlib("--page")
 
     from ..api import solve as search
     from ..formulations.answers import read_answer
@@ -99,6 +106,7 @@ def solve(
 
     def hand_over() -> None:
         _write_outputs(delivery, solution, out, certificate, plot, view)
+        delivery.file("--page", page, lambda path: _write_page(solution, path))
         delivery.show(lambda: json_text(solution.to_json()) if json else _shown(solution, verbose), lambda: json_text(_least(solution)))
         for fault in solution.faults:
             complain(fault)
@@ -159,6 +167,10 @@ def _write_outputs(
     delivery.file("--certificate", certificate, lambda path: write_certificate(solution.certificate, path))
     if solution.answer is not None:
         delivery.file("--plot", plot, draw)
+
+
+def _write_page(solution: Solution, path: Path) -> None:
+    solution.to_html(path)
 
 
 def _least(solution: Solution) -> dict[str, Any]:

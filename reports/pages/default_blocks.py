@@ -1,0 +1,37 @@
+"""Blocks of an answer as far as its family has no others: its pictures and its table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ..plots import HISTORY, PLOTS, plot_solution, views
+from ..plots.drawing import axes_without_display
+from .blocks import DataTable, Figure, Folded
+from .rendering import Block
+
+if TYPE_CHECKING:
+    from ...formulations.solution import Solution
+
+SHOWN_ROWS = 30
+"""Rows of an answer above which they are folded."""
+
+
+def default_blocks(solution: Solution) -> list[Block]:
+    """The pictures of the family's plots, and the answer as a table."""
+    problem = solution.problem
+    blocks: list[Block] = [chart for _, chart in charts(solution, ["", *views(problem)])] if problem.family in PLOTS else []
+    frame = problem.answer_to_frame(solution.answer)
+    table = DataTable(frame, title="Answer")
+    return [*blocks, Folded(f"Answer ({len(frame)} rows)", [table]) if len(frame) > SHOWN_ROWS else table]
+
+
+def charts(solution: Solution, names: Sequence[str]) -> list[tuple[str, Figure]]:
+    """Views of an answer with their titles; "" is the first one, and the history is left to the page."""
+    made = []
+    for name in names:
+        if name != HISTORY:
+            drawn = plot_solution(solution, view=name or None, ax=axes_without_display())
+            title = name.replace("-", " ").capitalize() or "Picture"
+            made.append((title, Figure(drawn, f"{title} of the answer")))
+    return made

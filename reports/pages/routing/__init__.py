@@ -1,0 +1,3 @@
+"""Pages of routing answers."""
+
+from .... import _guard as _guard
