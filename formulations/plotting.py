@@ -1,5 +1,5 @@
-"""The ways from ``Solution.plot`` to the pictures, from ``Solution.to_html`` to the pages, and from a problem to the table of its facts. All
-of these stand on a higher floor: the face, which runs before all else, sets ``draw``, ``page`` and ``tell``."""
+"""The ways from ``Solution.plot`` to the pictures, from ``Solution.to_html`` to the pages, and from a problem to the table of its facts.
+All these stand on a higher floor: the face, which runs before all else, sets ``draw``, ``page`` and ``tell``."""
 
 from __future__ import annotations
 

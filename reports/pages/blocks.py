@@ -120,8 +120,8 @@ class Figure:
     def html(self, made: Rendering) -> Markup:
         from .figures import figure_svg
 
-        svg, width = figure_svg(self.drawn, made)
-        return made.template("figure.html", svg=svg, width=width, alt=printable(self.alt), caption=printable(self.caption))
+        svg, width, white = figure_svg(self.drawn, made)
+        return made.template("figure.html", svg=svg, width=width, white=white, alt=printable(self.alt), caption=printable(self.caption))
 
 
 @dataclass(frozen=True)

@@ -12,12 +12,10 @@ if TYPE_CHECKING:
 
     from .rendering import Rendering
 
+_TAG = re.compile(r"<[^>]*>")
 _IDS = re.compile(r'( id="|href="#|url\(#)')
-_COLOUR = re.compile(r"#[0-9a-f]{6}\b")
+_COLOUR = re.compile(r"(?<=: )#([0-9a-f]{6})\b")
 _HEAD = re.compile(r"<svg [^>]*?viewBox=\"0 0 ([\d.]+) ([\d.]+)\"[^>]*>")
-
-MOST_COLOURS = 40
-"""Distinct colours of a figure that turn with the ground; more are a scale, whose meaning would change."""
 
 DARK_GROUND = 0.012
 """Relative luminance of the dark page."""
@@ -26,15 +24,17 @@ LEAST_CONTRAST = 4.5
 """Of lines and text on dark ground (Web Content Accessibility Guidelines 2.2, criterion 1.4.3)."""
 
 
-def figure_svg(drawn: Any, made: Rendering) -> tuple[Markup, float]:
-    """The figure of matplotlib axes, or a figure, as an SVG element, and its width in CSS pixels.
+def figure_svg(drawn: Any, made: Rendering) -> tuple[Markup, float, bool]:
+    """The figure of matplotlib axes, or a figure, as an SVG element, its width in CSS pixels, and whether it needs white ground.
 
-    Text stays text, and ids are unique on the page. Colours refer to variables of the page, so that they turn with its ground.
+    Text stays text, and ids are unique on the page. Colours refer to variables of the page, so that they turn with its ground, but for
+    colours that stand for numbers: their meaning would change.
     """
     from markupsafe import Markup
     from matplotlib import rc_context
 
     figure = getattr(drawn, "figure", drawn)
+    scale = any(getattr(part, "get_array", lambda: None)() is not None for part in figure.findobj())
     held = io.BytesIO()
     name = made.name("f")
     with rc_context({"svg.fonttype": "none", "svg.hashsalt": "waybound"}):
@@ -44,18 +44,23 @@ def figure_svg(drawn: Any, made: Rendering) -> tuple[Markup, float]:
     assert head is not None, "matplotlib writes a viewBox"
     width, height = float(head[1]), float(head[2])
     body = re.sub(r"<metadata>.*?</metadata>", "", text[head.end() :], flags=re.DOTALL)
-    body = _IDS.sub(rf"\g<1>{name}-", body)
-    colours = set(_COLOUR.findall(body))
-    if len(colours) <= MOST_COLOURS:
-        made.colours |= colours
-        body = re.sub(r"(?<=: )#([0-9a-f]{6})\b", r"var(--c\1)", body)
+    turned: set[str] = set()
+
+    def within(tag: re.Match[str]) -> str:
+        made = _IDS.sub(rf"\g<1>{name}-", tag[0])
+        turned.update(_COLOUR.findall(made))
+        return made if scale else _COLOUR.sub(r"var(--c\1)", made)
+
+    body = _TAG.sub(within, body)
+    if not scale:
+        made.colours |= turned
     pixels = width * 96.0 / 72.0
-    return Markup(f'<svg viewBox="0 0 {width:g} {height:g}" aria-hidden="true">{body.strip()}'), pixels  # matplotlib escapes
+    return Markup(f'<svg viewBox="0 0 {width:g} {height:g}" aria-hidden="true">{body.strip()}'), pixels, scale  # matplotlib escapes
 
 
 def dark_colour(colour: str) -> str:
-    """The counterpart of ``#rrggbb`` on dark ground: greys are mirrored, other colours made light enough to be told from it."""
-    rgb = [int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5)]
+    """The counterpart of ``rrggbb`` on dark ground: greys are mirrored, other colours made light enough to be told from it."""
+    rgb = [int(colour[k : k + 2], 16) / 255.0 for k in (0, 2, 4)]
     hue, light, full = colorsys.rgb_to_hls(*rgb)
     if max(rgb) - min(rgb) < 0.04:
         return _hex([0.93 - 0.82 * light] * 3)
@@ -71,4 +76,4 @@ def _luminance(rgb: list[float]) -> float:
 
 
 def _hex(rgb: list[float]) -> str:
-    return "#" + "".join(f"{round(255.0 * min(max(c, 0.0), 1.0)):02x}" for c in rgb)
+    return "".join(f"{round(255.0 * min(max(c, 0.0), 1.0)):02x}" for c in rgb)

@@ -34,7 +34,7 @@ class Page:
         """The whole document."""
         made = Rendering()
         inside = made.blocks(self.blocks)
-        colours = {colour[1:]: dark_colour(colour)[1:] for colour in sorted(made.colours)}
+        colours = {colour: dark_colour(colour) for colour in sorted(made.colours)}
         script = "\n".join(asset(name) for name in made.scripts)
         digest = base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii")
         filled = made.template(

@@ -28,7 +28,7 @@ class Rendering:
     scripts : dict
         Names of files in ``assets``, in the order in which they were asked for.
     colours : set of str
-        Of the figures, as ``#rrggbb``: they have a counterpart on dark ground.
+        Of the figures, as ``rrggbb``: they have a counterpart on dark ground.
     """
 
     def __init__(self) -> None:

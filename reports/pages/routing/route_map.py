@@ -52,7 +52,7 @@ class RouteMap:
         where, scaled = site_positions(problem)
         at, height = placed(where, geographic(problem))
         made.scripts["route_map.js"] = None
-        made.colours |= {colour.lower() for colour in COLOURS}
+        made.colours |= {colour[1:].lower() for colour in COLOURS}
         ids = [printable(site, 60) for site in problem.sites.ids]
         facts, labelled = self._facts(ids, at), _labelled(at)
         ranks = route_ranks(problem, answer, where)

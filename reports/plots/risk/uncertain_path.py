@@ -59,7 +59,9 @@ def plot_uncertain_path(
     ax.plot(*at[list(answer)].T, color=COLOURS[0], linewidth=2.6, solid_capstyle="round", zorder=3)
     draw_vertices(ax, graph, at)
     bare(ax)
-    return entitled(ax, problem, answer, solution, title, f"the path, and {len(others)} non-dominated ones; edges of a large variance dark")
+    return entitled(
+        ax, problem, answer, solution, title, f"the path, and {len(others)} non-dominated ones; edges of a large variance stand out"
+    )
 
 
 def draw_edges(ax: Any, graph: UncertainGraph, at: Floats) -> None:

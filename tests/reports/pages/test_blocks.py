@@ -62,6 +62,12 @@ def test_hostile_text_in_a_figure_is_escaped() -> None:
     assert "<script" not in made and "&lt;script&gt;" in made
 
 
+def test_text_of_a_figure_is_none_of_its_colours_and_ids() -> None:
+    ax = axes_without_display()
+    ax.set_title('fill: #ff0000 id="x" href="#y"')
+    assert 'fill: #ff0000 id="x" href="#y"<' in html_of(Figure(ax, "x"))
+
+
 def test_table_of_a_frame() -> None:
     frame = pd.DataFrame({"name": ["a", None], "value": [-2.5e-7, np.nan], "count": [3, 12345678]})
     made = html_of(DataTable(frame))
