@@ -9,12 +9,16 @@ import numpy as np
 
 from ...instances.errors import UsageError
 from ...instances.suggestions import did_you_mean
+from ..plots.drawing import COLOURS, chart_axes, entitle, legend_below
 from .measures import performance_profile
 
 if TYPE_CHECKING:
     import pandas as pd
 
 MEASURES = ("objective", "seconds")
+LINE_STYLES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
+"""Lines after each round of colours."""
+
 LEAST_SECONDS = 1e-3
 """Shorter times are taken for this one: clocks and systems decide what is below."""
 
@@ -68,15 +72,24 @@ def _by_case(runs: pd.DataFrame, cost: pd.Series[float]) -> pd.DataFrame:
 def draw_profile(shares: pd.DataFrame, measure: str, ax: Any) -> Any:
     """Draw profiles as steps on matplotlib axes, factors on a logarithmic scale."""
     at = shares.index.to_numpy()
-    for name in shares.columns:
-        ax.step([1.0, *at, at[-1] * 1.05 if len(at) else 1.05], [0.0, *shares[name], shares[name].iloc[-1] if len(at) else 0.0],
-                where="post", label=name)  # fmt: skip
+    from matplotlib.ticker import FuncFormatter, NullFormatter
+
+    last = max(at[-1] * 1.05 if len(at) else 1.05, 1.05)
+    for k, name in enumerate(shares.columns):
+        style = LINE_STYLES[k // len(COLOURS) % len(LINE_STYLES)]
+        ax.step([1.0, *at, last], [0.0, *shares[name], shares[name].iloc[-1] if len(at) else 0.0],
+                where="post", label=name, color=COLOURS[k % len(COLOURS)], linestyle=style, linewidth=1.8)  # fmt: skip
     ax.set_xscale("log")
+    ax.set_xlim(1.0, last)
     ax.set_ylim(0.0, 1.02)
-    ax.set_xlabel("factor of the least time" if measure == "seconds" else "1 + gap to the best answer")
-    ax.set_ylabel("share of cases")
-    ax.legend(loc="lower right")
-    ax.set_title(f"Performance profile: {measure}")
+    plain = FuncFormatter(lambda x, _: f"{x:g}")
+    ax.xaxis.set_major_formatter(plain)
+    ax.xaxis.set_minor_formatter(plain if last < 3.0 else NullFormatter())
+    ax.set_xlabel("factor of the least time" if measure == "seconds" else "1 + gap to the best answer", fontsize=9, color="#555555")
+    ax.set_ylabel("share of cases", fontsize=9, color="#555555")
+    chart_axes(ax)
+    legend_below(ax, *ax.get_legend_handles_labels(), columns=3)
+    entitle(ax, f"Performance profile: {measure}", "a line's height: the share of cases solved within this factor of the best")
     return ax
 
 

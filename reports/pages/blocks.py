@@ -82,10 +82,13 @@ class DataTable:
         made.scripts["table.js"] = None
         table, most = (self.data, len(self.data.rows)) if isinstance(self.data, Table) else (table_of(self.data), len(self.data))
         more = most - MOST_ROWS
+        wide = [column.wide or any(len(row[k]) > WIDE_TEXT for row in table.rows) for k, column in enumerate(table.columns)]
+        kinds = ["n" if column.right else "w" if roomy else "" for column, roomy in zip(table.columns, wide, strict=True)]
         notes = [f"and {more:,} more rows"] if more > 0 else []
         notes += [printable(self.note)] if self.note else []
         return made.template(
             "table.html", title=printable(table.title if self.title is None else self.title), table=table, rows=table.rows[:MOST_ROWS],
+            kinds=kinds,
             sortable=any(column.name for column in table.columns) and len(table.rows) > 1, notes=notes,
         )  # fmt: skip
 
@@ -104,8 +107,7 @@ def table_of(frame: pd.DataFrame, most: int | None = MOST_ROWS) -> Table:
         tuple("" if lacks else told(value, right) for value, lacks, right in zip(row, lacking, numeric, strict=True))
         for row, lacking in zip(shown.itertuples(index=False), shown.isna().itertuples(index=False), strict=True)
     ]
-    wide = [any(len(row[k]) > WIDE_TEXT for row in rows) for k in range(len(numeric))]
-    columns = tuple(Column(str(name), right, w) for name, right, w in zip(shown.columns, numeric, wide, strict=True))
+    columns = tuple(Column(str(name), right) for name, right in zip(shown.columns, numeric, strict=True))
     return Table("", columns, tuple(rows))
 
 

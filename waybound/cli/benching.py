@@ -10,7 +10,7 @@ import typer
 from ..instances.errors import InputError, UsageError
 from ..instances.suggestions import did_you_mean
 from . import completing
-from .delivery import PLOT_SUFFIXES, check_matplotlib, check_outputs
+from .delivery import PAGE_SUFFIXES, PLOT_SUFFIXES, check_matplotlib, check_outputs
 from .handling import remark
 from .options import Json, Quiet, Verbose, arg, bounded, opt
 from .output import print_json, print_table, print_text
@@ -39,6 +39,7 @@ def bench(
     again: Annotated[bool, opt("--again", "Do those runs once more that ended in an error.")] = False,
     profile: _Profile = None,
     measure: Annotated[str, opt("--measure NAME", "What --profile is about: objective, or seconds to an optimum.")] = "objective",
+    page: Annotated[Path | None, opt("--page FILE", "Write a page to look at (.html): overview, profiles, gaps, and all runs.")] = None,
     against: Annotated[str | None, opt("--against METHOD", "Paired tests of all methods against this one.")] = None,
     json: Json = False,
     quiet: Quiet = False,
@@ -52,7 +53,11 @@ def bench(
     from ..reports.campaigns.frames import EXPORTERS, check_export
 
     bounded(jobs=jobs)
-    check_outputs([campaign], export=(export, tuple(EXPORTERS.names())), profile=(profile, (".csv", *PLOT_SUFFIXES)))
+    check_outputs(
+        [campaign], export=(export, tuple(EXPORTERS.names())), profile=(profile, (".csv", *PLOT_SUFFIXES)), page=(page, PAGE_SUFFIXES)
+    )
+    if page is not None:
+        check_matplotlib("--page")
     if profile is not None and profile.suffix.lower() != ".csv":
         check_matplotlib("--profile")
     if export is not None:
@@ -74,6 +79,8 @@ def bench(
         told.export(export)
     if profile is not None:
         told.write_profile(measure, profile)
+    if page is not None:
+        told.write_page(against, page)
     told.show(done, against, json)
 
 
@@ -145,6 +152,14 @@ class _Told:
         self._need()
         assert self.runs is not None
         write_profile(profile(self.runs, measure), measure, path)
+
+    def write_page(self, against: str | None, path: Path) -> None:
+        from ..reports.pages.campaigns import campaign_page
+
+        self._need()
+        assert self.runs is not None
+        name, planned = (self.path.stem, len(self.runs)) if self.campaign is None else (self.campaign.file.stem, len(self.campaign.runs))
+        campaign_page(self.runs, self.path, name=name, planned=planned, against=against).write(path)
 
     def show(self, done: int, against: str | None, json: bool) -> None:
         """Show the summary, and end with 5 where a check failed."""
