@@ -1,5 +1,5 @@
-"""The ways from ``Solution.plot`` to the pictures, from ``Solution.to_html`` to the pages, and from a problem to the table of its facts.
-All these stand on a higher floor: the face, which runs before all else, sets ``draw``, ``page`` and ``tell``."""
+"""The ways from ``Solution`` to pictures, pages and maps of streets, and from a problem to the table of its facts, which stand on a higher
+floor: the face, which runs before all else, sets ``draw``, ``page``, ``streets`` and ``tell``."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ draw: Callable[..., Any]
 
 page: Callable[..., str]
 """``page(solution, path)`` returns the page of an answer, and writes it where there is a path."""
+
+streets: Callable[..., Any]
+"""``streets(solution)`` returns the answer's map of folium."""
 
 tell: Callable[[Any], Any]
 """``tell(problem)`` returns a table of two columns."""

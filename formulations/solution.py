@@ -283,6 +283,25 @@ class Solution:
         """
         return plotting.page(self, path)
 
+    def to_folium(self) -> Any:
+        """Routes on a map of streets, where sites have latitude and longitude; it loads tiles from the network when it is looked at.
+
+        Returns
+        -------
+        folium.Map
+
+        Raises
+        ------
+        NoAnswerError
+            If there is no answer.
+        UsageError
+            If answers of this family have no routes, or sites no latitude and longitude.
+        MissingPackageError
+            Without the package folium (``pip install 'waybound[maps]'``).
+        """
+        self._need_answer()
+        return plotting.streets(self)
+
     def _need_answer(self) -> None:
         from ..instances.errors import NoAnswerError
 

@@ -339,13 +339,19 @@ def _page(solution: Solution, path: Any) -> str:
     return answer_html(solution, path)
 
 
+def _streets(solution: Solution) -> Any:
+    from .reports.pages.routing.streets import street_map
+
+    return street_map(solution)
+
+
 def _tell(problem: Problem) -> Any:
     from .reports.tables.facts import facts, facts_table
 
     return facts_table(facts(problem))
 
 
-plotting.draw, plotting.page, plotting.tell = _draw, _page, _tell
+plotting.draw, plotting.page, plotting.streets, plotting.tell = _draw, _page, _streets, _tell
 
 
 def __getattr__(name: str) -> Any:

@@ -1,0 +1,62 @@
+"""Routes on a map of streets, by folium; unlike a page it loads tiles and scripts from the network."""
+
+from __future__ import annotations
+
+import html
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
+from ....formulations.routing.answers import answer_geojson
+from ....instances.errors import MissingPackageError, UsageError
+from ....instances.printable import printable
+from ...plots.drawing import COLOURS
+from ...plots.routing.routes import route_ranks
+
+if TYPE_CHECKING:
+    from ....formulations.solution import Solution
+
+_IN_SCRIPTS = str.maketrans({"`": "&#96;", "$": "&#36;", "\\": "&#92;", "{": "&#123;", "}": "&#125;"})
+"""folium writes texts into templates of JavaScript."""
+
+
+def street_map(solution: Solution) -> Any:
+    """A ``folium.Map``: a line a route, straight from stop to stop, and a dot a site that tells its facts; ``solution.to_folium`` calls
+    this."""
+    if solution.problem.family != "routing":
+        raise UsageError(f"answers to {solution.problem.problem} problems have no map of streets", "unsupported")
+    if find_spec("folium") is None:
+        raise MissingPackageError("a map of streets needs the package folium: pip install 'waybound[maps]'")
+    import folium
+
+    features = answer_geojson(solution.problem, solution.answer)["features"]
+    ranks = iter(route_ranks(solution.problem, solution.answer))
+    places = [_place(one["geometry"]["coordinates"]) for one in features if one["geometry"]["type"] == "Point"]
+    made = folium.Map(tiles="OpenStreetMap")
+    colours: dict[str, str] = {}
+    for one in features:
+        told, at = one["properties"], one["geometry"]["coordinates"]
+        name, facts = _text(told.get("id", told.get("vehicle"))), folium.Popup(_facts(told), max_width=360)
+        if told["kind"] == "route":
+            colour = colours[told["vehicle"]] = COLOURS[next(ranks) % len(COLOURS)]
+            folium.PolyLine([_place(point) for point in at], color=colour, weight=4, tooltip=name, popup=facts).add_to(made)
+        else:
+            colour = "#111111" if told["kind"] == "depot" else colours.get(told.get("vehicle"), "#888888")
+            folium.CircleMarker(
+                _place(at), radius=8 if told["kind"] == "depot" else 5, color=colour, fill=True, fill_opacity=0.9, tooltip=name, popup=facts
+            ).add_to(made)
+    made.fit_bounds([[min(side) for side in zip(*places, strict=True)], [max(side) for side in zip(*places, strict=True)]])
+    return made
+
+
+def _place(point: list[float]) -> tuple[float, float]:
+    """Latitude and longitude of a point of GeoJSON, which has them the other way round."""
+    return point[1], point[0]
+
+
+def _text(value: Any) -> str:
+    return html.escape(printable(value, 200)).translate(_IN_SCRIPTS)
+
+
+def _facts(told: dict[str, Any]) -> str:
+    rows = ((name, f"{value:.6g}" if isinstance(value, float) else value) for name, value in told.items() if not isinstance(value, list))
+    return "<table>" + "".join(f"<tr><td>{_text(name)}</td><td>{_text(value)}</td></tr>" for name, value in rows) + "</table>"
