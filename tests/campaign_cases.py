@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import random
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -67,3 +68,21 @@ def outcome(objective: float | None = 1.0, history: list[Any] | None = None, **r
     }  # fmt: skip
     documents = {"solution": "{}", "certificate": "{}", "history": json.dumps(history or [])}
     return Outcome(told, documents, {"waybound": "0"}, {"name": "here"})
+
+
+def hundred_instances() -> Iterator[tuple[Planned, Outcome]]:
+    """Made up: 100 instances, 6 methods, 5 seeds."""
+    draw = random.Random(1)
+    for k in range(100):
+        best = draw.uniform(500.0, 100_000.0)
+        for method in ("pyvrp", "ortools", "vroom", "savings", "insertion", "ruin-recreate"):
+            for seed in range(1, 6):
+                value = best * (1.0 + abs(draw.gauss(0.0, 0.03)))
+                history = [[0.5 * step, "solve", [value * (1.1 - 0.02 * step)], None] for step in range(1, 6)]
+                yield (
+                    planned(f"X-n{101 + k}-k25", method, seed),
+                    outcome(
+                        value, history, status="optimal" if draw.random() < 0.3 else "feasible", bound=0.97 * best, bound_kind="verified",
+                        verified_bound=0.97 * best, gap=value / best - 0.97, seconds=draw.uniform(0.1, 60.0),
+                    ),
+                )  # fmt: skip

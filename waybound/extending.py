@@ -57,6 +57,7 @@ from .instances.worlds import WORLDS, World, WorldKind
 from .reports.campaigns.frames import EXPORTERS, Exporter
 from .reports.campaigns.running import WORKERS
 from .reports.missions.mission import MISSIONS, Decision, Mission, Scene
+from .reports.pages import PAGES, AnswerBlocks
 from .reports.plots import PLOTS, Plot
 from .reports.plots.drawing import as_plot, bars
 from .reports.ratios.study import STUDIES, Fault, Figure, Report, Study, StudySetting
@@ -91,6 +92,7 @@ __all__ = [
     "MISSIONS",
     "NEVER",
     "ONE_SIDED_ROWS",
+    "PAGES",
     "PLOTS",
     "PROBLEMS",
     "QUADRATIC",
@@ -100,6 +102,7 @@ __all__ = [
     "WHOLE_NUMBERS",
     "WORKERS",
     "WORLDS",
+    "AnswerBlocks",
     "Axis",
     "BottleneckSATA",
     "BoundMethod",

@@ -1,6 +1,6 @@
 """Pages: reports as one HTML file each, without a network. ``page.Page`` is made of the blocks of ``blocks``; nobody else writes HTML.
 
-A family whose answers are shown by more than their pictures and their table registers its blocks in ``BLOCKS``.
+A family whose answers are shown by more than their pictures and their table registers its blocks in ``PAGES``.
 """
 
 from __future__ import annotations
@@ -21,5 +21,5 @@ class AnswerBlocks(Protocol):
     def __call__(self, problem: Any, answer: Any, solution: Solution) -> list[Block]: ...
 
 
-BLOCKS: Registry[AnswerBlocks] = Registry("page", "waybound.reports.pages.*", group="waybound.pages")
+PAGES: Registry[AnswerBlocks] = Registry("page", "waybound.reports.pages.*", group="waybound.pages")
 """Blocks by family of problems."""

@@ -13,7 +13,7 @@ from ..plots.drawing import axes_without_display
 from ..plots.history import plot_history
 from ..tables.facts import facts, facts_table
 from ..tables.table import Column, Table
-from . import BLOCKS
+from . import PAGES
 from .blocks import DataTable, Facts, Figure, Folded
 from .default_blocks import default_blocks
 from .page import Page
@@ -33,8 +33,8 @@ def answer_page(solution: Solution) -> Page:
     lines = [line for line in solution_lines(solution) if not line.label.startswith("  ")]
     blocks: list[Block] = [Facts(lines)]
     if answer is not None:
-        known = problem.family in BLOCKS
-        blocks += BLOCKS[problem.family](problem, answer, solution) if known else default_blocks(solution)
+        known = problem.family in PAGES
+        blocks += PAGES[problem.family](problem, answer, solution) if known else default_blocks(solution)
     blocks.append(Folded("Certificate: what was checked, and what proves the bound", certificate_blocks(solution.certificate)))
     if len({event.seconds for event in solution.events}) > 1:
         drawn = plot_history(solution, ax=axes_without_display())

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import os
 import signal
+from pathlib import Path
 
 import pytest
 from programs import Counting
@@ -400,3 +401,26 @@ def test_the_log_overwrites_neither_input_nor_other_outputs(refused, tmp_path):
     given = ("solve", "demo-tiny", "--heuristic", "savings", "--bound-time", 0)
     assert "another output" in refused(*given, "--out", tmp_path / "a.sol", "--log", tmp_path / "a.sol")
     assert "no folder" in refused(*given, "--log", tmp_path / "none" / "a.log")
+
+
+def test_the_page_of_an_answer_and_of_none_is_written(run, tmp_path):
+    page = tmp_path / "a.html"
+    run("solve", "demo-tiny", *QUICK, "--page", page, code=0)
+    assert "feasible: all 7 checks hold" in page.read_text()
+    run("solve", "demo-tiny", "--set", "capacity=9", "--solver", "highs", "--quiet", "--page", page, code=3)
+    assert "infeasible, verified" in page.read_text()
+
+
+def test_a_page_that_could_not_be_written_is_refused_before_the_search(refused, run, tmp_path):
+    (tmp_path / "folder.html").mkdir()
+    for path, says in (("a.png", "suffix must be one of .html"), ("none/a.html", "there is no folder"), ("folder.html", "is a directory")):
+        assert says in refused("solve", "demo-tiny", *QUICK, "--page", tmp_path / path)
+    assert "name the same file" in refused("solve", "demo-tiny", *QUICK, "--page", tmp_path / "a.html", "--out", tmp_path / "a.html")
+    assert [one.name for one in tmp_path.iterdir()] == ["folder.html"]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is full here")
+def test_a_full_disk_costs_the_page_and_not_the_answer(run, tmp_path):
+    (tmp_path / "full.html").symlink_to("/dev/full")
+    result = run("solve", "demo-tiny", *QUICK, "--page", tmp_path / "full.html", "--out", tmp_path / "a.json", code=2)
+    assert "full.html: cannot be written: No space left on device" in result.stderr and (tmp_path / "a.json").exists()

@@ -58,7 +58,7 @@ document.querySelectorAll("figure.map").forEach((figure) => {
     map.classList.toggle("some", route !== undefined);
     ring.toggleAttribute("hidden", stop === undefined);
     if (route === undefined) return told.replaceChildren(hint);
-    told.replaceChildren(element("h3", stop ? `${stop.id}, stop ${position + 1} of ${route.name}` : route.name));
+    told.replaceChildren(element("h3", stop ? `Site ${stop.id}, stop ${position + 1} of ${route.name}` : route.name));
     told.append(stop ? list(facts.of_stop, stop.facts) : list(facts.of_route, route.facts));
     if (stop) [ring.style.cx, ring.style.cy] = stop.at.map((at) => `${at}px`);
     const stops = element("ol", undefined, "stops");

@@ -17,7 +17,7 @@ from ....instances.printable import printable
 from ...plots.drawing import COLOURS, Floats
 from ...plots.routing.routes import geographic, route_ranks, site_positions
 from ...tables.routing.routes import unserved_sites, unserved_table
-from .. import BLOCKS
+from .. import PAGES
 from ..blocks import DataTable, Folded, Text, table_of
 from ..default_blocks import charts
 from ..rendering import Block, Rendering
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from ....formulations.solution import Solution
 
-WIDTH, LEAST_HEIGHT, MARGIN = 1000.0, 420.0, 36.0
+WIDTH, LEAST_HEIGHT, MOST_HEIGHT, MARGIN = 1000.0, 420.0, 820.0, 36.0
 """Of the map, in its own units."""
 
 LABELLED_SITES = 40
@@ -99,7 +99,8 @@ def placed(where: Floats, globe: bool) -> tuple[Floats, float]:
         flat[:, 0] *= max(math.cos(math.radians(float((flat[:, 1].min() + flat[:, 1].max()) / 2.0))), 0.01)
     low, span = flat.min(axis=0), np.ptp(flat, axis=0)
     inner = WIDTH - 2.0 * MARGIN
-    room = np.array([inner, max(min(inner * span[1] / span[0] if span[0] > 0.0 else inner, inner), LEAST_HEIGHT - 2.0 * MARGIN)])
+    wanted = inner * span[1] / span[0] if span[0] > 0.0 else math.inf
+    room = np.array([inner, min(max(wanted, LEAST_HEIGHT - 2.0 * MARGIN), MOST_HEIGHT - 2.0 * MARGIN)])
     scale = min((float(r / s) for r, s in zip(room, span, strict=True) if s > 0.0), default=1.0)
     offset = MARGIN + (room - span * scale) / 2.0
     at = offset + (flat - low) * scale
@@ -142,7 +143,7 @@ def _given(problem: RoutingProblem) -> dict[str, list[str]]:
     return given
 
 
-@BLOCKS.register("routing")
+@PAGES.register("routing")
 def answer_blocks(problem: RoutingProblem, answer: Routes, solution: Solution) -> list[Block]:
     """The map, the routes, their visits, what is left out, and when vehicles drive and what they carry."""
     frames = problem.answer_frames(answer)
