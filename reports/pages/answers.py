@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def answer_page(solution: Solution) -> Page:
-    """The page of a solution, with or without an answer; ``solution.to_html`` and ``waybound solve --page`` write it."""
+    """The page of a solution, with or without an answer; ``solution.to_html`` writes it."""
     problem, answer = solution.problem, solution.answer
     by = f"{solution.solver} ({solution.form})" if solution.form else solution.solver
     lead = f"{problem.problem}, {problem.sense}, convention {problem.convention}, by {by}"

@@ -7,6 +7,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from ....formulations.routing.answers import answer_geojson
+from ....formulations.routing.problem import RoutingProblem
 from ....instances.errors import MissingPackageError, UsageError
 from ....instances.printable import printable
 from ...plots.drawing import COLOURS
@@ -22,14 +23,15 @@ _IN_SCRIPTS = str.maketrans({"`": "&#96;", "$": "&#36;", "\\": "&#92;", "{": "&#
 def street_map(solution: Solution) -> Any:
     """A ``folium.Map``: a line a route, straight from stop to stop, and a dot a site that tells its facts; ``solution.to_folium`` calls
     this."""
-    if solution.problem.family != "routing":
-        raise UsageError(f"answers to {solution.problem.problem} problems have no map of streets", "unsupported")
+    problem = solution.problem
+    if not isinstance(problem, RoutingProblem):
+        raise UsageError(f"answers to {problem.problem} problems have no map of streets", "unsupported")
     if find_spec("folium") is None:
         raise MissingPackageError("a map of streets needs the package folium: pip install 'waybound[maps]'")
     import folium
 
-    features = answer_geojson(solution.problem, solution.answer)["features"]
-    ranks = iter(route_ranks(solution.problem, solution.answer))
+    features = answer_geojson(problem, solution.answer)["features"]
+    ranks = iter(route_ranks(problem, solution.answer))
     places = [_place(one["geometry"]["coordinates"]) for one in features if one["geometry"]["type"] == "Point"]
     made = folium.Map(tiles="OpenStreetMap")
     colours: dict[str, str] = {}
