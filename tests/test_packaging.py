@@ -151,4 +151,7 @@ def test_wheel_from_tree_and_from_sdist_hold_the_same_files(tmp_path: Path, chec
     assert "waybound/py.typed" in direct
     for package in packages_in_tree():
         assert package.replace(".", "/") + "/__init__.py" in direct
+    for folder in ("assets", "templates"):
+        held = {f"waybound/reports/pages/{folder}/{file.name}" for file in (ROOT / "reports/pages" / folder).iterdir()}
+        assert held and held <= direct
     assert not [name for name in direct if name.startswith(BENCHMARKS.replace(".", "/"))]

@@ -79,14 +79,16 @@ class Browser:
 
 
 def side_by_side(shown: Browser, page: Path, target: Path, *, picked: bool = False) -> None:
-    """Write the picture of a page on a desk and on a phone; ``picked``: with a stop of its map."""
+    """Write the picture of a page on a desk and on a phone; ``picked``: with a stop of its map, else from the first table on."""
     parts = []
     for (width, height), dark in ((DESK, False), (PHONE, True)):
         shown.open(page, width=width, height=height, dark=dark)
         if picked:
             shown.click(shown.all(".legend button")[1])
             shown.click(shown.all(".told .stops button")[2])
-            shown.run("scrollTo(0, arguments[0] ? document.querySelector('.map').offsetTop - 16 : 0)", dark)
+        place = "'.map'" if picked else "'.scroll'"
+        if dark or not picked:
+            shown.run(f"scrollTo(0, (document.querySelector({place})?.offsetTop ?? 16) - 16)")
         parts += [shown.picture(), np.full((height, GUTTER, 3), 0.6, dtype=np.float32)]
     from matplotlib.image import imsave
 

@@ -13,6 +13,7 @@ import pytest
 from waybound.instances.errors import InputError
 from waybound.reports.pages.blocks import DataTable, Text
 from waybound.reports.pages.page import Page
+from waybound.reports.pages.rendering import asset
 
 PAGE = Page("A title", "A lead", [Text("words"), DataTable(pd.DataFrame({"n": [2, 1]}))])
 
@@ -41,6 +42,23 @@ def test_page_that_cannot_be_written_leaves_nothing(tmp_path: Path, path: str) -
     with pytest.raises(InputError):
         PAGE.write(tmp_path / path)
     assert not list(tmp_path.iterdir())
+
+
+def test_texts_stand_out_from_the_ground_in_light_and_dark() -> None:
+    """By the ratio of 4.5 that the Web Content Accessibility Guidelines (2.2, criterion 1.4.3) ask for."""
+    light, dark = re.findall(r":root \{([^}]*)\}", asset("page.css"))
+
+    def luminance(colour: str) -> float:
+        parts = [int(colour[k : k + 2], 16) / 255.0 for k in (0, 2, 4)]
+        red, green, blue = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts)
+        return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+    for scheme in (light, dark):
+        value = {name: luminance(colour) for name, colour in re.findall(r"--(\w+): #(\w{6})", scheme)}
+        for text in ("ink", "quiet", "accent", "good", "bad"):
+            for ground in ("paper", "shade"):
+                low, high = sorted((value[text], value[ground]))
+                assert (high + 0.05) / (low + 0.05) >= 4.5, (text, ground)
 
 
 def test_title_is_escaped() -> None:
