@@ -88,6 +88,7 @@ def draw_profile(shares: pd.DataFrame, measure: str, ax: Any) -> Any:
     ax.set_xlabel("factor of the least time" if measure == "seconds" else "1 + gap to the best answer", fontsize=9, color="#555555")
     ax.set_ylabel("share of cases", fontsize=9, color="#555555")
     chart_axes(ax)
+    ax.tick_params(which="minor", labelsize=8, colors="#555555")
     handles, labels = ax.get_legend_handles_labels()
     legend_below(ax, handles, labels, columns=3)
     entitle(ax, f"Performance profile: {measure}", "a line's height: the share of cases solved within this factor of the best")
