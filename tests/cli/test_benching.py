@@ -106,16 +106,6 @@ def test_the_bundled_campaign_is_found_and_its_results_come_to_where_the_user_is
     assert told["done"] == told["planned"] == 30 and (tmp_path / "demo-campaign.sqlite").exists()
 
 
-def test_workers_are_those_of_this_machine_or_of_a_cluster(monkeypatch: pytest.MonkeyPatch) -> None:
-    from waybound.reports.campaigns import dask_cluster
-    from waybound.reports.campaigns.run_processes import RunProcesses
-
-    monkeypatch.setattr(dask_cluster, "find_spec", lambda name: name)
-    here, there = benching._workers(None, 3), benching._workers("tcp://x:1", 2)
-    assert isinstance(here, RunProcesses) and here.jobs == 3
-    assert isinstance(there, dask_cluster.DaskWorkers) and there.address == "tcp://x:1"
-
-
 def test_a_campaign_and_a_results_file_have_a_page(run: Any, made_up: Here, tmp_path: Path) -> None:
     asked, page = campaign_file(tmp_path, heuristics=["savings", "insertion"]), tmp_path / "p.html"
     run("bench", asked, "--page", page, "--against", "savings", code=0)
