@@ -73,7 +73,7 @@ ELSEWHERE = {
 }
 """Modules without a test of their own, and where they are tested."""
 
-STUDIES = "reports/ratios/studies/"
+STUDIES = "reports/studies/"
 FAMILIES = "/families/"
 """A study is a table of what is to be run; ``tests/ratios`` runs every one that is registered, against its literature."""
 

@@ -202,3 +202,16 @@ def chart_axes(ax: Any) -> None:
     ax.tick_params(labelsize=8, colors="#555555")
     ax.grid(axis="y", color="#EEEEEE", zorder=0)
     ax.set_axisbelow(True)
+
+
+def plain(ax: Any, title: str) -> None:
+    """A quiet panel with a small title on the left."""
+    ax.set_title(title, loc="left", fontsize=10, color=INK)
+    ax.tick_params(labelsize=8, colors="#555555")
+    open_frame(ax)
+
+
+def band(ax: Any, x: Any, mean: Any, half: Any, alpha: float = 0.25, **line: Any) -> None:
+    """A line of means, and their intervals as a band."""
+    ax.plot(x, mean, linewidth=1.6, **line)
+    ax.fill_between(x, mean - half, mean + half, color=line["color"], alpha=alpha, linewidth=0)

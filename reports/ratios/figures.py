@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..plots.drawing import COLOURS, open_frame
-from .study import Figure
+from ..studies.study import Figure
 
 SHOWN_POINTS = 600
 """Points of a row of a strip plot; more would be one blot."""

@@ -14,9 +14,9 @@ from ...instances.errors import CheckFailedError
 from ..tables.table import Column, Table
 from .families import Family
 from .judged_runs import Configuration, Run, audit, judge, ratio_of, run_heuristic
-from .processes import spread
-from .study import STUDIES, Fault, Report, Study, StudySetting, thinned
-from .violations import instance_of
+from ..studies.processes import spread
+from ..studies.study import STUDIES, Fault, Report, Study, StudySetting, thinned
+from ..studies.violations import instance_of
 
 CHUNK = 50
 """Instances of one task: a few tenths of a second of work."""

@@ -24,7 +24,7 @@ class Optimum:
     source: str
 
 
-OPTIMA: Registry[Callable[[Any], Optimum]] = Registry("family with optima", "waybound.reports.ratios.studies.*.families.optima")
+OPTIMA: Registry[Callable[[Any], Optimum]] = Registry("family with optima", "waybound.reports.studies.*.families.optima")
 """From a small problem to its optimum, by the name of its family. Each raises UsageError where the problem is too large, or another."""
 
 

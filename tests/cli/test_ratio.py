@@ -10,8 +10,8 @@ from waybound.formulations.sata.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
 from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
 from waybound.reports.ratios.judged_runs import Configuration
-from waybound.reports.ratios.studies.sata.families.selection import random_families
-from waybound.reports.ratios.study import STUDIES, Study
+from waybound.reports.studies.sata.families.selection import random_families
+from waybound.reports.studies.study import STUDIES, Study
 
 
 @pytest.fixture
@@ -80,7 +80,7 @@ def test_table_3_1_ends_well(run):
 
 
 def test_table_3_1_ends_with_5_when_an_entry_differs(run, monkeypatch, tmp_path):
-    from waybound.reports.ratios.studies.sata import local
+    from waybound.reports.studies.sata import local
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(local.PRINTED, 10, (0.5, 0.5, 0.7592, 0.2409, 0.2409, 0.7591))

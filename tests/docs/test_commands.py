@@ -27,7 +27,7 @@ from waybound.instances.formats import FORMATS
 from waybound.instances.generators import GENERATORS
 from waybound.instances.worlds import setting_values
 from waybound.reports.missions.mission import MISSIONS
-from waybound.reports.ratios.study import STUDIES
+from waybound.reports.studies.study import STUDIES
 from waybound.solvers.backend import BACKENDS
 from waybound.solving.listing import missing_features
 

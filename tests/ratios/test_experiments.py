@@ -11,8 +11,8 @@ import math
 import numpy as np
 import pytest
 
-from waybound.reports.ratios.studies.sata.experiments import sensing_graph
-from waybound.reports.ratios.study import STUDIES, StudySetting
+from waybound.reports.studies.sata.experiments import sensing_graph
+from waybound.reports.studies.study import STUDIES, StudySetting
 
 # (targets, phi, robots): mean and deviation of exact, greedy and random; means of ILP, LP and the local algorithm (h = 2, step 0.1).
 WINNERS = {

@@ -9,8 +9,8 @@ import pytest
 
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.reports.ratios.guarantees import GuaranteePlan
-from waybound.reports.ratios.study import STUDIES, Report, StudySetting
-from waybound.reports.ratios.violations import write_faults
+from waybound.reports.studies.study import STUDIES, Report, StudySetting
+from waybound.reports.studies.violations import write_faults
 
 FULL = {"stochastic-greedy": 1000, "local": 10_000}
 

@@ -11,9 +11,9 @@ from waybound.instances.sata.constraints import Cardinality
 from waybound.instances.sata.set_functions import UserFunction
 from waybound.reports.ratios.judged_runs import judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
-from waybound.reports.ratios.studies.sata.families import max_min as graphs
-from waybound.reports.ratios.studies.sata.families import selection as random
-from waybound.reports.ratios.studies.sata.families import selection_traps as traps
+from waybound.reports.studies.sata.families import max_min as graphs
+from waybound.reports.studies.sata.families import selection as random
+from waybound.reports.studies.sata.families import selection_traps as traps
 
 
 def whole(rows, name="case"):

@@ -13,9 +13,9 @@ from ratio_strategies import assignments, bottlenecks, selections
 
 from waybound.reports.ratios.judged_runs import judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
-from waybound.reports.ratios.studies.sata.local import degrees
-from waybound.reports.ratios.studies.sata.selections import SHARES, greedy_ratio
-from waybound.reports.ratios.violations import instance_text
+from waybound.reports.studies.sata.local import degrees
+from waybound.reports.studies.sata.selections import SHARES, greedy_ratio
+from waybound.reports.studies.violations import instance_text
 
 SHORT = settings(max_examples=draws(80))
 FULL = settings(max_examples=draws(3000))

@@ -124,7 +124,7 @@ def _examine(
     """Examine one solver or all that are installed; ends with 5 if anything that one says is false."""
     from ..reports.battery.cases import Draw
     from ..reports.battery.examining import examinable
-    from ..reports.ratios.writing import check_folder
+    from ..reports.studies.writing import check_folder
     from ..solvers.backend import solver_named
 
     bounded(seed=seed)

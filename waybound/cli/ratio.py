@@ -15,7 +15,7 @@ from .output import print_json, print_table, print_text
 from .progress import PartsCounter
 
 if TYPE_CHECKING:
-    from ..reports.ratios.study import Report, Study
+    from ..reports.studies.study import Report, Study
 
 ALL = "all"
 """Names every study that tests stated guarantees or published values."""
@@ -37,8 +37,8 @@ def ratio(
     verbose: Verbose = False,
 ) -> None:
     """Approximation ratios, observed against stated, and the experiments behind them; ends with 5 where a guarantee is broken."""
-    from ..reports.ratios.study import STUDIES, StudySetting
-    from ..reports.ratios.writing import check_folder
+    from ..reports.studies.study import STUDIES, StudySetting
+    from ..reports.studies.writing import check_folder
 
     bounded(instances=instances, seed=seed, jobs=jobs)
     if out is not None:
@@ -67,7 +67,7 @@ def ratio(
 
 
 def _list(json: bool) -> None:
-    from ..reports.ratios.study import STUDIES
+    from ..reports.studies.study import STUDIES
     from ..reports.tables.table import Column, Table
 
     studies: list[Study] = STUDIES.values()
@@ -82,8 +82,8 @@ def _list(json: bool) -> None:
 
 def _keep(report: Report, out: Path | None, json: bool) -> tuple[str | None, ...]:
     """Show and write one report; returns where the instances of its faults are."""
-    from ..reports.ratios.violations import summary_lines, write_faults
-    from ..reports.ratios.writing import write_report
+    from ..reports.studies.violations import summary_lines, write_faults
+    from ..reports.studies.writing import write_report
 
     if not json:
         print_table(report.table)

@@ -17,7 +17,7 @@ from waybound.heuristics.heuristic import HEURISTICS, Context
 from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
 from waybound.reports.ratios.judged_runs import run_heuristic
-from waybound.reports.ratios.studies.auctions.bin_auctions import greedy_line, serial_line
+from waybound.reports.studies.auctions.bin_auctions import greedy_line, serial_line
 from waybound.solvers.linear_programs import linear_programs
 
 CASES = {

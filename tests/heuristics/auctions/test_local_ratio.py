@@ -15,7 +15,7 @@ from waybound.formulations.stop import Stop
 from waybound.heuristics.auctions import local_ratio
 from waybound.heuristics.auctions.local_ratio import knapsack
 from waybound.instances.errors import UsageError, WayboundError
-from waybound.reports.ratios.studies.auctions.local_ratio import stolen
+from waybound.reports.studies.auctions.local_ratio import stolen
 
 
 def test_two_is_kept_and_three_where_knapsacks_are_cut(monkeypatch: pytest.MonkeyPatch) -> None:

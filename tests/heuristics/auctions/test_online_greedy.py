@@ -10,7 +10,7 @@ from bin_assignments import worked
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.instances.errors import UsageError
 from waybound.reports.ratios.judged_runs import run_heuristic
-from waybound.reports.ratios.studies.auctions.bin_auctions import serial_line
+from waybound.reports.studies.auctions.bin_auctions import serial_line
 
 
 def run(problem: BinAssignment, **options):

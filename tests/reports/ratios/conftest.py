@@ -13,8 +13,8 @@ from waybound.formulations.sata.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
 from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
 from waybound.reports.ratios.judged_runs import Configuration
-from waybound.reports.ratios.studies.sata.families.selection import random_families
-from waybound.reports.ratios.study import Report, StudySetting
+from waybound.reports.studies.sata.families.selection import random_families
+from waybound.reports.studies.study import Report, StudySetting
 
 HALF = Guarantee(2.0, "f(S) >= f(OPT) / 2", (), "nowhere")
 

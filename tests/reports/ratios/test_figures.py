@@ -9,7 +9,7 @@ import pytest
 from matplotlib.figure import Figure as Canvas
 
 from waybound.reports.ratios.figures import SHOWN_POINTS, ratio_figure, sweep_figure
-from waybound.reports.ratios.study import STUDIES, StudySetting
+from waybound.reports.studies.study import STUDIES, StudySetting
 
 
 def row(heuristic: str, family: str, low: float | None, high: float | None, repeats: int = 1) -> dict[str, object]:

@@ -11,9 +11,9 @@ import waybound as wb
 from waybound.reports.ratios.guarantees import FALSE_ALARM, GuaranteePlan, hoeffding_margin, run_plan
 from waybound.reports.ratios.judged_runs import Configuration, judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
-from waybound.reports.ratios.studies.sata.families.selection import random_families
-from waybound.reports.ratios.study import STUDIES, StudySetting
-from waybound.reports.ratios.violations import write_faults
+from waybound.reports.studies.sata.families.selection import random_families
+from waybound.reports.studies.study import STUDIES, StudySetting
+from waybound.reports.studies.violations import write_faults
 
 SUBMODULAR = 1 / (1 - math.exp(-1))
 

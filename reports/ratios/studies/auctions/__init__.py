@@ -1,3 +1,0 @@
-"""Studies of auctions."""
-
-from ..... import _guard as _guard

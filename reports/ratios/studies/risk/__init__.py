@@ -1,3 +1,0 @@
-"""Studies of risky and uncertain paths."""
-
-from ..... import _guard as _guard

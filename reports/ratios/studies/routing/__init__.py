@@ -1,3 +1,0 @@
-"""Studies of heuristics for routes."""
-
-from ..... import _guard as _guard

@@ -1,3 +1,0 @@
-"""Families of selections and max-min programs that the studies draw from."""
-
-from ...... import _guard as _guard

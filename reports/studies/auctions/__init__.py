@@ -1,0 +1,3 @@
+"""Studies of auctions."""
+
+from .... import _guard as _guard

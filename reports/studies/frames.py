@@ -1,0 +1,86 @@
+"""Data frames of studies: what missions logged, means with intervals, and tables of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..tables.table import Column, Table
+from .study import lead_text
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+LEVEL = 0.95
+
+HALF = "_half"
+"""Ending of the column that holds half the width of the interval of another."""
+
+
+def play(
+    mission: str, methods: Mapping[str, Mapping[str, Any]], steps: int, seed: int, settings: Mapping[str, Any],
+    columns: Mapping[str, Any], keep: Sequence[str], last: bool = False,
+) -> list[dict[str, Any]]:  # fmt: skip
+    """Rows of the logs of all methods in one world: ``columns``, ``seed``, ``method`` and what to ``keep``, of the ``last`` step or of all.
+
+    A task for ``processes.spread``; raises KeyboardInterrupt where a mission was interrupted, so that methods are compared in whole worlds.
+    """
+    from ..missions.running import run
+
+    rows = []
+    for name, how in methods.items():
+        log = run(mission, steps=steps, seed=seed, **settings, **how)
+        if log.attrs["limit"] == "interrupt":
+            raise KeyboardInterrupt
+        shown = log.iloc[-1:] if last else log
+        rows += [{**columns, "seed": seed, "method": name, **{key: row.get(key, math.nan) for key in keep}} for row in records(shown)]
+    return rows
+
+
+def records(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """The rows of a table by the names of its columns."""
+    return [{str(key): value for key, value in row.items()} for row in table.to_dict("records")]
+
+
+def by_method(logs: Sequence[Mapping[str, Any]]) -> list[tuple[str, pd.DataFrame]]:
+    """Rows with a column ``method`` as one table a method, in the order in which these come."""
+    import pandas as pd
+
+    return [(str(method), log) for method, log in pd.DataFrame(logs).groupby("method", sort=False)]
+
+
+def mean_interval(values: ArrayLike) -> tuple[float, float]:
+    """Mean, and half the width of its interval of confidence ``LEVEL`` by Student's t; NaN for fewer than two values."""
+    from scipy import stats
+
+    own = np.asarray(values, dtype=np.float64)
+    mean = float(own.mean()) if len(own) else math.nan
+    if len(own) < 2:
+        return mean, math.nan
+    return mean, float(stats.t.ppf((1.0 + LEVEL) / 2.0, len(own) - 1) * own.std(ddof=1) / math.sqrt(len(own)))
+
+
+def apart(alike: pd.DataFrame, key: str, method: str, other: str, worlds: str | list[str] = "seed") -> tuple[float, float]:
+    """By how much a method lies above another in the mean over the same worlds, and half the width of its interval."""
+    pairs = alike.pivot_table(index=worlds, columns="method", values=key)
+    return mean_interval((pairs[method] - pairs[other]).dropna())
+
+
+def frame_table(title: str, rows: Sequence[Mapping[str, Any]]) -> Table:
+    """Rows for people: numbers with four digits, and those with an interval as ``mean ± half``."""
+    names = [key for key in dict.fromkeys(key for row in rows for key in row) if not key.endswith(HALF)]
+    right = [all(isinstance(row.get(key, 0), int | float | np.number) for row in rows) for key in names]
+    columns = tuple(Column(key.replace("_", " "), right=side) for key, side in zip(names, right, strict=True))
+    return Table(title, columns, tuple(tuple(_cell(row.get(key), row.get(f"{key}{HALF}")) for key in names) for row in rows))
+
+
+def _cell(value: Any, half: Any = None) -> str:
+    if not isinstance(value, float):
+        return "-" if value is None else str(value)
+    if math.isnan(value):
+        return "-"
+    return f"{value:.4g}" if half is None else lead_text(value, half)

@@ -1,0 +1,3 @@
+"""Families of graphs that the studies draw from."""
+
+from ..... import _guard as _guard

@@ -1,0 +1,25 @@
+"""Risky paths: look-back and two stages against what they state, on maps whose paths are all enumerated."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...ratios.guarantees import guarantee_study
+from ...ratios.judged_runs import Configuration
+from .families import risky_graphs as families
+
+
+def _of_rewards(problem: Any) -> float:
+    """All rewards over the least one; 1 where the last alone counts."""
+    rewards = problem.rewards[problem.rewards > 0.0]
+    return 1.0 if problem.graph.discount == 0.0 else float(rewards.sum() / rewards.min())
+
+
+guarantee_study(
+    "look-back", "least risk by labels of two states, stated 1", 300, [Configuration("two steps", "look-back", lambda problem: 1.0)],
+    [families.least_risk()],
+)  # fmt: skip
+guarantee_study(
+    "two-stage", "the best of the least risky paths, stated by its rewards", 300, [Configuration("two steps", "two-stage", _of_rewards)],
+    [families.rewarded(1.0), families.rewarded(0.0), families.decoys()],
+)  # fmt: skip

@@ -1,0 +1,3 @@
+"""Studies of heuristics for routes."""
+
+from .... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Families of routing problems that the studies draw from."""
+
+from ..... import _guard as _guard
