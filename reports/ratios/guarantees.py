@@ -11,12 +11,12 @@ import numpy as np
 
 from ...formulations.problem import Problem
 from ...instances.errors import CheckFailedError
-from ..tables.table import Column, Table
-from .families import Family
-from .judged_runs import Configuration, Run, audit, judge, ratio_of, run_heuristic
 from ..studies.processes import spread
 from ..studies.study import STUDIES, Fault, Report, Study, StudySetting, thinned
 from ..studies.violations import instance_of
+from ..tables.table import Column, Table
+from .families import Family
+from .judged_runs import Configuration, Run, audit, judge, ratio_of, run_heuristic
 
 CHUNK = 50
 """Instances of one task: a few tenths of a second of work."""

@@ -262,10 +262,14 @@ class Study:
     source: str = ""
     claim: str = ""
 
+    def setting(self, **changes: Any) -> StudySetting:
+        """The setting in full, or with ``full=False`` the short form, with ``changes``."""
+        size = self.instances if changes.get("full", True) else min(self.short, self.instances)
+        return StudySetting(**{"instances": size, **changes})
+
     def __call__(self, setting: StudySetting | None = None, **changes: Any) -> Report:
         """Run it, by default in full; ``full=False`` alone is the short form."""
-        full = changes.get("full", True)
-        return self.run(replace(setting or StudySetting(self.instances if full else min(self.short, self.instances)), **changes))
+        return self.run(replace(setting, **changes) if setting else self.setting(**changes))
 
 
 def study(

@@ -31,6 +31,23 @@ def check_folder(folder: Path) -> None:
         raise UsageError(f"--out {folder}: {nearest} cannot be written to")
 
 
+def is_page(path: Path) -> bool:
+    """Whether ``--out`` names a page, not a folder."""
+    return path.suffix.lower() in (".html", ".htm")
+
+
+def check_out(path: Path, several: bool) -> None:
+    """Raise UsageError, before anything is run, if no page or folder can be written to ``path``; ``several`` studies need a folder."""
+    if not is_page(path):
+        check_folder(path)
+        return
+    if several:
+        raise UsageError(f"--out {path} is one page: name a folder for several studies")
+    if path.is_dir():
+        raise UsageError(f"--out {path} is a folder")
+    check_folder(path.parent)
+
+
 def write_report(report: Report, folder: Path) -> tuple[Path, ...]:
     """Write ``STUDY.csv`` (the table), ``STUDY-observations.csv``, ``STUDY.md`` and the figures into ``folder``, which is made if needed.
 
@@ -63,7 +80,9 @@ def csv_text(rows: Sequence[dict[str, Any]]) -> str:
 
 def markdown(report: Report) -> str:
     """The table, notes and faults of a report, and its figures."""
-    lines = [f"# {report.study}", "", report.title, "", *markdown_table(report.table), ""]
+    lines = [f"# {report.study}", "", report.title, ""]
+    for table in report.tables:
+        lines += [*([f"{table.title}:", ""] if len(report.tables) > 1 else []), *markdown_table(table), ""]
     lines += [f"- {note}" for note in report.notes]
     if report.interrupted:
         lines.append(f"- interrupted: {report.done} of {report.asked} parts of the work were done")

@@ -175,7 +175,7 @@ def check_command(words: list[str], folder: Path, made: dict[str, str]) -> None:
         played = MISSIONS[given["mission"]]()
         setting_values(given["mission"], played.settings, parse_pairs(given["settings"], "--set"))
         assert given["policy"] is None or given["policy"] in played.policies()
-    elif name == "ratio":
+    elif name in ("ratio", "report"):
         assert given["study"] in (None, "all") or given["study"] in STUDIES
     elif given.get("file") is not None:
         file = given["file"]
@@ -240,6 +240,7 @@ def test_lines_are_found() -> None:
         "waybound generate sata --set robbots=3 --out x.json",
         "waybound run tracking --policy nobody",
         "waybound ratio nothing",
+        "waybound report nothing",
         "--set objective=mini-mix",
         "--option nothing=1",
         "--heuristic nobody",

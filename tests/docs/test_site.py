@@ -41,7 +41,21 @@ def test_cells_of_tables_keep_their_places() -> None:
 
 def test_every_command_and_option_is_told() -> None:
     page, runner = command_line_page.page(), CliRunner(env={"COLUMNS": "200"})
-    for command in ("solve", "check", "bound", "explain", "info", "export", "convert", "generate", "solvers", "heuristics", "ratio", "run"):
+    for command in (
+        "solve",
+        "check",
+        "bound",
+        "explain",
+        "info",
+        "export",
+        "convert",
+        "generate",
+        "solvers",
+        "heuristics",
+        "ratio",
+        "report",
+        "run",
+    ):
         assert f"## waybound {command}\n" in page
         asked = runner.invoke(app, [command, "--help"])
         section = page.split(f"## waybound {command}\n")[1].split("\n## ")[0]

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from . import benching, comparing, files, judging, listing, ratio, running, solving, warming
+from . import benching, comparing, files, judging, listing, reporting, running, solving, warming
 from .handling import handled, print_failure
 
 
@@ -58,7 +58,7 @@ for _command in (
     solving.solve, comparing.compare, benching.bench, judging.check, judging.bound, judging.explain, listing.info,
     files.export, files.convert,
     files.generate,
-    listing.solvers, listing.heuristics, ratio.ratio, running.run, warming.warm,
+    listing.solvers, listing.heuristics, reporting.ratio, reporting.report, running.run, warming.warm,
 ):  # fmt: skip
     app.command()(handled(_command))
 app.add_typer(listing.instances, name="instances")

@@ -76,6 +76,13 @@ def table_text(table: Table, every: bool = False) -> str:
     return _rendered(table_rich(table, shown)) + (f"and {more:,} {table.rest}; {where}\n" if more > 0 else "")
 
 
+def table_fits(table: Table) -> bool:
+    """Whether the numbers of a table can stand side by side, and a few letters of its texts."""
+    longest = [max(len(column.name), *(len(row[k]) for row in table.rows), 1) for k, column in enumerate(table.columns)]
+    least = [size if column.right else min(size, 10) for size, column in zip(longest, table.columns, strict=True)]
+    return sum(least) + 2 * len(least) <= _console().width
+
+
 def lines_text(title: str, lines: Sequence[Line]) -> str:
     """A certificate or the like."""
     from ..formulations.rendering import as_rich

@@ -151,7 +151,7 @@ def findings(days: pd.DataFrame, effects: list[dict[str, Any]]) -> list[Finding]
     enough = sorted(int(robots) for robots in set(first["robots"]) if first[first["robots"] == robots]["steps"].mean() <= HORIZON)
     found.append(
         Finding.of_fact(
-            "large teams finish 160 bins within 150 steps (text on Fig. 3.3)", "yes", f"{ranges(enough)} robots", bool(enough),
+            "large teams finish 160 bins within 150 steps (text on Fig. 3.3)", "yes", f"by {ranges(enough)} robots", bool(enough),
             "the distances alone take 2,200 steps of one robot, so that fewer than 15 cannot; groups wait for bins beyond",
         )
     )  # fmt: skip
@@ -161,7 +161,7 @@ def findings(days: pd.DataFrame, effects: list[dict[str, Any]]) -> list[Finding]
 def ranges(numbers: list[int]) -> str:
     """Numbers as text, runs of consecutive ones as ``2-5``."""
     if not numbers:
-        return "no"
+        return "none"
     runs = [[numbers[0], numbers[0]]]
     for number in numbers[1:]:
         if number == runs[-1][1] + 1:
