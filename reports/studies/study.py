@@ -138,9 +138,9 @@ class Finding:
         return cls(what, claim, f"{lead_text(100.0 * difference, 100.0 * half)} %", verdict, _reason(verdict, why, half))
 
     @classmethod
-    def of_fact(cls, what: str, claim: str, ours: str, holds: bool, why: str = "") -> Finding:
-        """A claim that is true or false of what was computed; ``why`` is shown if false."""
-        return cls(what, claim, ours, SIGN if holds else NOT, "" if holds else why)
+    def of_fact(cls, what: str, claim: str, ours: str, holds: bool, why: str = "", exact: bool = False) -> Finding:
+        """A claim that is true or false of what was computed, of a direction or ``exact``; ``why`` is shown if false."""
+        return cls(what, claim, ours, NOT if not holds else REPRODUCED if exact else SIGN, "" if holds else why)
 
 
 def lead_text(mean: float, half: float) -> str:
@@ -155,6 +155,16 @@ def lead_text(mean: float, half: float) -> str:
 def _reason(verdict: str, why: str, half: float) -> str:
     undecided = "too few runs for an interval" if math.isnan(half) else "the interval holds both"
     return {SIGN: "", UNDECIDED: undecided}.get(verdict, why)
+
+
+def broken(findings: Sequence[Finding]) -> dict[str, Any]:
+    """The fields of a report for findings that must be reproduced: a fault for each that is not."""
+    faults = tuple(
+        Fault("values", f"{f.what}: {f.ours}, published {f.published}", None, f.what)
+        for f in findings
+        if f.verdict not in (REPRODUCED, SIGN)
+    )
+    return {"faults": faults, "num_faults": len(faults)}
 
 
 FINDINGS = (Column("what", wide=True), Column("published"), Column("ours"), Column("verdict"), Column("why", wide=True))
