@@ -12,7 +12,7 @@ import numpy as np
 from ...formulations.problem import Problem
 from ...instances.errors import CheckFailedError
 from ..studies.processes import spread
-from ..studies.study import STUDIES, Fault, Report, Study, StudySetting, thinned
+from ..studies.study import STUDIES, Fault, Finding, Report, Study, StudySetting, thinned
 from ..studies.violations import instance_of
 from ..tables.table import Column, Table
 from .families import Family
@@ -47,10 +47,28 @@ class Chunk:
     audited: int = 0
 
 
-def guarantee_study(name: str, summary: str, instances: int, configurations: Iterable[Configuration], families: Iterable[Family]) -> Study:
-    """Make a study of guarantees and register it."""
+def guarantee_study(
+    name: str,
+    summary: str,
+    instances: int,
+    configurations: Iterable[Configuration],
+    families: Iterable[Family],
+    *,
+    source: str = "",
+    claim: str = "",
+) -> Study:
+    """Make a study of guarantees and register it; ``source`` and ``claim`` say whose theorem it tests."""
     plan = GuaranteePlan(tuple(configurations), tuple(families))
-    return STUDIES.add(name, Study(name, summary, instances, lambda setting: run_plan(name, summary, plan, setting), plan=plan))
+
+    def run(setting: StudySetting) -> Report:
+        report = run_plan(name, summary, plan, setting)
+        if not source or not report.rows:
+            return report
+        worst = max((row["used"] for row in report.rows if row["used"] is not None), default=0.0)
+        ours = f"{len(report.observations):,} results: {report.num_faults} beyond it, at most {worst:.0%} of the stated loss"
+        return replace(report, findings=(Finding.of_fact("stated ratio", claim, ours, not report.num_faults),))
+
+    return STUDIES.add(name, Study(name, summary, instances, run, plan=plan, source=source, claim=claim))
 
 
 def run_plan(name: str, summary: str, plan: GuaranteePlan, setting: StudySetting) -> Report:

@@ -18,12 +18,12 @@ def page_of(study: Study, setting: StudySetting, report: Report) -> Page:
     """A page of facts, findings, figures, tables and notes; observations and the command are folded away."""
     import pandas as pd
 
-    found, *tables = report.tables if report.findings else (None, *report.tables)
+    found, tables = (report.tables[:1], report.tables[1:]) if report.findings else ((), report.tables)
     size = f"{'full' if setting.full else 'short'}: {setting.instances} instances or runs, seed {setting.seed}"
     cut = f"; interrupted: {report.done} of {report.asked} parts of the work were done" if report.interrupted else ""
     told = (("source", study.source), ("claimed there", study.claim), ("form", size + cut))
     blocks: list[Block] = [Facts([(name, text) for name, text in told if text])]
-    blocks += [DataTable(found)] if found is not None else []
+    blocks += [DataTable(table) for table in found]
     for figure in report.figures:
         drawn = figure_without_display(*figure.size)
         figure.draw(drawn)

@@ -138,6 +138,16 @@ class Finding:
         return cls(what, claim, f"{lead_text(100.0 * difference, 100.0 * half)} %", verdict, _reason(verdict, why, half))
 
     @classmethod
+    def of_points(cls, what: str, claim: str, points: Sequence[tuple[str, float, float]], ours: str, why: str = "") -> Finding:
+        """A direction claimed at several ``points``, each (label, lead, half): reproduced if everywhere, not if against it anywhere."""
+        against = [label for label, lead, half in points if lead < -half]
+        unclear = [label for label, lead, half in points if not abs(lead) > half]
+        verdict = NOT if against else UNDECIDED if unclear else SIGN
+        told = f"{len(points) - len(against) - len(unclear)} of {len(points)} points; {ours}"
+        where = f"{'not' if against else 'open'} at {', '.join(against or unclear)}"
+        return cls(what, claim, told, verdict, "" if verdict == SIGN else f"{where}: {why}" if why and against else where)
+
+    @classmethod
     def of_fact(cls, what: str, claim: str, ours: str, holds: bool, why: str = "", exact: bool = False) -> Finding:
         """A claim that is true or false of what was computed, of a direction or ``exact``; ``why`` is shown if false."""
         return cls(what, claim, ours, NOT if not holds else REPRODUCED if exact else SIGN, "" if holds else why)

@@ -18,8 +18,10 @@ def _of_rewards(problem: Any) -> float:
 guarantee_study(
     "look-back", "least risk by labels of two states, stated 1", 300, [Configuration("two steps", "look-back", lambda problem: 1.0)],
     [families.least_risk()],
+    source="Xiao (2019), section 4.2.2.1, Algorithm 2", claim="the least risk, where risks are of places and moves",
 )  # fmt: skip
 guarantee_study(
     "two-stage", "the best of the least risky paths, stated by its rewards", 300, [Configuration("two steps", "two-stage", _of_rewards)],
     [families.rewarded(1.0), families.rewarded(0.0), families.decoys()],
+    source="Xiao (2019), section 4.2.2.2, Algorithm 3", claim="none in the source; here what the rewards on the way state",
 )  # fmt: skip

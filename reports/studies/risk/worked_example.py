@@ -33,9 +33,8 @@ def worked_graph() -> UncertainGraph:
     names = sorted({name for edge in EDGES for name in edge[:2]})
     at = {name: k for k, name in enumerate(names)}
     tails, heads, mean, variance = zip(*((at[a], at[b], float(m), float(v)) for a, b, m, v in EDGES), strict=True)
-    moments = {"mean": np.array(mean), "variance": np.array(variance)}
-    ends = {"tails": np.array(tails), "heads": np.array(heads), "start": at["S"], "goal": at["G"]}
-    return UncertainGraph(num_vertices=len(names), **ends, **moments, vertex_names=tuple(names), name="table-5.2")
+    edges = (np.array(tails), np.array(heads), np.array(mean), np.array(variance))
+    return UncertainGraph(len(names), *edges, at["S"], at["G"], vertex_names=tuple(names), name="table-5.2")
 
 
 @study(

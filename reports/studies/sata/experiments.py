@@ -23,8 +23,9 @@ from ...ratios.figures import sweep_figure
 from ...ratios.judged_runs import TOLERANCE, judge, run_heuristic
 from ...ratios.optimum import Optimum
 from ...tables.table import Column, Table
+from ..frames import mean_interval
 from ..processes import spread
-from ..study import STUDIES, Fault, Report, Study, StudySetting, thinned
+from ..study import LOST, STUDIES, Fault, Finding, Report, Study, StudySetting, thinned
 
 CHUNK = 5
 """Trials of one task."""
@@ -68,7 +69,8 @@ class ExperimentPlan:
 
     ``measure(graph, seed)`` returns a value, the ``quantity``, for each of the ``methods``, and faults as (kind, message). Of two methods
     in ``orders`` the value of the first is never above that of the second; of two in ``shares`` mean and least of first over second are
-    shown. ``groups`` are panels of their own in the figure, as (title, methods); by default all methods stand in one.
+    shown. In ``leads`` the source says (claim) that the first of two methods is better, in ``alike`` that two differ by a share at most.
+    ``groups`` are panels of their own in the figure, as (title, methods); by default all methods stand in one.
     """
 
     sweeps: tuple[Sweep, ...]
@@ -79,11 +81,16 @@ class ExperimentPlan:
     shares: tuple[tuple[str, str], ...] = ()
     groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
     notes: tuple[str, ...] = field(default=())
+    leads: tuple[tuple[str, str, str], ...] = ()
+    alike: tuple[tuple[str, str, float], ...] = ()
 
 
-def experiment(name: str, summary: str, trials: int, plan: ExperimentPlan) -> Study:
+def experiment(name: str, summary: str, trials: int, source: str, claim: str, plan: ExperimentPlan) -> Study:
     """Make a study of an experiment and register it."""
-    study = Study(name, summary, trials, lambda setting: run_experiment(name, summary, plan, setting), guarantees=False, plan=plan)
+    study = Study(
+        name, summary, trials, lambda setting: run_experiment(name, summary, plan, setting), guarantees=False, plan=plan, short=2,
+        source=source, claim=claim,
+    )  # fmt: skip
     return STUDIES.add(name, study)
 
 
@@ -202,7 +209,29 @@ def _report(
     return Report(
         name, summary, Table(title, tuple(heads), tuple(table)), tuple(rows), tuple(observations),
         thinned(faults), len(faults), () if figure is None else (figure,), plan.notes, done, asked, interrupted,
+        findings=tuple(_findings(plan, trials)),
     )  # fmt: skip
+
+
+def _findings(plan: ExperimentPlan, trials: Sequence[dict[str, Any]]) -> list[Finding]:
+    """The source's claims for each value of each parameter, trial by trial."""
+    found = [Finding("values of the figure", "plotted", "see the table", LOST, "the plots' numbers and most swept values are lost")]
+    for place, sweep in enumerate(plan.sweeps):
+        at = {
+            f"{sweep.key} {x:g}": own for point, x in enumerate(sweep.values)
+            if (own := [row for row in trials if row["sweep"] == place and row["point"] == point])
+        }  # fmt: skip
+        for better, worse, claim in plan.leads:
+            leads = [(label, *mean_interval([row[better] - row[worse] for row in own])) for label, own in at.items()]
+            said = f"mean leads {min(lead for _, lead, _ in leads):.3g} to {max(lead for _, lead, _ in leads):.3g}"
+            found.append(Finding.of_points(f"{better} above {worse}, over {sweep.key}", claim, leads, said, "see the table"))
+        for one, other, most in plan.alike:
+            apart = {label: mean_interval([row[one] - row[other] for row in own]) for label, own in at.items()}
+            base = {label: float(np.mean([row[other] for row in own])) or 1.0 for label, own in at.items()}
+            points = [(label, most - abs(gap) / base[label], half / base[label]) for label, (gap, half) in apart.items()]
+            said = f"at most {max(abs(gap) / base[label] for label, (gap, _) in apart.items()):.1%} apart in the mean"
+            found.append(Finding.of_points(f"{one} within {most:.0%} of {other}, over {sweep.key}", "alike", points, said))
+    return found
 
 
 def _cell(row: Mapping[str, Any], shown: str) -> str:
@@ -262,6 +291,8 @@ experiment(
     "winner-takes-all",
     "optimum, greedy and random choice on random sensing graphs",
     100,
+    "Sung (2019), section 3.5.1, Fig. 3.6",
+    "greedy is close to the optimum and always above random choice, whose gap closes with the density",
     ExperimentPlan(
         sweeps=(
             Sweep("robots", (4, 8, 12, 16, 20), {"targets": 50, "phi": 15.0}),
@@ -273,6 +304,8 @@ experiment(
         orders=(("greedy", "exact"), ("random", "exact")),
         quantity="covered targets",
         shares=(("greedy", "exact"), ("random", "exact")),
+        leads=(("greedy", "random", "always above"),),
+        alike=(("greedy", "exact", 0.05),),
         notes=(
             "after figure 3.6 of Sung (2019), whose swept values and numbers are not in its text; binary weights, two actions a robot",
             "exact: HiGHS; greedy: robot after robot in order, stated 1/2; random: one draw a trial",
@@ -283,6 +316,8 @@ experiment(
     "bottleneck",
     "whole actions, shares, rounding, local algorithm and random choice",
     100,
+    "Sung (2019), section 3.5.1, Fig. 3.7",
+    "the optimum and the rounded linear program beat the local algorithm in all cases",
     ExperimentPlan(
         sweeps=(
             Sweep("robots", (4, 8, 12, 16, 20), {"targets": 50, "phi": 15.0}),
@@ -293,6 +328,7 @@ experiment(
         measure=bottleneck,
         orders=(("ILP", "LP"), ("LP rounded", "ILP"), ("local", "LP"), ("local rounded", "ILP"), ("random", "ILP")),
         quantity="coverage of the worst target",
+        leads=(("ILP", "local rounded", "better"), ("LP rounded", "local", "better")),
         notes=(
             "after figure 3.7 of Sung (2019), whose numbers are not in its text; binary weights, two actions a robot",
             "ILP, LP: HiGHS; LP rounded: each robot takes its largest share, the last of equal ones; local: h = 2, step 0.1, "
@@ -305,6 +341,8 @@ experiment(
     "layers",
     "effect of the number of layers h on the local algorithm",
     100,
+    "Sung (2019), section 3.5.1, Fig. 3.8",
+    "no evident difference between 5 and 8 layers, with or without rounding",
     ExperimentPlan(
         sweeps=(Sweep("robots", (4, 8, 12, 16, 20), {"targets": 50, "phi": 15.0}),),
         methods=("LP", *SHARES, "ILP", *ROUNDED),
@@ -312,6 +350,7 @@ experiment(
         orders=(("ILP", "LP"), *((h, "LP") for h in SHARES), *((h, "ILP") for h in ROUNDED)),
         quantity="coverage of the worst target",
         groups=(("shares", ("LP", *SHARES)), ("rounded", ("ILP", *ROUNDED))),
+        alike=(("h=8", "h=5", 0.05), ("h=8 whole", "h=5 whole", 0.2)),
         notes=(
             "after figure 3.8 of Sung (2019), whose numbers are not in its text; 50 targets, phi = 15 %, two actions a robot, step 0.1",
             "the guarantee improves with h, values need not: they are not monotone in h, and nothing is guaranteed after rounding",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from ....formulations.sata.max_min_lp import MaxMinLP
 from ...ratios.guarantees import guarantee_study
 from ...ratios.judged_runs import Configuration, run_heuristic
 from ...tables.table import Column, Table
-from ..study import STUDIES, Fault, Report, Study, StudySetting
+from ..study import STUDIES, Fault, Finding, Report, Study, StudySetting
 from ..violations import instance_of
 from .families import max_min as families
 
@@ -67,6 +68,7 @@ guarantee_study(
         *families.RANDOM_FAMILIES, families.RANDOM_PROGRAMS, families.REFERENCE_GRAPHS, families.TIGHT, families.PRIVATE,
         families.CYCLES, families.REGULAR_TREES,
     ),
+    source="Sung (2019), Theorem 1", claim="within Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T) of the linear program",
 )  # fmt: skip
 
 
@@ -125,7 +127,27 @@ def table_3_1(setting: StudySetting) -> Report:
                     faults.append(Fault("values", text, instance_of(problem, text), own))
     columns = (Column("h", right=True), Column("action"), *(Column(key, right=True) for key in ("printed", "steps", "exact", "fine")))
     setting.told(1, 1, "")
-    return Report("table-3-1", TITLE, Table(TITLE, columns, tuple(body)), tuple(rows), (), tuple(faults), len(faults), (), NOTES, 1, 1)
+    return Report(
+        "table-3-1", TITLE, Table(TITLE, columns, tuple(body)), tuple(rows), (), tuple(faults), len(faults), (), NOTES, 1, 1,
+        findings=tuple(_findings(rows)),
+    )  # fmt: skip
 
 
-STUDIES.add("table-3-1", Study("table-3-1", TITLE, 1, table_3_1))
+def _findings(rows: Sequence[dict[str, Any]]) -> list[Finding]:
+    """Entries as printed, and what becomes of them with exact levels."""
+    apart = {key: sum(abs(row[key] - row["printed"]) > DIGITS for row in rows) for key in ("steps", "fine")}
+    count = len(rows)
+    return [
+        Finding.of_fact("entries, by steps of 0.1", f"{count} shares", f"{count - apart['steps']} equal", not apart["steps"], exact=True),
+        Finding.of_fact("entries, by exact levels", f"{count} shares", f"{count - apart['fine']} equal", not apart["fine"],
+                        "robot 1 divides itself evenly only where levels are coarse", exact=True),
+    ]  # fmt: skip
+
+
+STUDIES.add(
+    "table-3-1",
+    Study(
+        "table-3-1", TITLE, 1, table_3_1, source="Sung (2019), Table 3.1 and Fig. 3.3",
+        claim="shares at 2, 10 and 30 layers, nearer to whole actions with more layers",
+    ),
+)  # fmt: skip

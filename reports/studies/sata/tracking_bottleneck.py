@@ -41,7 +41,9 @@ _ERRORS: dict[str, Any] = {"error_kw": {"elinewidth": 1.0, "ecolor": "#222222"},
 def tracking_bottleneck(setting: StudySetting) -> Report:
     """See ``Study.run``; 20 steps of 2 s are the source's 40 s."""
     keep = ("step", "observed", "candidates", "objective", "estimated_targets", "actual_targets", "estimated_value", "actual_value")
-    tasks = [("tracking", BOTTLENECK, 20 if setting.full else 3, seed, {"scenario": "gazebo-local"}, {}, keep) for seed in setting.seeds]
+    tasks: list[Any] = [
+        ("tracking", BOTTLENECK, 20 if setting.full else 3, seed, {"scenario": "gazebo-local"}, {}, keep) for seed in setting.seeds
+    ]
     done = spread(play, tasks, setting.jobs, setting.told, lambda task: f"run {task[3]}")
     rows = bottleneck_rows(done.rows)
     known = {row["method"]: row for row in rows}

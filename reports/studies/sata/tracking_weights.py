@@ -42,7 +42,7 @@ MEASURES = ("estimated_targets", "actual_targets", "estimated_value", "actual_va
 def tracking_weights(setting: StudySetting) -> Report:
     """See ``Study.run``; 22 cycles of planning, 8 s each, are the source's three minutes."""
     steps, keep = 22 if setting.full else 4, ("step", "observed", *MEASURES)
-    tasks = [("tracking", WEIGHTS, steps, seed, {"scenario": "gazebo-greedy"}, {}, keep) for seed in setting.seeds]
+    tasks: list[Any] = [("tracking", WEIGHTS, steps, seed, {"scenario": "gazebo-greedy"}, {}, keep) for seed in setting.seeds]
     done = spread(play, tasks, setting.jobs, setting.told, lambda task: f"run {task[3]}")
     rows = weight_rows(done.rows)
     return Report(
