@@ -50,17 +50,12 @@ KERNELS = {
 """Compiled loops that take their caller's arrays apart, and mean nothing without it: the tests of the caller are theirs."""
 
 COMMANDS = {
-    "reports/missions/information_gathering_study",
-    "reports/missions/orchard_study",
-    "reports/missions/tracking_study",
-    "reports/missions/uncertain_graph_study",
     "reports/tables/routing_features",
 }
 """Old names of commands, a line each: ``python -m`` finds them here, and their modules in a wing."""
 
 ELSEWHERE = {
     "formulations/checking/row_duals": "formulations/arrays/checking/test_lp_dual.py",  # its arithmetic
-    "reports/missions/_study_figures": "reports/missions/sata/test_tracking_study.py",
     "reports/plots/positions": "reports/plots/routing/test_routes.py",
     "reports/benchmarks/_bare_highs": "reports/benchmarks/test_highs_versions.py",  # a script that knows nothing of waybound
     "reports/benchmarks/_bare_routepricer": "reports/benchmarks/test_pricing_alone.py",
@@ -75,7 +70,7 @@ ELSEWHERE = {
 
 STUDIES = "reports/studies/"
 FAMILIES = "/families/"
-"""A study is a table of what is to be run; ``tests/ratios`` runs every one that is registered, against its literature."""
+"""A study is a table of what is to be run; ``tests/ratios`` runs those of guarantees, ``tests/reports/studies`` all short forms."""
 
 NOTEBOOKS = "reports/notebooks/"
 """A notebook is a script of cells; building the documentation executes every one, and ``tests/docs`` reads them."""
@@ -101,8 +96,13 @@ def name_of(module: Path) -> str:
 
 
 def is_study(module: Path) -> bool:
-    """Families of instances and what begins with _ are read by studies, and have tests of their own."""
-    return name_of(module).startswith(STUDIES) and FAMILIES not in name_of(module) and not module.name.startswith("_")
+    """In a room of a wing; families of instances and what begins with _ are read by studies, and have tests of their own."""
+    return (
+        name_of(module).startswith(STUDIES)
+        and len(module.parts) > 3
+        and FAMILIES not in name_of(module)
+        and not module.name.startswith("_")
+    )
 
 
 def test_every_module_has_its_test_where_it_is_mirrored() -> None:
@@ -143,7 +143,7 @@ def test_every_module_of_studies_registers_one_so_that_all_are_run() -> None:
     for module in modules():
         if is_study(module):
             text = (ROOT / module).read_text()
-            assert any(word in text for word in ("guarantee_study(", "experiment(", "STUDIES.add(")), module
+            assert any(word in text for word in ("guarantee_study(", "experiment(", "STUDIES.add(", "@study(")), module
 
 
 @pytest.mark.parametrize("command", sorted(COMMANDS))

@@ -1,4 +1,4 @@
-"""``waybound ratio``."""
+"""``waybound ratio`` and ``waybound report``."""
 
 from __future__ import annotations
 
@@ -141,3 +141,82 @@ def test_all_runs_every_study_of_guarantees(run, strict_json):
     told = run("ratio", "all", "--instances", 40, "--jobs", 2, "--json", "-q", code=0)
     names = [study["study"] for study in strict_json(told.stdout)["studies"]]
     assert names == [study.name for study in STUDIES.values() if study.guarantees]
+
+
+# -- waybound report -------------------------------------------------------------------------------------------------------
+
+
+def test_without_a_study_reports_are_listed_with_their_sources(json_of, run):
+    told = run("report", code=0)
+    assert "Zhang (2015)" in told.stdout and "uncertain-roadmaps" in told.stdout
+    listed = {study["name"]: study for study in json_of("report")["studies"]}
+    assert set(listed) == set(STUDIES.names())
+    assert listed["table-3-1"]["source"].startswith("Sung (2019)")
+
+
+def test_an_unknown_report_is_answered_with_the_nearest(refused):
+    assert "did you mean 'orchard'" in refused("report", "oarchard")
+
+
+def test_a_report_shows_what_was_published_beside_ours(run):
+    told = run("report", "worked-example", "-q", code=0)
+    for words in ("Published and ours", "41.85 %", "41.8525 %", "reproduced", "47.16 %", "not reproduced"):
+        assert words in told.stdout
+
+
+def test_a_report_becomes_a_page(run, tmp_path):
+    told = run("report", "risk-tables", "--out", tmp_path / "page.html", "-q", code=0)
+    assert [path.name for path in tmp_path.iterdir()] == ["page.html"]
+    assert "written: " in told.stdout
+    html = (tmp_path / "page.html").read_text()
+    assert "Xiao (2019)" in html and "<svg" in html and "http://" not in html.replace("http://www.w3.org", "")
+
+
+def test_a_folder_gets_page_tables_and_figures(run, tmp_path):
+    run("report", "orchard", "--out", tmp_path / "new", "--json", "-q", code=0)
+    assert {path.name for path in (tmp_path / "new").iterdir()} == {
+        "orchard.html", "orchard.csv", "orchard-observations.csv", "orchard.md", "orchard.png",
+    }  # fmt: skip
+
+
+def test_json_has_findings(json_of):
+    (study,) = json_of("report", "cheapest-of-several", "-q")["studies"]
+    assert {finding["verdict"] for finding in study["findings"]} <= {"sign reproduced", "cannot be compared"}
+    assert len(study["rows"]) == 7
+
+
+def test_pages_that_cannot_be_written_are_refused_before_anything_runs(refused, tmp_path):
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder.html").mkdir()
+    assert "is a file" in refused("report", "local", "--full", "--out", tmp_path / "file")
+    assert "is a folder" in refused("report", "local", "--full", "--out", tmp_path / "folder.html")
+    assert "is a file" in refused("report", "local", "--full", "--out", tmp_path / "file" / "page.html")
+    assert "name a folder" in refused("report", "all", "--out", tmp_path / "page.html")
+
+
+def test_a_value_that_is_not_the_published_one_ends_with_5(run, monkeypatch):
+    from waybound.reports.studies.risk import worked_example
+
+    monkeypatch.setattr(worked_example, "PRINTED", ("41.86 %", *worked_example.PRINTED[1:]))
+    assert "risk of choice 1" in run("report", "worked-example", "-q", code=5).stderr
+
+
+def test_an_interrupted_report_shows_and_writes_what_was_done(run, monkeypatch, tmp_path):
+    from waybound.reports.studies.risk import reward_stages
+
+    honest, calls = reward_stages.stages, []
+
+    def stages(*given):
+        calls.append(given)
+        if len(calls) == 4:
+            raise KeyboardInterrupt
+        return honest(*given)
+
+    monkeypatch.setattr(reward_stages, "stages", stages)
+    told = run("report", "reward-stages", "--out", tmp_path / "page.html", "-q", code=0)
+    assert "interrupted: 3 of 16 parts" in told.stderr and "share" in told.stdout
+    assert "interrupted: 3 of 16 parts" in (tmp_path / "page.html").read_text()
+
+
+def test_tables_too_wide_for_the_terminal_are_named(run):
+    assert "columns, too wide to be shown here" in run("report", "orchard", "-q", code=0).stdout

@@ -80,7 +80,8 @@ def table_fits(table: Table) -> bool:
     """Whether the numbers of a table can stand side by side, and a few letters of its texts."""
     longest = [max(len(column.name), *(len(row[k]) for row in table.rows), 1) for k, column in enumerate(table.columns)]
     least = [size if column.right else min(size, 10) for size, column in zip(longest, table.columns, strict=True)]
-    return sum(least) + 2 * len(least) <= _console().width
+    width: int = _console().width
+    return sum(least) + 2 * len(least) <= width
 
 
 def lines_text(title: str, lines: Sequence[Line]) -> str:

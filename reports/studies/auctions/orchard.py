@@ -146,7 +146,8 @@ def findings(days: pd.DataFrame, effects: list[dict[str, Any]]) -> list[Finding]
             said = f"better for {ranges(better)} robots, worse for {ranges(worse)}"
             why = "the delivery rule, which the auction is credited with, brings new bins ahead by itself"
             verdict = NOT if worse else SIGN if len(better) == len(own) else UNDECIDED
-            found.append(Finding(f"{groups} groups, {what}", claim, said, verdict, why if verdict == NOT else ""))
+            reason = {NOT: why, UNDECIDED: "the intervals of the others hold both"}.get(verdict, "")
+            found.append(Finding(f"{groups} groups, {what}", claim, said, verdict, reason))
     first = days[(days["groups"] == days["groups"].min()) & (days["method"] == "auction+proposed")]
     enough = sorted(int(robots) for robots in set(first["robots"]) if first[first["robots"] == robots]["steps"].mean() <= HORIZON)
     found.append(
