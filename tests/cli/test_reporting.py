@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 import waybound as wb
+from waybound.cli.output import table_fits
 from waybound.formulations.evidence import Guarantee
 from waybound.formulations.sata.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
@@ -12,6 +13,7 @@ from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
 from waybound.reports.ratios.judged_runs import Configuration
 from waybound.reports.studies.sata.families.selection import random_families
 from waybound.reports.studies.study import STUDIES, Study
+from waybound.reports.tables.table import Column, Table
 
 
 @pytest.fixture
@@ -218,5 +220,11 @@ def test_an_interrupted_report_shows_and_writes_what_was_done(run, monkeypatch, 
     assert "interrupted: 3 of 16 parts" in (tmp_path / "page.html").read_text()
 
 
-def test_tables_too_wide_for_the_terminal_are_named(run):
-    assert "columns, too wide to be shown here" in run("report", "orchard", "-q", code=0).stdout
+def test_tables_too_wide_for_the_terminal_are_named(run, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "40")
+    wide = Table("t", tuple(Column(f"column {k}", right=True) for k in range(5)), (("1",) * 5,))
+    assert not table_fits(wide) and table_fits(Table("t", wide.columns[:3], (("1",) * 3,)))
+    monkeypatch.setattr("waybound.cli.reporting.table_fits", lambda table: len(table.columns) > 4)
+    assert "Risk of each choice: the chance that the cheapest path lies elsewhere: 4 columns, too wide" in run(
+        "report", "worked-example", "-q", code=0
+    ).stdout.replace("\n", " ")
