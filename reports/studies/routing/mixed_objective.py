@@ -60,7 +60,7 @@ def drawn(seed: int, kind: str) -> list[dict[str, Any]]:
 @study(
     "mixed-objective",
     "reward minus a weight times makespan, beside reward first and makespan then",
-    200,
+    60,
     short=4,
     source="Mitchell (2020), section 5.5.4",
     claim="with the weight min r_i zeta / B_max the makespan never decides over reward",
