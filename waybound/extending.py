@@ -60,7 +60,7 @@ from .reports.missions.mission import MISSIONS, Decision, Mission, Scene
 from .reports.pages import PAGES, AnswerBlocks
 from .reports.plots import PLOTS, Plot
 from .reports.plots.drawing import as_plot, bars
-from .reports.studies.study import STUDIES, Fault, Figure, Report, Study, StudySetting
+from .reports.studies.study import STUDIES, Fault, Figure, Finding, Report, Study, StudySetting, study
 from .reports.tables import TABLES, Tables
 from .reports.tables.table import Column, Table
 from .solvers.backend import BACKENDS, Control, Engine, LevelClaim, Options, RawResult
@@ -130,6 +130,7 @@ __all__ = [
     "Exporter",
     "Fault",
     "Figure",
+    "Finding",
     "Flags",
     "Form",
     "Format",
@@ -212,6 +213,7 @@ __all__ = [
     "refuse_settings",
     "rows",
     "same",
+    "study",
     "verified_bound",
     "widening",
 ]

@@ -19,7 +19,7 @@ def page_of(study: Study, setting: StudySetting, report: Report) -> Page:
     import pandas as pd
 
     found, tables = (report.tables[:1], report.tables[1:]) if report.findings else ((), report.tables)
-    size = f"{'full' if setting.full else 'short'}: {setting.instances} instances or runs, seed {setting.seed}"
+    size = f"{'in full' if setting.full else 'short'}, instances or runs: {setting.instances}, seed: {setting.seed}"
     cut = f"; interrupted: {report.done} of {report.asked} parts of the work were done" if report.interrupted else ""
     told = (("source", study.source), ("claimed there", study.claim), ("form", size + cut))
     blocks: list[Block] = [Facts([(name, text) for name, text in told if text])]

@@ -177,7 +177,7 @@ def broken(findings: Sequence[Finding]) -> dict[str, Any]:
     return {"faults": faults, "num_faults": len(faults)}
 
 
-FINDINGS = (Column("what", wide=True), Column("published"), Column("ours"), Column("verdict"), Column("why", wide=True))
+FINDINGS = tuple(Column(name, wide=name != "verdict") for name in ("what", "published", "ours", "verdict", "why"))
 
 
 @dataclass(frozen=True)

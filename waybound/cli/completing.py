@@ -18,7 +18,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "generator": ("instances.generators:GENERATORS",),
     "convention": ("instances.routing.travel:CONVENTIONS", "instances.routing.travel:ALIASES"),
     "mission": ("reports.missions.mission:MISSIONS",),
-    "study": ("reports.ratios.study:STUDIES",),
+    "study": ("reports.studies.study:STUDIES",),
     "instance": ("instances.bundled:RECIPES",),
 }
 """Where the names of each kind of thing stand: a module and what in it is iterated over."""

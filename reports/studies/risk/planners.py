@@ -26,9 +26,9 @@ PLANNERS: dict[str, Request] = {
 
 LEAST = Request(solver="risk-labels", bound_time=0.0)
 
-MAP = {"rows": 9, "columns": 9, "occupied": 0.25, "block": 2, "connectivity": 4, "turn": 0.1, "clearance": 0.15, "length": 0.05}
+MAP = {"rows": 9, "columns": 9, "occupied": 0.25, "block": 2, "connectivity": 4, "turn": 0.04, "clearance": 0.06, "length": 0.05}
 
-KINDS: dict[str, dict[str, Any]] = {"places and moves": {}, "and a tether": {"tether": True}, "and mud": {"mud": 0.3, "mud-risk": 0.3}}
+KINDS: dict[str, dict[str, Any]] = {"places and moves": {}, "and a tether": {"tether": True}, "and mud": {"mud": 0.3, "mud-risk": 0.15}}
 """Risks of places, lengths and turns alone; with such as depend on all of the way."""
 
 SHORT_OF = 1e-9

@@ -124,6 +124,8 @@ guarantee_study(
         Configuration("random order", "sequential-greedy", greedy_ratio, _random_order),
     ],
     PARTITION,
+    source="Sung (2019), Theorem 2",
+    claim="half of the optimum at least, in any order of the robots",
 )
 guarantee_study(
     "knapsack-greedy",
