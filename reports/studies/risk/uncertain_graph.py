@@ -146,12 +146,14 @@ def findings(walks: pd.DataFrame, rows: Sequence[dict[str, Any]]) -> list[Findin
             row = known[level, other]
             why = "an exact D* replans on the whole graph, rags on its first set of paths" if other == "d-star-lite" else "too few graphs"
             found.append(
-                Finding.of_lead(f"{what}, {_name(level)}", claim, -row["rags_above"], row[f"rags_above{HALF}"], "points lower", why)
+                Finding.of_lead(f"{what}, {_name(level)}", claim, -row["rags_above"], row[f"rags_above{HALF}"], "points in favour", why)
             )
     for level, alike in walks.groupby(LEVEL, sort=False):
         tails = alike.groupby(["graph", "method"])["excess"].quantile(0.95).unstack()
         lead, half = mean_interval(tails["a-star"] - tails["rags"])
-        found.append(Finding.of_lead(f"95 % quantile of each graph, {_name(level)}", "fewer outliers than A*", lead, half, "points lower"))
+        found.append(
+            Finding.of_lead(f"95 % quantile of each graph, {_name(level)}", "fewer outliers than A*", lead, half, "points in favour")
+        )
     greedy = [known[level, "greedy"]["mean"] for level in levels]
     if len(levels) > 1 and all(isinstance(level, float) for level in levels):
         said = ", ".join(f"{mean:.3g}" for mean in greedy)
@@ -213,6 +215,8 @@ def walks_figure(name: str, graph: int, seed: int, **settings: Any) -> Figure:
         for ax, (method, how) in zip(axes, shown.items(), strict=True):
             world = _walked(how["policy"], graph, seed, **settings)
             draw_edges(ax, world.graph, at)
+            for lines in ax.collections:
+                lines.set_rasterized(True)  # thousands of edges: as vectors they would be most of a page
             ax.plot(*at[best.path].T, color=COLOURS["hindsight"], linewidth=5.0, alpha=0.45, solid_capstyle="round", label="in hindsight")
             ax.plot(*at[world.path].T, color=COLOURS[method], linewidth=2.0, solid_capstyle="round")
             draw_vertices(ax, world.graph, at)

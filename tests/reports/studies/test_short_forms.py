@@ -10,11 +10,14 @@ from waybound.reports.studies.study import LOST, NOT, REPRODUCED, SIGN, STUDIES,
 
 EXPERIMENTS = [study.name for study in STUDIES.values() if study.source]
 
-SLOW = {"local", "tracking-force-vectors", "bottleneck", "information-gathering", "mixed-objective", "risky-planners", "winner-takes-all"}
+SLOW = {
+    "local", "sequential-greedy", "tracking-force-vectors", "tracking-weights", "tracking-bottleneck", "bottleneck", "layers",
+    "orchard-look-ahead", "winner-takes-all", "information-gathering", "mixed-objective", "risky-planners", "uncertain-rasters", "uncertain-roadmaps",
+}  # fmt: skip
 
 EACH = [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in EXPERIMENTS]
 
-SPREAD = ["communication-rounds", "lazy-evaluations", "non-dominated-paths", "orchard", "reward-stages", "uncertain-roadmaps"]
+SPREAD = ["communication-rounds", "lazy-evaluations", "non-dominated-paths", "orchard", "reward-stages"]
 
 
 @pytest.mark.parametrize("name", EACH)
