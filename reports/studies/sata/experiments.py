@@ -328,7 +328,7 @@ experiment(
         measure=bottleneck,
         orders=(("ILP", "LP"), ("LP rounded", "ILP"), ("local", "LP"), ("local rounded", "ILP"), ("random", "ILP")),
         quantity="coverage of the worst target",
-        leads=(("ILP", "local rounded", "better"), ("LP rounded", "local", "better")),
+        leads=(("ILP", "local rounded", "better"), ("LP rounded", "local rounded", "better"), ("LP rounded", "local", "better")),
         notes=(
             "after figure 3.7 of Sung (2019), whose numbers are not in its text; binary weights, two actions a robot",
             "ILP, LP: HiGHS; LP rounded: each robot takes its largest share, the last of equal ones; local: h = 2, step 0.1, "

@@ -12,7 +12,8 @@ EXPERIMENTS = [study.name for study in STUDIES.values() if study.source]
 
 SLOW = {
     "local", "sequential-greedy", "tracking-force-vectors", "tracking-weights", "tracking-bottleneck", "bottleneck", "layers",
-    "orchard-look-ahead", "winner-takes-all", "information-gathering", "mixed-objective", "risky-planners", "uncertain-rasters", "uncertain-roadmaps",
+    "winner-takes-all", "information-gathering", "mixed-objective", "orchard-look-ahead", "risky-planners", "uncertain-rasters",
+    "uncertain-roadmaps",
 }  # fmt: skip
 
 EACH = [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in EXPERIMENTS]
