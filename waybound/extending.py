@@ -60,7 +60,8 @@ from .reports.missions.mission import MISSIONS, Decision, Mission, Scene
 from .reports.pages import PAGES, AnswerBlocks
 from .reports.plots import PLOTS, Plot
 from .reports.plots.drawing import as_plot, bars
-from .reports.studies.study import STUDIES, Fault, Figure, Finding, Report, Study, StudySetting, study
+from .reports.studies.findings import Finding
+from .reports.studies.study import STUDIES, Fault, Figure, Report, Study, StudySetting, study
 from .reports.tables import TABLES, Tables
 from .reports.tables.table import Column, Table
 from .solvers.backend import BACKENDS, Control, Engine, LevelClaim, Options, RawResult

@@ -11,8 +11,9 @@ import numpy as np
 
 from ...formulations.problem import Problem
 from ...instances.errors import CheckFailedError
+from ..studies.findings import Finding
 from ..studies.processes import spread
-from ..studies.study import STUDIES, Fault, Finding, Report, Study, StudySetting, thinned
+from ..studies.study import STUDIES, Fault, Report, Study, StudySetting, thinned
 from ..studies.violations import instance_of
 from ..tables.table import Column, Table
 from .families import Family

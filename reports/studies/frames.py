@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..tables.table import Column, Table
-from .study import lead_text
+from .findings import lead_text
 
 if TYPE_CHECKING:
     import pandas as pd

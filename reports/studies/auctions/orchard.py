@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 from ....instances.auctions.orchard_grid import OrchardGrid
 from ....instances.auctions.orchard_rules import OrchardRules, draw_routes
 from ...plots.drawing import band, plain
+from ..findings import LOST, NOT, SIGN, UNDECIDED, Finding
 from ..frames import HALF, apart, frame_table, mean_interval
 from ..processes import spread
-from ..study import LOST, NOT, SIGN, UNDECIDED, Figure, Finding, Report, StudySetting, study
+from ..study import Figure, Report, StudySetting, study
 
 if TYPE_CHECKING:
     import pandas as pd

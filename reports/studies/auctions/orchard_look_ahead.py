@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ...plots.drawing import band, plain
+from ..findings import LOST, Finding
 from ..frames import HALF, apart, frame_table, mean_interval, play
 from ..processes import spread
-from ..study import LOST, Figure, Finding, Report, StudySetting, study
+from ..study import Figure, Report, StudySetting, study
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,8 +8,9 @@ import numpy as np
 
 from ....formulations.risk.path_sets import PathSet, cheaper_probability
 from ...plots.drawing import COLOURS, plain
+from ..findings import LOST, Finding
 from ..frames import frame_table
-from ..study import LOST, Figure, Finding, Report, StudySetting, study
+from ..study import Figure, Report, StudySetting, study
 
 FIRST = (20.0, 25.0)
 """Fig. 5.2: mean and variance of the one path of the first set; the second paths of the later ones are not given, and ours."""

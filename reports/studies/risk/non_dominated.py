@@ -12,9 +12,10 @@ from ....instances.generating import generate
 from ....instances.risk.uncertain_graph import UncertainGraph
 from ....solvers.engines.risk.non_dominated_paths import non_dominated_paths
 from ...plots.drawing import COLOURS, plain
+from ..findings import LOST, Finding
 from ..frames import HALF, frame_table, mean_interval
 from ..processes import spread
-from ..study import LOST, Figure, Finding, Report, StudySetting, study
+from ..study import Figure, Report, StudySetting, study
 
 VARIANCES = (5.0, 10.0, 20.0)
 

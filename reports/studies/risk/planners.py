@@ -14,9 +14,10 @@ from ....solving.request import Request
 from ....solving.solve import solve
 from ...plots.drawing import COLOURS, plain
 from ...plots.risk.risky_path import plot_risky_path
+from ..findings import LOST, Finding
 from ..frames import HALF, frame_table, mean_interval
 from ..processes import spread
-from ..study import LOST, Figure, Finding, Report, StudySetting, study
+from ..study import Figure, Report, StudySetting, study
 
 PLANNERS: dict[str, Request] = {
     "additive": Request(heuristic="additive-risk", bound_time=0.0),

@@ -11,9 +11,10 @@ from ....instances.risk.risky_graph import RiskyGraph
 from ....solving.request import Request
 from ....solving.solve import solve
 from ...plots.drawing import COLOURS, plain
+from ..findings import LOST, Finding
 from ..frames import HALF, frame_table, mean_interval
 from ..processes import spread
-from ..study import LOST, Figure, Finding, Report, StudySetting, study
+from ..study import Figure, Report, StudySetting, study
 
 MAP = {"rows": 4, "columns": 5, "occupied": 0.2, "block": 1, "rewards": 6, "connectivity": 4, "turn": 0.1, "clearance": 0.1, "length": 0.05}
 

@@ -13,8 +13,9 @@ from ....formulations.risk.risky_path import RiskyPath
 from ....instances.risk.elements import LocaleRisk
 from ....instances.risk.risky_graph import RiskyGraph
 from ...plots.drawing import COLOURS, plain
+from ..findings import NOT, SIGN, UNDECIDED, Finding
 from ..frames import frame_table
-from ..study import NOT, SIGN, UNDECIDED, Figure, Finding, Report, StudySetting, broken, study
+from ..study import Figure, Report, StudySetting, broken, study
 
 ELEMENTS = ("distance", "visibility", "length", "turn", "tether", "contacts")
 

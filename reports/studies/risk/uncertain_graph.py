@@ -15,9 +15,10 @@ from ....instances.risk.worlds.uncertain_graph import UncertainGraphWorld
 from ...missions.risk.uncertain_graph import UncertainGraphMission
 from ...plots.drawing import plain
 from ...plots.risk.uncertain_path import draw_edges, draw_vertices, places
+from ..findings import LOST, Finding
 from ..frames import HALF, frame_table, mean_interval, play
 from ..processes import Done, spread
-from ..study import LOST, Figure, Finding, Report, StudySetting, study
+from ..study import Figure, Report, StudySetting, study
 
 if TYPE_CHECKING:
     import pandas as pd

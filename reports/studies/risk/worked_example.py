@@ -10,8 +10,9 @@ from ....heuristics.risk.rags import RiskAware
 from ....instances.risk.uncertain_graph import UncertainGraph
 from ....solvers.engines.risk.non_dominated_paths import non_dominated_paths
 from ...plots.drawing import COLOURS, plain
+from ..findings import Finding
 from ..frames import frame_table
-from ..study import Figure, Finding, Report, StudySetting, broken, study
+from ..study import Figure, Report, StudySetting, broken, study
 
 TOTALS = {"A": (150, 15), "B": (152, 10), "BC": (151, 12), "BCD": (153, 8), "BCDE": (154, 7)}
 """Table 5.2: mean and variance of the five paths by the vertices between start and goal."""

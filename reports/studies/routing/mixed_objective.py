@@ -14,9 +14,10 @@ from ....instances.routing.travel import Travel
 from ....solving.request import Request
 from ....solving.solve import solve
 from ...plots.drawing import COLOURS, plain
+from ..findings import Finding
 from ..frames import frame_table
 from ..processes import spread
-from ..study import Figure, Finding, Report, StudySetting, broken, study
+from ..study import Figure, Report, StudySetting, broken, study
 
 SITES, SIDE, LIMIT = 5, 10.0, 18.0
 """Waypoints, side of the square whose corner is the depot, and the limit of the route."""

@@ -8,8 +8,9 @@ from ....formulations.sata.bottleneck_sata import BottleneckSATA
 from ....formulations.sata.selections import Selection
 from ...plots.drawing import COLOURS, plain
 from ...ratios.judged_runs import run_heuristic
+from ..findings import Finding
 from ..frames import frame_table
-from ..study import Figure, Finding, Report, StudySetting, study
+from ..study import Figure, Report, StudySetting, study
 from .experiments import solved
 from .families.max_min import robots
 

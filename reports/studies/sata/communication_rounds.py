@@ -8,9 +8,10 @@ from ....formulations.sata.bottleneck_sata import BottleneckSATA
 from ....formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from ...plots.drawing import COLOURS, plain
 from ...ratios.judged_runs import run_heuristic
+from ..findings import Finding
 from ..frames import frame_table, mean_interval
 from ..processes import spread
-from ..study import Figure, Finding, Report, StudySetting, study
+from ..study import Figure, Report, StudySetting, study
 from .experiments import sensing_graph
 
 TEAMS, HEIGHTS = (4, 8, 12, 16, 20), (1, 2, 5)

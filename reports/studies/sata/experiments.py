@@ -23,9 +23,10 @@ from ...ratios.figures import sweep_figure
 from ...ratios.judged_runs import TOLERANCE, judge, run_heuristic
 from ...ratios.optimum import Optimum
 from ...tables.table import Column, Table
+from ..findings import LOST, Finding
 from ..frames import mean_interval
 from ..processes import spread
-from ..study import LOST, STUDIES, Fault, Finding, Report, Study, StudySetting, thinned
+from ..study import STUDIES, Fault, Report, Study, StudySetting, thinned
 
 CHUNK = 5
 """Trials of one task."""

@@ -11,9 +11,10 @@ from ....instances.sata.constraints import Cardinality
 from ....instances.sata.set_functions import Coverage
 from ...plots.drawing import COLOURS, plain
 from ...ratios.judged_runs import run_heuristic
+from ..findings import Finding
 from ..frames import HALF, frame_table, mean_interval
 from ..processes import spread
-from ..study import Figure, Finding, Report, StudySetting, broken, study
+from ..study import Figure, Report, StudySetting, broken, study
 
 SIZES, PICKS, ITEMS, SEEN = (50, 100, 200, 400), 12, 300, 20
 """Candidate views, views taken, cells of the map, and cells that a view sees."""

@@ -12,7 +12,8 @@ from ....formulations.sata.max_min_lp import MaxMinLP
 from ...ratios.guarantees import guarantee_study
 from ...ratios.judged_runs import Configuration, run_heuristic
 from ...tables.table import Column, Table
-from ..study import STUDIES, Fault, Finding, Report, Study, StudySetting
+from ..findings import Finding
+from ..study import STUDIES, Fault, Report, Study, StudySetting
 from ..violations import instance_of
 from .families import max_min as families
 

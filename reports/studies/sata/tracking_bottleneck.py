@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from ...plots.drawing import plain
+from ..findings import LOST, Finding
 from ..frames import HALF, by_method, frame_table, mean_interval, play
 from ..processes import spread
-from ..study import LOST, Figure, Finding, Report, StudySetting, study
+from ..study import Figure, Report, StudySetting, study
 
 BOTTLENECK: dict[str, dict[str, Any]] = {
     "exact": {"solver": "highs", "problem": "bottleneck"},

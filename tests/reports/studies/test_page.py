@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from waybound.instances.errors import InputError
+from waybound.reports.studies.findings import NOT, Finding
 from waybound.reports.studies.page import SHOWN_OBSERVATIONS, page_of, write_page
-from waybound.reports.studies.study import NOT, Fault, Finding, Report, Study, StudySetting
+from waybound.reports.studies.study import Fault, Report, Study, StudySetting
 from waybound.reports.tables.table import Column, Table
 
 FOUND = (Finding("a < number", "0.714", "0.8", NOT, "it is & was wrong"),)

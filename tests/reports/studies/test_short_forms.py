@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from waybound.reports.studies import processes
+from waybound.reports.studies.findings import LOST, NOT, REPRODUCED, SIGN, UNDECIDED
 from waybound.reports.studies.page import page_of
-from waybound.reports.studies.study import LOST, NOT, REPRODUCED, SIGN, STUDIES, UNDECIDED
+from waybound.reports.studies.study import STUDIES
 
 EXPERIMENTS = [study.name for study in STUDIES.values() if study.source]
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from waybound.reports.studies.auctions import information_gathering as study
-from waybound.reports.studies.study import NOT, SIGN, UNDECIDED
+from waybound.reports.studies.findings import NOT, SIGN, UNDECIDED
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from waybound.reports.studies.auctions import orchard as study
-from waybound.reports.studies.study import NOT, SIGN
+from waybound.reports.studies.findings import NOT, SIGN
 
 
 @pytest.mark.slow

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from waybound.reports.studies.findings import NOT, SIGN
 from waybound.reports.studies.risk import uncertain_graph as study
-from waybound.reports.studies.study import NOT, SIGN
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from waybound.reports.plots.drawing import figure_without_display
+from waybound.reports.studies.findings import NOT, SIGN
 from waybound.reports.studies.sata import tracking_force_vectors as study
-from waybound.reports.studies.study import NOT, SIGN
 
 
 @pytest.fixture
