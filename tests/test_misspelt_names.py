@@ -8,7 +8,7 @@ import pytest
 
 import waybound as wb
 from waybound.reports.battery.cases import Draw
-from waybound.reports.ratios.study import STUDIES
+from waybound.reports.studies.study import STUDIES
 
 
 def tiny() -> wb.Problem:

@@ -19,7 +19,7 @@ from waybound.instances.bundled import bundled_names
 from waybound.instances.formats import FORMATS
 from waybound.instances.generators import GENERATORS
 from waybound.reports.missions.mission import MISSIONS
-from waybound.reports.ratios.study import STUDIES
+from waybound.reports.studies.study import STUDIES
 from waybound.solvers.backend import BACKENDS
 
 

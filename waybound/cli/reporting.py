@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 ALL = "all"
 """Names every study: with ``ratio``, those that test stated guarantees."""
 
-StudyName = Annotated[
-    str | None, arg("[STUDY]", "Name of a study, or all; without one, they are listed.", completing.names("study"))
-]
+StudyName = Annotated[str | None, arg("[STUDY]", "Name of a study, or all; without one, they are listed.", completing.names("study"))]
 StudySeed = Annotated[int, opt("--seed N", "The same seed gives the same instances and runs.")]
 Jobs = Annotated[int, opt("--jobs N", "Processes that share the work; the figures do not depend on it.")]
 
