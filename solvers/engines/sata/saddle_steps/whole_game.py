@@ -1,0 +1,103 @@
+"""The whole game, by regret matching or the interior point, whichever gets on faster; docs/saddle.md#what-the-engine-does."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .....formulations.sata.balls import Floats
+from .game import Game, RegretMatching
+from .interior_point import InteriorPoint
+from .refinement import refine
+
+REFINE_SHARE = 0.25
+"""Edges that refining an answer may read, as a share of those that its method has read so far."""
+
+FEW, LEAST_FEW = 0.02, 100
+"""An answer is refined when at most this share, or this number, of the targets falls short of the value wanted."""
+
+FIRST_STEPS = 32
+MORE_STEPS = 0.5
+"""Steps of regret matching between two looks at the means: so many, later this share of all steps so far."""
+
+TRIAL = 0.1
+"""Share of the work that goes to the method that seems the slower, so that it can show that it is not."""
+
+HOPELESS = 4.0
+"""A method that would take so many times the work of the other is not tried any more, once it had this number of turns."""
+
+LOOK_BACK = 1.5
+"""Rates are taken since a method had done its work so far over this."""
+
+
+class Pace:
+    """What a method has reached after how much work, and what it will take at this rate."""
+
+    def __init__(self) -> None:
+        self._seen: list[tuple[float, float]] = []
+
+    @property
+    def turns(self) -> int:
+        return len(self._seen)
+
+    def note(self, work: float, value: float, bound: float) -> None:
+        """A relative gap after ``work``, from its start on."""
+        gap = (bound - value) / value if value > 0.0 else math.inf
+        self._seen.append((work, gap))
+
+    def left(self, gap: float) -> float:
+        """Work until ``gap``, the gap so far falling as a power of the work: 0 while nothing is known, infinite where it stands still."""
+        if len(self._seen) < 2:
+            return 0.0
+        work, reached = self._seen[-1]
+        since, before = next(((w, g) for w, g in reversed(self._seen) if w <= work / LOOK_BACK), self._seen[0])
+        if reached <= gap:
+            return 0.0
+        if not (reached < before and 0.0 < since < work):
+            return math.inf
+        if before == math.inf:
+            return 0.0
+        power = math.log(before / reached) / math.log(work / since)
+        times = math.log(reached / gap) / power
+        return work * math.expm1(times) if times < 100.0 else math.inf
+
+
+def play(game: Game) -> tuple[int, int]:
+    """Play until the gap is closed or a limit is reached; returns the steps of regret matching and of the interior point."""
+    record, limits = game.record, game.limits
+    matching, matched, pointed = RegretMatching(game), Pace(), Pace()
+    point: InteriorPoint | None = None
+    alone = False
+    while not (record.closed() or limits.reached()):
+        if alone or not matching.steps or not _interior(matched, pointed, matching.work, 0.0 if point is None else point.work, record.gap):
+            most = math.inf if alone or point is None or not matching.steps else max(TRIAL * point.work, 0.5 * matching.work)
+            steps = max(FIRST_STEPS, int(MORE_STEPS * matching.steps))
+            matching.run(max(1, min(steps, int(min(most / game.pass_work, 1e9)))))
+            if not matching.steps:
+                break
+            shares, cover = matching.conclude()
+            matched.note(matching.work, matching.value, matching.bound)
+            _refine_few(game, shares, cover, matching.work)
+            continue
+        if point is None:
+            point = InteriorPoint.begun(game, *matching.means())
+        alone = point is None or not point.step()
+        if point is not None and not alone:
+            pointed.note(point.work, point.value, point.bound)
+    return matching.steps, 0 if point is None else point.steps
+
+
+def _interior(matched: Pace, pointed: Pace, matching: float, point: float, gap: float) -> bool:
+    """Whether the interior point has the next turn, from the paces and the work of both methods."""
+    by_matching, by_point = matched.left(gap), pointed.left(gap)
+    leads = by_point < by_matching
+    other, spent = (matched, matching) if leads else (pointed, point)
+    hopeless = other.turns >= HOPELESS and max(by_matching, by_point) > HOPELESS * min(by_matching, by_point)
+    trial = spent < TRIAL * (matching + point) and not hopeless
+    return leads != trial
+
+
+def _refine_few(game: Game, shares: Floats, cover: Floats, work: float) -> None:
+    if np.count_nonzero(cover < game.record.wanted) <= max(FEW * len(cover), LEAST_FEW):
+        refine(game, shares, REFINE_SHARE * work)
