@@ -70,7 +70,7 @@ class InteriorPoint:
         self._game, self._matrix = game, matrix
         self._owner, self._robots = game.graph.robot_of_action, game.graph.num_robots
         self.steps, self.work, self.iterations = 0, 0.0, 0
-        self._short, self._multigrid = 0, False
+        self._short = 0
         self._x = (1.0 - APART) * shares + APART * even_shares(game.graph)
         self._y = (1.0 - APART) * prices / prices.sum() + APART / len(prices)
         cover, worth = matrix.covers(self._x), matrix.worths(self._y)
@@ -128,7 +128,6 @@ class InteriorPoint:
         self._short = self._short + 1 if max(primal, dual) < SHORTEST else 0
         self.steps += 1
         self.iterations += self._system.iterations
-        self._multigrid = self._system.multigrid
         self._offer()
         return True
 
@@ -163,8 +162,6 @@ class InteriorPoint:
         scaling = self._x / w
         total = np.maximum(self._sums(scaling), 1e-300)
         self._system = system = matrix.system(scaling, y, s * y)
-        if self._multigrid and not system.use_multigrid(limits):
-            return None
 
         def solved(products: Floats, priced: Floats, residual: float) -> _Direction | None:
             rate = products / w

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,8 +15,14 @@ from .multigrid import Multigrid
 MOST_PAIRS = 32
 """Pairs of targets that one robot sees, as a multiple of the edges, up to which the normal matrix is formed."""
 
-MOST_ITERATIONS, FEW_ITERATIONS = 400, 8
-"""Iterations of conjugate gradients; as long as they are so few with the diagonal as preconditioner, nothing better is made."""
+MOST_ITERATIONS = 2000
+"""Iterations of conjugate gradients in one solve."""
+
+FIRST_TRIAL, NEXT_TRIAL = 30, 3.0
+"""Iterations at which the other preconditioner is tried, later as a multiple of those at the last trial."""
+
+CHARGE = 0.4
+"""Charge of an entry of the normal matrix, in edges: it is read in order."""
 
 Numbers = NDArray[np.int32]
 
@@ -32,6 +40,7 @@ class NormalMatrix:
         rows = np.repeat(np.arange(len(starts) - 1, dtype=np.int32), np.diff(starts))
         self.diagonal = np.nonzero(rows == columns)[0]
         self.pairs = pairs
+        self.preconditioners = Preconditioners()
 
     @classmethod
     def of(cls, game: Game) -> NormalMatrix | None:
@@ -77,6 +86,33 @@ class NormalMatrix:
         return System(self, values, prices)
 
 
+class Preconditioners:
+    """Which preconditioner serves, the diagonal (0) or multigrid (1): the one whose last solve was charged less.
+
+    The other is tried where iterations have grown.
+    """
+
+    def __init__(self) -> None:
+        self.chosen = 0
+        self._charge, self._trials, self._due = 0.0, [FIRST_TRIAL, FIRST_TRIAL], False
+
+    def next(self) -> tuple[int, float]:
+        """The preconditioner of the next solve, and the most it may be charged before the other takes over."""
+        return (1 - self.chosen, self._charge) if self._due else (self.chosen, math.inf)
+
+    def note(self, kind: int, iterations: int, charge: float, done: bool) -> None:
+        """What a solve with one of them took."""
+        if kind != self.chosen:
+            self._due = False
+            if done and charge < self._charge:
+                self.chosen, self._charge = kind, charge
+                self._trials[kind] = max(self._trials[kind], NEXT_TRIAL * iterations)
+            return
+        self._charge = charge
+        if iterations > self._trials[kind]:
+            self._due, self._trials[kind] = True, NEXT_TRIAL * iterations
+
+
 class System:
     """Equations A u = given + y lambda with y'u = 0, for a symmetric positive definite matrix A and prices y."""
 
@@ -84,80 +120,75 @@ class System:
         self._matrix, self._values, self._prices = matrix, values, prices
         self._inverse = 1.0 / values[matrix.diagonal]
         self._multigrid: Multigrid | None = None
+        self._conditions: list[tuple[Floats, float] | None] = [None, None]
         self.iterations = 0
-        self._condition()
 
     def solve(self, given: Floats, residual: float, limits: Limits) -> Floats | None:
-        """u, up to ``residual`` in the largest entry; None where a limit is in the way.
-
-        The diagonal is the preconditioner as long as few iterations do, then multigrid.
-        """
-        found, rest = np.zeros(len(given)), given.copy()
-        for most in (FEW_ITERATIONS, MOST_ITERATIONS):
-            if most == FEW_ITERATIONS and self._multigrid is not None:
-                continue
-            done = self._iterate(found, rest, residual, most, limits)
+        """u, up to ``residual`` in the largest entry; None where a limit is in the way."""
+        found, rest, choice = np.zeros(len(given)), given.copy(), self._matrix.preconditioners
+        rest -= (float((self._prices * self._inverse) @ rest) / float((self._prices * self._inverse) @ self._prices)) * self._prices
+        kind, most = choice.next()
+        for turn in (kind, choice.chosen):
+            if turn and self._multigrid is None:
+                if not limits.afford(4.0 * len(self._values)):
+                    return None
+                m = self._matrix
+                self._multigrid = Multigrid(m.starts, m.columns, self._values, self._values[m.diagonal])
+            iterations, work = self.iterations, limits.work
+            done = self._iterate(turn, found, rest, residual, most, limits)
             if done is None:
                 return None
-            if done:
+            choice.note(turn, self.iterations - iterations, limits.work - work, done)
+            if done or turn == choice.chosen:
                 break
-            if self._multigrid is None and not self.use_multigrid(limits):
-                return None
+            most = math.inf
         return found
 
-    @property
-    def multigrid(self) -> bool:
-        """Whether the diagonal did not do."""
-        return self._multigrid is not None
+    def _approximate(self, kind: int, rest: Floats) -> Floats:
+        return self._multigrid(rest) if kind and self._multigrid is not None else rest * self._inverse
 
-    def use_multigrid(self, limits: Limits) -> bool:
-        """Make the better preconditioner; false where a limit is in the way."""
-        m = self._matrix
-        if not limits.afford(4.0 * len(self._values)):
-            return False
-        self._multigrid = Multigrid(m.starts, m.columns, self._values, self._values[m.diagonal])
-        self._condition()
-        return True
-
-    def _condition(self) -> None:
-        self._image = self._approximate(self._prices)
-        self._scale = float(self._prices @ self._image)
-
-    def _approximate(self, rest: Floats) -> Floats:
-        return rest * self._inverse if self._multigrid is None else self._multigrid(rest)
-
-    def _project(self, rest: Floats) -> tuple[Floats, float]:
+    def _project(self, kind: int, rest: Floats) -> tuple[Floats, float]:
         """The preconditioned residual that keeps y'u, and lambda."""
-        image = self._approximate(rest)
-        multiplier = float(self._prices @ image) / self._scale
-        return image - multiplier * self._image, multiplier
+        condition = self._conditions[kind]
+        if condition is None:
+            of_prices = self._approximate(kind, self._prices)
+            condition = self._conditions[kind] = of_prices, float(self._prices @ of_prices)
+        image = self._approximate(kind, rest)
+        multiplier = float(self._prices @ image) / condition[1]
+        image -= multiplier * condition[0]
+        return image, multiplier
 
-    def _iterate(self, found: Floats, rest: Floats, residual: float, most: int, limits: Limits) -> bool | None:
-        """Flexible conjugate gradients; ``found`` and ``rest`` change in place. Whether the residual was reached, None at a limit."""
+    def _iterate(self, kind: int, found: Floats, rest: Floats, residual: float, most: float, limits: Limits) -> bool | None:
+        """Flexible conjugate gradients; ``found`` and ``rest`` change in place. Whether that was done for a charge of ``most``, None at a
+        limit.
+
+        As lambda is free, what the residual has of the prices is taken out of it.
+        """
         from .multigrid_kernels import multiply
 
-        charge = len(self._values) + (0.0 if self._multigrid is None else self._multigrid.work)
-        image, multiplier = self._project(rest)
+        charge = CHARGE * len(self._values) + (self._multigrid.work if kind and self._multigrid is not None else 0.0)
+        image, multiplier = self._project(kind, rest)
+        rest -= multiplier * self._prices
         way, slope, product = image.copy(), float(rest @ image), np.empty(len(rest))
-        for _ in range(most):
-            if np.abs(rest - multiplier * self._prices).max() <= residual:
+        for _ in range(MOST_ITERATIONS):
+            if np.abs(rest).max() <= residual:
                 return True
             if not limits.afford(charge):
                 return None
+            most -= charge
             self.iterations += 1
             multiply(self._matrix.starts, self._matrix.columns, self._values, way, product)
             curvature = float(way @ product)
-            if not (0.0 < slope and 0.0 < curvature):
-                return True  # rounding: no better is to be had
+            if most < 0.0 or not (0.0 < slope and 0.0 < curvature):
+                return False
             length = slope / curvature
             found += length * way
             before = rest.copy()
             rest -= length * product
-            image, multiplier = self._project(rest)
+            image, multiplier = self._project(kind, rest)
+            rest -= multiplier * self._prices
             new_slope = float(rest @ image)
             way *= (new_slope - float(before @ image)) / slope
             way += image
             slope = new_slope
         return False
-
-
