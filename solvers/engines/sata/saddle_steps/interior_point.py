@@ -18,7 +18,7 @@ APART = 0.1
 CENTRING = 0.5
 """The complementarity products aimed at, as a share of their mean."""
 
-CORRECTORS, STRETCH, LEAST_GAIN = 2, 0.5, 0.02
+CORRECTORS, STRETCH, LEAST_GAIN = 1, 0.5, 0.02
 """Correctors a step, how much longer a step they aim at, and the gain below which they end."""
 
 RANGE = 0.3
@@ -30,7 +30,7 @@ MIXES = (1.0, 0.75, 0.5, 0.25, 0.0)
 BACK = 0.99
 """Share of the way to the nearest bound that a step goes."""
 
-RESIDUAL = 0.1
+RESIDUAL = 0.3
 """Residual of the equations, of the largest entry, as a share of the mean product, which is what an entry is worth on the central path."""
 
 CHARGE = 4.0

@@ -63,6 +63,8 @@ class Multigrid:
             if count > COARSEST:
                 count = aggregate(starts, columns, values, group)
             stalled = count > STALLED * len(group)
+            if stalled:
+                group[:] = 0
             self.levels.append(Level(starts, columns, values, 1.0 / diagonal, group, 0 if stalled else count))
             if stalled:
                 break

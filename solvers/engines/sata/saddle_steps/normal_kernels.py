@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .....formulations.kernels import kernel
+from .....formulations.stop_kernel import asked
 from .layout import LAYOUT, Layout
 
 _NAMED = (Layout,)
@@ -104,3 +105,43 @@ def outliers(values, slacks, d_values, d_slacks, step, slack_step, least, most, 
     for k in range(len(values)):
         product = (values[k] + step * d_values[k]) * (slacks[k] + slack_step * d_slacks[k])
         wanted[k] = least - product if product < least else max(most - product, -most) if product > most else 0.0
+
+
+@kernel("(i8[::1], i4[::1], i4[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, f8, i8)")
+def conjugate(flag, starts, columns, values, inverse, prices, found, rest, way, product, slope, scale, residual, most):  # type: ignore[no-untyped-def]
+    """Conjugate gradients with the diagonal as preconditioner, on what is orthogonal to ``prices``, ``most`` iterations or fewer where the
+    ``flag`` of a ``Stop`` is set or rounding leaves no slope.
+
+    ``found``, ``rest`` and ``way`` change in place; ``scale`` is the sum of prices^2 ``inverse``. Returns the iterations and the slope.
+    """
+    count = 0
+    while count < most and slope > 0.0 and not asked(flag):
+        curvature = 0.0
+        for row in range(len(rest)):
+            total = 0.0
+            for e in range(starts[row], starts[row + 1]):
+                total += values[e] * way[columns[e]]
+            product[row] = total
+            curvature += total * way[row]
+        if not curvature > 0.0:
+            return count, 0.0
+        length, multiplier = slope / curvature, 0.0
+        for row in range(len(rest)):
+            found[row] += length * way[row]
+            rest[row] -= length * product[row]
+            multiplier += prices[row] * inverse[row] * rest[row]
+        multiplier /= scale
+        fresh, largest = 0.0, 0.0
+        for row in range(len(rest)):
+            left = rest[row] - multiplier * prices[row]
+            rest[row] = left
+            fresh += left * left * inverse[row]
+            largest = max(largest, abs(left))
+        count += 1
+        ratio = fresh / slope
+        for row in range(len(rest)):
+            way[row] = rest[row] * inverse[row] + ratio * way[row]
+        slope = fresh
+        if largest <= residual:
+            break
+    return count, slope

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .....formulations.sata.balls import Floats
-from .game import Game, Limits
+from .game import BLOCK, Game, Limits
 from .layout import Layout
 from .multigrid import Multigrid
 
@@ -120,13 +120,13 @@ class System:
         self._matrix, self._values, self._prices = matrix, values, prices
         self._inverse = 1.0 / values[matrix.diagonal]
         self._multigrid: Multigrid | None = None
-        self._conditions: list[tuple[Floats, float] | None] = [None, None]
+        self._scale = float((prices * self._inverse) @ prices)
         self.iterations = 0
 
     def solve(self, given: Floats, residual: float, limits: Limits) -> Floats | None:
         """u, up to ``residual`` in the largest entry; None where a limit is in the way."""
         found, rest, choice = np.zeros(len(given)), given.copy(), self._matrix.preconditioners
-        rest -= (float((self._prices * self._inverse) @ rest) / float((self._prices * self._inverse) @ self._prices)) * self._prices
+        rest -= (float((self._prices * self._inverse) @ rest) / self._scale) * self._prices  # lambda is free
         kind, most = choice.next()
         for turn in (kind, choice.chosen):
             if turn and self._multigrid is None:
@@ -135,7 +135,8 @@ class System:
                 m = self._matrix
                 self._multigrid = Multigrid(m.starts, m.columns, self._values, self._values[m.diagonal])
             iterations, work = self.iterations, limits.work
-            done = self._iterate(turn, found, rest, residual, most, limits)
+            iterate = self._with_multigrid if turn else self._with_diagonal
+            done = iterate(found, rest, residual, most, limits)
             if done is None:
                 return None
             choice.note(turn, self.iterations - iterations, limits.work - work, done)
@@ -144,51 +145,62 @@ class System:
             most = math.inf
         return found
 
-    def _approximate(self, kind: int, rest: Floats) -> Floats:
-        return self._multigrid(rest) if kind and self._multigrid is not None else rest * self._inverse
+    def _with_diagonal(self, found: Floats, rest: Floats, residual: float, most: float, limits: Limits) -> bool | None:
+        """Conjugate gradients; ``found`` and ``rest`` change in place. Whether that was done for a charge of ``most``, None at a limit."""
+        from .normal_kernels import conjugate
 
-    def _project(self, kind: int, rest: Floats) -> tuple[Floats, float]:
-        """The preconditioned residual that keeps y'u, and lambda."""
-        condition = self._conditions[kind]
-        if condition is None:
-            of_prices = self._approximate(kind, self._prices)
-            condition = self._conditions[kind] = of_prices, float(self._prices @ of_prices)
-        image = self._approximate(kind, rest)
-        multiplier = float(self._prices @ image) / condition[1]
-        image -= multiplier * condition[0]
-        return image, multiplier
+        m, charge, total = self._matrix, CHARGE * len(self._values), 0
+        way, product = rest * self._inverse, np.empty(len(rest))
+        slope = float(rest @ way)
+        while np.abs(rest).max() > residual:
+            count = int(min(BLOCK / charge + 1, (limits.most_work - limits.work) / charge, most / charge - total, MOST_ITERATIONS - total))
+            if limits.reached() or limits.work + charge > limits.most_work:
+                return None
+            if count <= 0 or not slope > 0.0:
+                return False
+            count, slope = conjugate(
+                limits.stop.flag, m.starts, m.columns, self._values, self._inverse, self._prices, found, rest, way, product, slope,
+                self._scale, residual, count,
+            )  # fmt: skip
+            limits.work += count * charge
+            self.iterations += count
+            total += count
+        return True
 
-    def _iterate(self, kind: int, found: Floats, rest: Floats, residual: float, most: float, limits: Limits) -> bool | None:
-        """Flexible conjugate gradients; ``found`` and ``rest`` change in place. Whether that was done for a charge of ``most``, None at a
-        limit.
-
-        As lambda is free, what the residual has of the prices is taken out of it.
-        """
+    def _with_multigrid(self, found: Floats, rest: Floats, residual: float, most: float, limits: Limits) -> bool | None:
+        """The same with multigrid, whose cycles are not linear: flexible conjugate gradients."""
         from .multigrid_kernels import multiply
 
-        charge = CHARGE * len(self._values) + (self._multigrid.work if kind and self._multigrid is not None else 0.0)
-        image, multiplier = self._project(kind, rest)
-        rest -= multiplier * self._prices
-        way, slope, product = image.copy(), float(rest @ image), np.empty(len(rest))
-        for _ in range(MOST_ITERATIONS):
-            if np.abs(rest).max() <= residual:
-                return True
+        m, cycle, prices = self._matrix, self._multigrid, self._prices
+        assert cycle is not None
+        charge, product = CHARGE * len(self._values) + cycle.work, np.empty(len(rest))
+        of_prices = cycle(prices)
+        scale = float(prices @ of_prices)
+
+        def projected() -> Floats:
+            """The preconditioned residual without its part that changes y'u; the residual without its part along the prices."""
+            image = cycle(rest)
+            multiplier = float(prices @ image) / scale
+            rest[:] -= multiplier * prices
+            return np.asarray(image - multiplier * of_prices)
+
+        way = projected()
+        slope, total = float(rest @ way), 0
+        while np.abs(rest).max() > residual:
             if not limits.afford(charge):
                 return None
-            most -= charge
+            total += 1
             self.iterations += 1
-            multiply(self._matrix.starts, self._matrix.columns, self._values, way, product)
+            multiply(m.starts, m.columns, self._values, way, product)
             curvature = float(way @ product)
-            if most < 0.0 or not (0.0 < slope and 0.0 < curvature):
+            if total * charge > most or total > MOST_ITERATIONS or not (0.0 < slope and 0.0 < curvature):
                 return False
-            length = slope / curvature
-            found += length * way
+            found += (slope / curvature) * way
             before = rest.copy()
-            rest -= length * product
-            image, multiplier = self._project(kind, rest)
-            rest -= multiplier * self._prices
-            new_slope = float(rest @ image)
-            way *= (new_slope - float(before @ image)) / slope
+            rest -= (slope / curvature) * product
+            image = projected()
+            fresh = float(rest @ image)
+            way *= (fresh - float(before @ image)) / slope
             way += image
-            slope = new_slope
-        return False
+            slope = fresh
+        return True

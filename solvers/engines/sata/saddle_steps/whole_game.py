@@ -27,6 +27,9 @@ TRIAL = 0.1
 HOPELESS = 4.0
 """A method that would take so many times the work of the other is not tried any more, once it had this number of turns."""
 
+HORIZON = 0.5
+"""Gap to which the methods are compared, as a share of the better one so far."""
+
 LOOK_BACK = 1.5
 """Rates are taken since a method had done its work so far over this."""
 
@@ -36,6 +39,10 @@ class Pace:
 
     def __init__(self) -> None:
         self._seen: list[tuple[float, float]] = []
+
+    @property
+    def gap(self) -> float:
+        return self._seen[-1][1] if self._seen else math.inf
 
     @property
     def turns(self) -> int:
@@ -89,8 +96,12 @@ def play(game: Game) -> tuple[int, int]:
 
 
 def _interior(matched: Pace, pointed: Pace, matching: float, point: float, gap: float) -> bool:
-    """Whether the interior point has the next turn, from the paces and the work of both methods."""
-    by_matching, by_point = matched.left(gap), pointed.left(gap)
+    """Whether the interior point has the next turn, from the paces and the work of both methods.
+
+    They are compared by what either takes to halve the better gap: rates over longer distances are guesses.
+    """
+    near = max(gap, HORIZON * min(matched.gap, pointed.gap))
+    by_matching, by_point = matched.left(near), pointed.left(near)
     leads = by_point < by_matching
     other, spent = (matched, matching) if leads else (pointed, point)
     hopeless = other.turns >= HOPELESS and max(by_matching, by_point) > HOPELESS * min(by_matching, by_point)
