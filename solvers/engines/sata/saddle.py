@@ -1,4 +1,4 @@
-"""Saddle: first-order methods for the max-min linear programs of robots that are too large for simplex or interior points."""
+"""Saddle: first-order methods and an interior point for max-min linear programs of robots that are too large for general solvers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from ....formulations.sata.balls import Floats, even_shares, near_one
 from ....formulations.sata.max_min_lp import RobotsOf
 from ....formulations.stop import Stop, Stopped
 from ....instances.errors import UnsupportedError, UsageError
-from ....instances.sata.sensing_graph import SensingGraph
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...bounds.sata.ball import unseen_evidence, weights_evidence
 from ...linear_programs import LinearPrograms
@@ -35,16 +34,18 @@ MOST_LAYERS = 1000
 
 @BACKENDS.register("saddle")
 class Saddle(Engine):
-    """Work on the targets that fall short of a proved bound, regret matching where all of them matter; bounds from balls and prices.
+    """Work on the targets that fall short of a proved bound, and where all of them matter regret matching or an interior point; bounds from
+    balls and prices.
 
-    ``iterations`` counts passes over the graph, of which a step of regret matching is one. Option ``h``: start from the local algorithm
-    with so many layers instead of robots that divide themselves evenly (0, the default, as the local algorithm takes longer than it saves).
+    ``iterations`` counts passes over the graph, of which a step of regret matching is one and of the interior point many. Option ``h``:
+    start from the local algorithm with so many layers instead of robots that divide themselves evenly (0, the default, as the local
+    algorithm takes longer than it saves).
     """
 
     name = "saddle"
     package = "numba"
     modules = ("numba", "highspy", "scipy")
-    summary = "first-order methods for large max-min LPs, with proved bounds"
+    summary = "first-order and interior-point methods for large max-min LPs, with proved bounds"
     interrupts = "keeps the best answer and the best bound"
     one_thread = bounds_itself = True
     options: ClassVar[Mapping[str, Any]] = {"h": 0}
@@ -152,8 +153,8 @@ def _result(task: _Task, game: Game, steps: tuple[int, int], options: Options) -
     record, limits = game.record, game.limits
     optimal = record.bound - record.value <= LEAST_GAP * abs(record.value)
     statistics: dict[str, Any] = {
-        "steps": steps[0], "interior_steps": steps[1], "passes": round(limits.work / game.pass_work, 3), "linear_programs": game.programs.solved,
-        "priced_targets": len(record.targets),
+        "steps": steps[0], "interior_steps": steps[1], "passes": round(limits.work / game.pass_work, 3),
+        "linear_programs": game.programs.solved, "priced_targets": len(record.targets),
     }  # fmt: skip
     if options.start is not None:
         statistics["start"] = "ignored" if task.shares(options.start) is None else "used"

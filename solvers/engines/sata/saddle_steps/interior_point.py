@@ -114,7 +114,7 @@ class InteriorPoint:
             if corrector is None:
                 return False
             lengths = [self._lengths(way, corrector, mix) for mix in MIXES]
-            k, m = (max(range(len(MIXES)), key=lambda i: lengths[i][side]) for side in (0, 1))  # noqa: B023
+            k, m = (max(range(len(MIXES)), key=lambda i: lengths[i][side]) for side in (0, 1))
             gain = lengths[k][0] - primal + lengths[m][1] - dual
             way = way.plus(corrector, MIXES[k], MIXES[m])
             primal, dual = lengths[k][0], lengths[m][1]

@@ -44,8 +44,8 @@ class Level:
 class Multigrid:
     """A preconditioner: one cycle through matrices of which each joins strongly coupled rows of the one before.
 
-    Rows are joined in pairs (up to four), so that weak couplings, of which a normal matrix near the optimum is full, separate groups. A cycle
-    smooths by symmetric Gauss-Seidel, and solves every second coarser level by up to two steps of flexible conjugate gradients.
+    Rows are joined in pairs (up to four), so that weak couplings, of which a normal matrix near the optimum is full, separate groups. A
+    cycle smooths by symmetric Gauss-Seidel, and solves every second coarser level by up to two steps of conjugate gradients.
 
     Source: Notay (2010), An aggregation-based algebraic multigrid method, Electronic Transactions on Numerical Analysis 37.
     """
@@ -80,7 +80,7 @@ class Multigrid:
 
     @property
     def work(self) -> float:
-        """Its charge in edges: a cycle takes a nanosecond or two for each of the three times that it reads an entry, and often reads it in order."""
+        """Charge of a cycle, in edges: one for each entry of a level, which is read three times and mostly in order."""
         total, often = 0.0, 1.0
         for depth, level in enumerate(self.levels):
             often *= 2.0 if depth and depth % EVERY == 1 else 1.0

@@ -79,6 +79,7 @@ def coarsen(starts, columns, values, group, count):  # type: ignore[no-untyped-d
 
 @kernel("(i4[::1], i4[::1], f8[::1], f8[::1], f8[::1])")
 def multiply(starts, columns, values, vector, product):  # type: ignore[no-untyped-def]
+    """The matrix times ``vector``, into ``product``."""
     for row in range(len(product)):
         total = 0.0
         for e in range(starts[row], starts[row + 1]):

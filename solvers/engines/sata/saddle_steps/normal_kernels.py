@@ -82,6 +82,7 @@ def assemble(graph, sees, seen, local, place, scaling, prices, matrix):  # type:
                 mean[a] += gain
                 for f in range(graph.starts[action], graph.starts[action + 1]):
                     block[a, local[f]] += gain * graph.weights[f] * prices[seen[start + local[f]]]
+        total = max(total, 1e-300)
         for a in range(size):
             for b in range(size):
                 matrix[place[k]] += block[a, b] - mean[a] * mean[b] / total

@@ -18,8 +18,11 @@ MOST_PAIRS = 32
 MOST_ITERATIONS = 2000
 """Iterations of conjugate gradients in one solve."""
 
-FIRST_TRIAL, NEXT_TRIAL = 30, 3.0
+FIRST_TRIAL, NEXT_TRIAL = 30, 3
 """Iterations at which the other preconditioner is tried, later as a multiple of those at the last trial."""
+
+TINY = 1e-300
+"""Least divisor."""
 
 CHARGE = 0.4
 """Charge of an entry of the normal matrix, in edges: it is read in order."""
@@ -57,8 +60,10 @@ class NormalMatrix:
             return None
         both = (sight.T @ sight).tocsr()
         both.sort_indices()
-        as_numbers = (np.ascontiguousarray(part, np.int32) for part in (sight.indptr, sight.indices, both.indptr, both.indices))
-        return cls(game.layout, *as_numbers, pairs)
+        sees, seen, starts, columns = (
+            np.ascontiguousarray(part, np.int32) for part in (sight.indptr, sight.indices, both.indptr, both.indices)
+        )
+        return cls(game.layout, sees, seen, starts, columns, pairs)
 
     def covers(self, shares: Floats) -> Floats:
         """C x of shape (targets,)."""
@@ -120,7 +125,7 @@ class System:
         self._matrix, self._values, self._prices = matrix, values, prices
         self._inverse = 1.0 / values[matrix.diagonal]
         self._multigrid: Multigrid | None = None
-        self._scale = float((prices * self._inverse) @ prices)
+        self._scale = max(float((prices * self._inverse) @ prices), TINY)
         self.iterations = 0
 
     def solve(self, given: Floats, residual: float, limits: Limits) -> Floats | None:
@@ -193,7 +198,7 @@ class System:
             self.iterations += 1
             multiply(m.starts, m.columns, self._values, way, product)
             curvature = float(way @ product)
-            if total * charge > most or total > MOST_ITERATIONS or not (0.0 < slope and 0.0 < curvature):
+            if total * charge > most or total > MOST_ITERATIONS or not (slope > 0.0 and curvature > 0.0):
                 return False
             found += (slope / curvature) * way
             before = rest.copy()

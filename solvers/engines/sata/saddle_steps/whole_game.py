@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -26,6 +27,9 @@ TRIAL = 0.1
 
 HOPELESS = 4.0
 """A method that would take so many times the work of the other is not tried any more, once it had this number of turns."""
+
+ENOUGH_STEPS = 4000
+"""Steps of regret matching that close most gaps; its turn comes where the steps of the interior point grow so that they would cost more."""
 
 HORIZON = 0.5
 """Gap to which the methods are compared, as a share of the better one so far."""
@@ -69,6 +73,18 @@ class Pace:
         times = math.log(reached / gap) / power
         return work * math.expm1(times) if times < 100.0 else math.inf
 
+    def projected(self, gap: float) -> float:
+        """Work until ``gap`` where the turns go on to cost more, and gaps to shrink, by the same factors; 0 while little is known."""
+        if len(self._seen) < 5 or self.gap <= gap:
+            return 0.0
+        works, gaps = zip(*self._seen[-5:], strict=True)
+        costs = [max(b - a, 1.0) for a, b in itertools.pairwise(works)]
+        growth, shrink = (costs[-1] / costs[0]) ** (1 / 3), (gaps[-1] / gaps[0]) ** 0.25
+        if not shrink < 1.0:
+            return math.inf
+        turns = math.log(gap / gaps[-1]) / math.log(shrink)
+        return costs[-1] * math.fsum(growth ** min(k, 60) for k in range(1, math.ceil(min(turns, 1e4)) + 1))
+
 
 def play(game: Game) -> tuple[int, int]:
     """Play until the gap is closed or a limit is reached; returns the steps of regret matching and of the interior point."""
@@ -77,8 +93,10 @@ def play(game: Game) -> tuple[int, int]:
     point: InteriorPoint | None = None
     alone = False
     while not (record.closed() or limits.reached()):
-        if alone or not matching.steps or not _interior(matched, pointed, matching.work, 0.0 if point is None else point.work, record.gap):
-            most = math.inf if alone or point is None or not matching.steps else max(TRIAL * point.work, 0.5 * matching.work)
+        costly = matching.steps < ENOUGH_STEPS and pointed.projected(record.gap) > ENOUGH_STEPS * game.pass_work
+        spent = 0.0 if point is None else point.work
+        if alone or costly or not matching.steps or not _interior(matched, pointed, matching.work, spent, record.gap):
+            most = math.inf if alone or costly or point is None or not matching.steps else max(TRIAL * point.work, 0.5 * matching.work)
             steps = max(FIRST_STEPS, int(MORE_STEPS * matching.steps))
             matching.run(max(1, min(steps, int(min(most / game.pass_work, 1e9)))))
             if not matching.steps:
