@@ -79,11 +79,11 @@ class Pace:
             return 0.0
         works, gaps = zip(*self._seen[-5:], strict=True)
         costs = [max(b - a, 1.0) for a, b in itertools.pairwise(works)]
-        growth, shrink = (costs[-1] / costs[0]) ** (1 / 3), (gaps[-1] / gaps[0]) ** 0.25
+        growth, shrink = float(costs[-1] / costs[0]) ** (1 / 3), float(gaps[-1] / gaps[0]) ** 0.25
         if not shrink < 1.0:
             return math.inf
         turns = math.log(gap / gaps[-1]) / math.log(shrink)
-        return costs[-1] * math.fsum(growth ** min(k, 60) for k in range(1, math.ceil(min(turns, 1e4)) + 1))
+        return float(costs[-1]) * math.fsum(growth ** min(k, 60) for k in range(1, math.ceil(min(turns, 1e4)) + 1))
 
 
 def play(game: Game) -> tuple[int, int]:
