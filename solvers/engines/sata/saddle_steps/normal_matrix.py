@@ -15,8 +15,8 @@ from .multigrid import Multigrid
 MOST_PAIRS = 32
 """Pairs of targets that one robot sees, as a multiple of the edges, up to which the normal matrix is formed."""
 
-MOST_ITERATIONS = 2000
-"""Iterations of conjugate gradients in one solve."""
+MOST_ITERATIONS, MOST_CYCLES = 1000, 60
+"""Iterations of conjugate gradients in one solve, with the diagonal and with multigrid."""
 
 FIRST_TRIAL, NEXT_TRIAL = 30, 3
 """Iterations at which the other preconditioner is tried, later as a multiple of those at the last trial."""
@@ -114,7 +114,7 @@ class Preconditioners:
                 self._trials[kind] = max(self._trials[kind], NEXT_TRIAL * iterations)
             return
         self._charge = charge
-        if iterations > self._trials[kind]:
+        if iterations > self._trials[kind] or (kind and not done):
             self._due, self._trials[kind] = True, NEXT_TRIAL * iterations
 
 
@@ -198,7 +198,7 @@ class System:
             self.iterations += 1
             multiply(m.starts, m.columns, self._values, way, product)
             curvature = float(way @ product)
-            if total * charge > most or total > MOST_ITERATIONS or not (slope > 0.0 and curvature > 0.0):
+            if total * charge > most or total > MOST_CYCLES or not (slope > 0.0 and curvature > 0.0):
                 return False
             found += (slope / curvature) * way
             before = rest.copy()
