@@ -43,6 +43,8 @@ KERNELS = {
     "solvers/engines/sata/local_max_min/layer_kernels": "solvers/engines/sata/local_max_min/shares",
     "solvers/engines/sata/local_max_min/level_kernels": "solvers/engines/sata/local_max_min/search",
     "solvers/engines/sata/saddle_steps/descent_kernels": "solvers/engines/sata/saddle_steps/game",
+    "solvers/engines/sata/saddle_steps/multigrid_kernels": "solvers/engines/sata/saddle_steps/multigrid",
+    "solvers/engines/sata/saddle_steps/normal_kernels": "solvers/engines/sata/saddle_steps/normal_matrix",
     "solvers/engines/sata/saddle_steps/regret_kernels": "solvers/engines/sata/saddle_steps/game",
     "solvers/engines/auctions/task_subset_steps/part_kernels": "solvers/engines/auctions/task_subsets",
     "solvers/engines/auctions/task_subset_steps/subset_kernels": "solvers/engines/auctions/task_subsets",

@@ -8,9 +8,9 @@ is outside and told apart. HiGHS starts with the compiled program, with simplex 
 may be more by the clock.
 
 Near-regular and geometric graphs are the kinds ``sensing-regular`` and ``sensing-geometric`` with the number of robots as seed; their value
-is a matter of a few targets. The other two are the engine's weak side, for all targets matter: in the expander, two actions a robot, two
-targets an action and four actions a target are joined at random; on the torus, a robot has one action for each corner of its square.
-Weights are uniform in [0.5, 1.5] and [0.7, 1.3].
+is a matter of a few targets. In the others all targets matter: in the expander, two actions a robot, two targets an action and four actions
+a target are joined at random; on the torus, a robot has one action for each corner of its square; weights are uniform in [0.5, 1.5] and
+[0.7, 1.3]. Planted graphs are random ones of which optimal shares and prices are known; their value is 1 a robot over the sum of prices.
 """
 
 from __future__ import annotations
@@ -52,11 +52,25 @@ def torus(robots: int) -> SensingGraph:
     return graph_of_edges(robot, action, target, weight, robots=side * side)
 
 
+def planted(robots: int) -> SensingGraph:
+    """Three actions a robot, two targets an action, six actions a target, joined at random: the first two actions of each robot are worth 1
+    at the planted prices, the third less, and all targets are covered alike where the first two have equal shares, so that this is optimal.
+    """
+    rng, action = np.random.default_rng(robots), np.arange(6 * robots) // 2
+    worth, used, target = rng.uniform(0.5, 1.5, len(action)), action % 3 < 2, np.empty(len(action), np.int64)
+    for edges in (used, ~used):
+        target[edges] = np.concatenate([rng.permutation(robots) for _ in range(edges.sum() // robots)])
+    worth *= np.where(used, 1.0, rng.uniform(0.5, 0.95, 3 * robots)[action]) / np.bincount(action, worth)[action]
+    price = np.bincount(target, np.where(used, 0.5 * worth, 0.0), minlength=robots)
+    return graph_of_edges(np.arange(3 * robots) // 3, action, target, worth / price[target], robots=robots, duplicates="sum")
+
+
 FAMILIES: dict[str, Callable[[int], SensingGraph]] = {
     "near-regular": lambda robots: generated(SensingGraph, "sensing-regular", robots, robots=robots),
     "geometric": lambda robots: generated(SensingGraph, "sensing-geometric", robots, robots=robots),
     "expander": expander,
     "torus": torus,
+    "planted": planted,
 }
 
 
@@ -141,7 +155,10 @@ def main(
                 if best.seconds < 2.0:
                     best = min(best, measure(graph, gap, limit), key=lambda m: m.seconds)
             s = best.statistics
-            how = f"{s['steps']} steps, {s['passes']:.4g} passes, {s['linear_programs']} programs, {s['priced_targets']} priced"
+            how = (
+                f"{s['steps']} and {s['interior_steps']} steps, "
+                f"{s['passes']:.4g} passes, {s['linear_programs']} programs, {s['priced_targets']} priced"
+            )
             print(
                 f"{family:13s}{size:9d}{graph.num_edges:9d}{best.value:11.6f}{best.bound:11.6f}{best.gap:9.1e}"
                 f"{''.join(map(_seconds, best.until))}{_seconds(best.seconds)}{_seconds(best.certificate)}  {how}; {best.limit}",

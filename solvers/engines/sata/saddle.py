@@ -1,4 +1,4 @@
-"""Saddle: first-order methods for the max-min linear programs of robots that are too large for simplex or interior points."""
+"""Saddle: first-order methods and an interior point for max-min linear programs of robots that are too large for general solvers."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ import numpy as np
 
 from ....formulations.evidence import Evidence
 from ....formulations.problem import Problem
-from ....formulations.sata.balls import Floats, coverage, even_shares, near_one
+from ....formulations.sata.balls import Floats, even_shares, near_one
 from ....formulations.sata.max_min_lp import RobotsOf
 from ....formulations.stop import Stop, Stopped
 from ....instances.errors import UnsupportedError, UsageError
-from ....instances.sata.sensing_graph import SensingGraph
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...bounds.sata.ball import unseen_evidence, weights_evidence
 from ...linear_programs import LinearPrograms
-from .saddle_steps.game import Game, Limits, Record, RegretMatching
+from .saddle_steps.game import Game, Limits, Record
 from .saddle_steps.programs import Programs
 from .saddle_steps.refinement import refine
+from .saddle_steps.whole_game import play
 
 LEAST_GAP = 5e-7
 """Gap that ends a search for which a smaller one is asked: half of the gap that is told apart from an optimum."""
@@ -29,31 +29,23 @@ LEAST_GAP = 5e-7
 FIRST_PASSES, FIRST_WORK = 16.0, 1e6
 """Passes over the graph, and edges, that the work on single clusters may read before the whole game is played."""
 
-REFINE_SHARE = 0.25
-"""Edges that refining the mean answer may read, as a share of those that regret matching has read so far."""
-
-FEW, LEAST_FEW = 0.02, 100
-"""The mean answer is refined when at most this share, or this number, of the targets falls short of the value wanted."""
-
-FIRST_STEPS = 32
-MORE_STEPS = 0.5
-"""Steps of regret matching between two looks at the means: so many, later this share of all steps so far."""
-
 MOST_LAYERS = 1000
 
 
 @BACKENDS.register("saddle")
 class Saddle(Engine):
-    """Work on the targets that fall short of a proved bound, regret matching where all of them matter; bounds from balls and prices.
+    """Work on the targets that fall short of a proved bound, and where all of them matter regret matching or an interior point; bounds from
+    balls and prices.
 
-    ``iterations`` counts passes over the graph, of which a step of regret matching is one. Option ``h``: start from the local algorithm
-    with so many layers instead of robots that divide themselves evenly (0, the default, as the local algorithm takes longer than it saves).
+    ``iterations`` counts passes over the graph, of which a step of regret matching is one and of the interior point many. Option ``h``:
+    start from the local algorithm with so many layers instead of robots that divide themselves evenly (0, the default, as the local
+    algorithm takes longer than it saves).
     """
 
     name = "saddle"
     package = "numba"
     modules = ("numba", "highspy", "scipy")
-    summary = "first-order methods for large max-min LPs, with proved bounds"
+    summary = "first-order and interior-point methods for large max-min LPs, with proved bounds"
     interrupts = "keeps the best answer and the best bound"
     one_thread = bounds_itself = True
     options: ClassVar[Mapping[str, Any]] = {"h": 0}
@@ -153,25 +145,16 @@ def _search(task: _Task, h: int, options: Options, control: Control) -> RawResul
             with contextlib.suppress(Stopped):
                 shares = task.used_up(local_shares(graph, h, stop=stop).shares)
     refine(game, shares, FIRST_PASSES * game.pass_work + FIRST_WORK)
-    matching = None
-    if not (record.closed() or limits.reached()):
-        matching = RegretMatching(game)
-    while matching is not None and not (record.closed() or limits.reached()):
-        matching.run(max(FIRST_STEPS, int(MORE_STEPS * matching.steps)))
-        if not matching.steps:
-            break
-        shares, cover = matching.conclude()
-        if np.count_nonzero(cover < record.wanted) <= max(FEW * len(cover), LEAST_FEW):
-            refine(game, shares, REFINE_SHARE * matching.steps * game.pass_work)
-    return _result(task, game, 0 if matching is None else matching.steps, options)
+    steps = play(game)
+    return _result(task, game, steps, options)
 
 
-def _result(task: _Task, game: Game, steps: int, options: Options) -> RawResult:
+def _result(task: _Task, game: Game, steps: tuple[int, int], options: Options) -> RawResult:
     record, limits = game.record, game.limits
     optimal = record.bound - record.value <= LEAST_GAP * abs(record.value)
     statistics: dict[str, Any] = {
-        "steps": steps, "passes": round(limits.work / game.pass_work, 3), "linear_programs": game.programs.solved,
-        "priced_targets": len(record.targets),
+        "steps": steps[0], "interior_steps": steps[1], "passes": round(limits.work / game.pass_work, 3),
+        "linear_programs": game.programs.solved, "priced_targets": len(record.targets),
     }  # fmt: skip
     if options.start is not None:
         statistics["start"] = "ignored" if task.shares(options.start) is None else "used"
@@ -185,11 +168,8 @@ def _result(task: _Task, game: Game, steps: int, options: Options) -> RawResult:
 @functools.cache
 def _compile() -> None:
     """Compile or load all kernels, for the time limit is for the search alone."""
-    graph = SensingGraph(
-        np.zeros(2, dtype=np.int32), np.array([0, 1, 2], dtype=np.int32), np.array([0, 1], dtype=np.int32), np.ones(2), 1, 2
-    )
-    limits = Limits(Stop())
-    game = Game(graph, Record(graph, 1.0), limits, Programs(limits.stop))
-    shares = np.array([1.0, 0.0])
-    game.descend(shares, coverage(graph, shares), 0.4, 0.0, 100.0)
-    RegretMatching(game).run(1)
+    from ....formulations.kernels import kernels
+
+    for name in ("descent", "regret", "normal", "multigrid"):
+        for one in kernels(f"{__package__}.saddle_steps.{name}_kernels"):
+            one.make()

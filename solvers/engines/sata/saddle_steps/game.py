@@ -33,6 +33,13 @@ class Limits:
     def seconds_left(self) -> float:
         return self.stop.seconds_left
 
+    def afford(self, charge: float) -> bool:
+        """Charge so many edges; false, and nothing is charged, where a limit is reached or would be."""
+        if self.reached() or self.work + charge > self.most_work:
+            return False
+        self.work += charge
+        return True
+
     def reached(self) -> str:
         """Name of the limit that is reached: ``interrupt``, ``time``, ``iterations``, or none (empty)."""
         return self.stop.reached() or ("iterations" if self.work >= self.most_work else "")
@@ -70,14 +77,15 @@ class Record:
             self._news(self, "answer")
         return cover
 
-    def prove(self, targets: Indices, weights: Floats, bound: float | None = None) -> None:
-        """Take the bound that weights of targets prove, if it is better."""
+    def prove(self, targets: Indices, weights: Floats, bound: float | None = None) -> float:
+        """Take the bound that weights of targets prove, if it is better; returns it."""
         if bound is None:
             bound = weights_bound(self.graph, targets, weights)
         bound *= self._rounding
         if bound < self.bound:
             self.bound, self.targets, self.weights = bound, targets, weights
             self._news(self, "bound")
+        return bound
 
     @cached_property
     def _rounding(self) -> float:
@@ -137,7 +145,8 @@ class RegretMatching:
     def __init__(self, game: Game) -> None:
         n, m = game.graph.num_actions, game.graph.num_targets
         self._game = game
-        self.steps = 0
+        self.steps, self.work = 0, 0.0
+        self.value, self.bound = -math.inf, math.inf
         self._shares, self._prices = even_shares(game.graph), np.full(m, 1.0 / m)
         self._mean_shares, self._mean_prices = np.zeros(n), np.zeros(m)
         self._regrets, self._grudges, self._cover = np.zeros(n), np.zeros(m), np.zeros(m)
@@ -156,11 +165,17 @@ class RegretMatching:
             self.steps += played
             steps -= count
             limits.work += played * one
+            self.work += played * one
 
     def conclude(self) -> tuple[Floats, Floats]:
         """Offer the mean shares and prices to the record; returns a copy of the shares, and their coverage."""
         record, shares = self._game.record, self._mean_shares.copy()
         cover = record.offer(shares)
         priced = np.nonzero(self._mean_prices > 0.0)[0]
-        record.prove(priced, self._mean_prices[priced])
+        self.value = float(cover.min())
+        self.bound = record.prove(priced, self._mean_prices[priced])
         return shares, cover
+
+    def means(self) -> tuple[Floats, Floats]:
+        """Copies of the mean shares and prices."""
+        return self._mean_shares.copy(), self._mean_prices.copy()

@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from random_sensing import optimum
+
+from waybound.instances.sata.sensing_graph import graph_of_edges
+from waybound.reports.benchmarks.saddle import FAMILIES
+from waybound.solvers.engines.sata.saddle_steps import whole_game
+from waybound.solvers.engines.sata.saddle_steps.whole_game import Pace, play
+
+
+def paced(*gaps_by_work: tuple[float, float]) -> Pace:
+    pace = Pace()
+    for work, gap in gaps_by_work:
+        pace.note(work, 1.0, 1.0 + gap)
+    return pace
+
+
+def test_the_work_left_follows_the_power_of_the_past():
+    assert paced((1.0, 1e-1), (2.0, 0.5e-1)).left(1e-2) == pytest.approx(8.0)  # gap = 0.1 / work: 10 in all
+    assert paced((1.0, 1e-1), (10.0, 1e-3)).left(1e-5) == pytest.approx(90.0)
+
+
+def test_nothing_is_known_before_two_turns_and_standing_still_is_without_hope():
+    assert paced((1.0, 1e-1)).left(1e-2) == 0.0
+    assert paced((1.0, 1e-1), (5.0, 1e-1)).left(1e-2) == math.inf
+    assert paced((1.0, 1e-1), (5.0, 1e-3)).left(1e-2) == 0.0
+    assert paced((1.0, math.inf), (5.0, 1e-1)).left(1e-2) == 0.0
+
+
+def test_turns_that_grow_are_projected():
+    doubling = paced(*((2.0**k, 0.5**k) for k in range(1, 7)))  # a turn costs twice the one before, and halves the gap
+    assert doubling.projected(0.5**9) == pytest.approx(64.0 + 128.0 + 256.0)
+    assert paced((1.0, 0.1), (2.0, 0.05)).projected(1e-9) == 0.0
+
+
+@pytest.mark.parametrize("family", ["torus", "expander", "planted"])
+def test_both_methods_are_tried_and_the_gap_is_closed(family, make_game):
+    graph = FAMILIES[family](900)
+    game = make_game(graph, 1e-6)
+    matched, pointed = play(game)
+    assert matched > 0 and pointed > 0
+    assert game.record.closed() and game.record.value == pytest.approx(optimum(graph), rel=2e-6)
+
+
+def test_without_a_normal_matrix_regret_matching_goes_on_alone(make_game):
+    rng = np.random.default_rng(0)
+    robot, target = np.repeat(np.arange(8), 300), np.tile(np.arange(150), 16)
+    graph = graph_of_edges(np.arange(16) // 2, np.repeat(np.arange(16), 150), target, rng.uniform(0.5, 1.5, len(robot)), robots=8)
+    game = make_game(graph, 1e-3)
+    matched, pointed = play(game)
+    assert matched > 0 and pointed == 0 and game.record.closed()
+
+
+def test_an_interior_point_that_cannot_move_leaves_the_rest_to_regret_matching(make_game, monkeypatch):
+    monkeypatch.setattr(whole_game.InteriorPoint, "step", lambda self: False)
+    game = make_game(FAMILIES["expander"](100), 1e-3)
+    matched, pointed = play(game)
+    assert matched > whole_game.FIRST_STEPS and pointed == 0 and game.record.closed()
