@@ -144,7 +144,7 @@ def findings(days: pd.DataFrame, effects: list[dict[str, Any]]) -> list[Finding]
             ("auction where new bins are brought ahead: steps", "auction (proposed)", "credited with the gain"),
         ):
             better, worse = ([row["robots"] for row in own if sign * row[key] > row[key + HALF]] for sign in (1, -1))
-            said = f"better for {ranges(better)}, worse for {ranges(worse)}" + (" robots" if better or worse else "")
+            said = f"better for {ranges(better)}{' robots' if better else ''}, worse for {ranges(worse)}"
             why = "the delivery rule, which the auction is credited with, brings new bins ahead by itself"
             verdict = NOT if worse else SIGN if len(better) == len(own) else UNDECIDED
             reason = {NOT: why, UNDECIDED: "the intervals of the others hold both"}.get(verdict, "")
