@@ -248,7 +248,8 @@ class Tree(ProofTree[_Node]):
             found = columns.cut(solved, rows=rows)
             if not found and rows:
                 return solved, None
-            rows = rows or not found
+            if not found:
+                rows, bounds = True, bounds[-1:]
 
     def _hopeless(self, node: _Node, part: Part, solved: Solved) -> tuple[Flags, float] | None:
         """Moves that no better answer makes, if there are many since the gap was last so much larger, and by how much more than the
