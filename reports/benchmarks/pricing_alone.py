@@ -111,8 +111,8 @@ class Watched(ColumnGeneration):
         self.seen: list[Floats] = []
         super().__init__(*given)
 
-    def _reduced(self, *given: Any) -> Floats:
-        reduced = super()._reduced(*given)
+    def reduced_costs(self, *given: Any) -> Floats:
+        reduced = super().reduced_costs(*given)
         self.seen.append(reduced[0])
         return reduced
 

@@ -9,7 +9,8 @@ of each type apart, where sites may be left out too. The bounds are derived in d
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -86,7 +87,7 @@ def check_set_partitioning_duals(problem: RoutingProblem, data: Mapping[str, Any
     and Pecin, Pessoa, Poggi, Uchoa (2017) for their memories; docs/proofs.md#routes.
     """
     prices, ray, apart = numbers(data, "visits", len(problem.sites)), _flag(data, "ray"), _flag(data, "apart")
-    given = _given(problem, data)
+    given = given_rows(problem, data)
     claimed = [number(data, key) if key in data else None for key in ("least", "least_needed")]
     if len(problem.sites.customers) > CUSTOMERS:
         return -math.inf
@@ -112,37 +113,64 @@ class _Found(NamedTuple):
 NOTHING, NO_ANSWER = _Found(-math.inf), _Found(math.inf)
 
 
-def _together(problem: RoutingProblem, prices: Floats, given: _Given, claimed: Sequence[float | None], *, ray: bool) -> _Found:
+def _together(problem: RoutingProblem, prices: Floats, given: Given, claimed: Sequence[float | None], *, ray: bool) -> _Found:
     """The bound by walks of all types of vehicle merged into one."""
+    merged = merged_walks(problem, prices, given, ray=ray)
+    if isinstance(merged, float):
+        return NOTHING if merged < 0.0 else NO_ANSWER
+    bound = _whole_bound(merged.walks, merged.relaxed, *claimed)
+    return _Found(bound, merged.error(bound), merged.relaxed.grain)
+
+
+@dataclass(frozen=True, eq=False)
+class Merged:
+    """Walks of all types of vehicle merged into one, and the relaxation that they are of."""
+
+    walks: Walks
+    relaxed: Relaxation
+
+    def error(self, bound: float) -> float:
+        """By how much a bound in exact arithmetic may exceed what the judge adds up."""
+        # The routes of an answer have fewer than 2 nodes moves. Each is added up from its first on, so that no sum is larger than nodes sizes.
+        size, nodes = float(np.abs(self.walks.cost[self.walks.usable]).max()), len(self.walks.cost)
+        return 8.0 * EPS * (2 * nodes * nodes * size + abs(bound))
+
+
+def merged_walks(problem: RoutingProblem, prices: Floats, given: Given, *, ray: bool = False, finest: int = 1000) -> Merged | float:
+    """The walks at some prices, in multiples of ``2^-finest`` or larger ones; infinity where there is no answer, minus infinity where nothing is known of the problem.
+
+    Raises OverflowError if numbers are too large to be added up.
+    """
     relaxed = relax(problem)
     if relaxed is None:
-        return NOTHING
+        return -math.inf
     usable = np.isfinite(relaxed.cost)
     if relaxed.fewest > relaxed.most or not usable[1:].any(axis=1).all() or not usable[:, 1:].any(axis=0).all():
-        return NO_ANSWER
+        return math.inf
     needed = [moves & usable for moves in needed_moves(problem)]
     if not all(moves.any() for moves in needed):
-        return NO_ANSWER
+        return math.inf
     near = remembered(problem, usable, given.memory)
-    groups = [sites for sites, _ in given.loads]
-    carriers = fewest_carriers(problem, groups)
-    open_sets = [sites if least == 1 and price else sites[:0] for (sites, price), least in zip(given.loads, carriers, strict=True)]
-    late = beyond_one_route(problem, open_sets)
-    least = [routes + int(more) for routes, more in zip(carriers, late.tolist(), strict=True)]
-    loads = [Load(sites, routes, price) for (sites, price), routes in zip(given.loads, least, strict=True)]
+    loads = [Load(sites, routes, price) for (sites, price), routes in zip(given.loads, entering(problem, given.loads), strict=True)]
     priced = [(merged_moves(problem, among) & usable, price) for among, price in given.moves]
     # Once a set has a price, the least walk through it seldom proves more.
     needed = [moves for moves in needed if not any(price and (among | ~moves).all() for among, price in priced)]
     multipliers = Multipliers(prices[relaxed.customers], loads, given.rows, near, priced)
     cost = np.where(usable, 0.0, math.inf) if ray else relaxed.cost
-    walks = Walks(cost, limiting(problem, relaxed.resources, usable), multipliers, needed, current_stop(), LABELS, WORK)
-    bound = _whole_bound(walks, relaxed, *claimed)
-    # The routes of an answer have fewer than 2 nodes moves. Each is added up from its first on, so that no sum is larger than nodes sizes.
-    size, nodes = float(np.abs(cost[usable]).max()), len(cost)
-    return _Found(bound, 8.0 * EPS * (2 * nodes * nodes * size + abs(bound)), relaxed.grain)
+    walks = Walks(cost, limiting(problem, relaxed.resources, usable), multipliers, needed, current_stop(), LABELS, WORK, finest)
+    return Merged(walks, relaxed)
 
 
-def _apart(problem: RoutingProblem, prices: Floats, given: _Given, claimed: Sequence[float | None], *, ray: bool) -> _Found:
+def entering(problem: RoutingProblem, loads: Sequence[tuple[Longs, float]]) -> list[int]:
+    """The fewest routes that visit all of each set of customers, given with its price, because of loads or of windows."""
+    groups = [sites for sites, _ in loads]
+    carriers = fewest_carriers(problem, groups)
+    open_sets = [sites if least == 1 and price else sites[:0] for (sites, price), least in zip(loads, carriers, strict=True)]
+    late = beyond_one_route(problem, open_sets)
+    return [routes + int(more) for routes, more in zip(carriers, late.tolist(), strict=True)]
+
+
+def _apart(problem: RoutingProblem, prices: Floats, given: Given, claimed: Sequence[float | None], *, ray: bool) -> _Found:
     """The bound by walks of each type of vehicle by itself."""
     relaxed, terms = relaxed_terms(problem)
     if terms is None or (terms.peaks and not ray):
@@ -178,7 +206,7 @@ def _whole_bound(walks: Walks, relaxed: Relaxation, claimed: float | None, claim
 # -- reading -----------------------------------------------------------------------------------------------------------------------------
 
 
-class _Given(NamedTuple):
+class Given(NamedTuple):
     """Evidence beside prices of visits; customers are nodes, ``memory`` is a number of the nearest, or a list a node, and ``moves`` are of
     shape (sites, sites)."""
 
@@ -195,32 +223,32 @@ def _flag(data: Mapping[str, Any], key: str) -> bool:
     return value
 
 
-def _given(problem: RoutingProblem, data: Mapping[str, Any]) -> _Given:
+def given_rows(problem: RoutingProblem, data: Mapping[str, Any]) -> Given:
     node = np.zeros(len(problem.sites), dtype=np.int64)
     node[problem.sites.customers] = np.arange(1, len(problem.sites.customers) + 1)
     nodes = node.tolist()
     rows = []
-    for entry in _entries(data, "rows", {"sites", "memory", "price"}):
-        sites, memory = _customers(entry["sites"], nodes, "the sites of a row"), _customers(entry["memory"], nodes, "the memory of a row")
+    for entry in entries(data, "rows", {"sites", "memory", "price"}):
+        sites, memory = customers_of(entry["sites"], nodes, "the sites of a row"), customers_of(entry["memory"], nodes, "the memory of a row")
         if len(sites) < 3 or len(sites) % 2 == 0:
             raise InputError("a row of evidence has an odd number of sites", "out-of-range", expected="3 or more", found=str(len(sites)))
         if not set(sites) <= set(memory):
             raise InputError("the memory of a row of evidence lacks a site of the row", "missing")
-        rows.append(Row(np.array(sites), np.array(memory), _signed(entry, -1.0)))
+        rows.append(Row(np.array(sites), np.array(memory), signed(entry, -1.0)))
     loads = []
-    for entry in _entries(data, "loads", {"sites", "price"}):
-        sites = _customers(entry["sites"], nodes, "the sites of a load")
+    for entry in entries(data, "loads", {"sites", "price"}):
+        sites = customers_of(entry["sites"], nodes, "the sites of a load")
         if not sites:
             raise InputError("a load of evidence has no sites", "missing")
-        loads.append((np.array(sites), _signed(entry, 1.0)))
+        loads.append((np.array(sites), signed(entry, 1.0)))
     moves, known = [], customers_moves(without_stops(problem))
-    for entry in _entries(data, "needed", {"moves", "price"}):
+    for entry in entries(data, "needed", {"moves", "price"}):
         among = np.zeros((len(nodes),) * 2, dtype=bool)
         among.flat[moves_of(problem, entry["moves"])] = True
         if not any((among | ~of).all() for of in known):
             raise InputError("evidence has a price for moves none of which is needed", "contradiction", found=printable(entry, 80))
-        moves.append((among, _signed(entry, 1.0)))
-    return _Given(_memory(data, nodes), rows, loads, moves)
+        moves.append((among, signed(entry, 1.0)))
+    return Given(_memory(data, nodes), rows, loads, moves)
 
 
 def _memory(data: Mapping[str, Any], nodes: list[int]) -> int | NDArray[np.int32]:
@@ -232,7 +260,7 @@ def _memory(data: Mapping[str, Any], nodes: list[int]) -> int | NDArray[np.int32
     if memory is not None or not isinstance(lists, list) or len(lists) != len(nodes):
         expected = f"{len(nodes)} lists, and no 'memory'"
         raise InputError("evidence 'remembered' must be one list a site", "wrong-shape", expected=expected, found=printable(lists, 80))
-    read = [_customers(sites, nodes, "the sites that are remembered") for sites in lists]
+    read = [customers_of(sites, nodes, "the sites that are remembered") for sites in lists]
     if any(sites and not nodes[k] for k, sites in enumerate(read)):
         raise InputError("evidence 'remembered' lists sites at a depot, where nobody is remembered", "out-of-range")
     kept = [[other for other in sites if other != nodes[k]] for k, sites in enumerate(read)]
@@ -242,17 +270,18 @@ def _memory(data: Mapping[str, Any], nodes: list[int]) -> int | NDArray[np.int32
     return made
 
 
-def _entries(data: Mapping[str, Any], key: str, keys: set[str]) -> Sequence[Mapping[str, Any]]:
-    entries = data.get(key, [])
-    if not isinstance(entries, list) or not all(isinstance(entry, Mapping) and entry.keys() == keys for entry in entries):
+def entries(data: Mapping[str, Any], key: str, keys: Set[str], optional: Set[str] = frozenset()) -> Sequence[Mapping[str, Any]]:
+    found = data.get(key, [])
+    right = isinstance(found, list) and all(isinstance(entry, Mapping) and keys <= entry.keys() <= keys | optional for entry in found)
+    if not right:
         expected = f"a list of objects with {', '.join(sorted(keys))}"
-        raise InputError(f"evidence {key!r} is malformed", expected=expected, found=printable(entries, 80))
-    if len(entries) > ROWS:
-        raise InputError(f"evidence has too many {key}", "too-large", expected=f"at most {ROWS:,}", found=f"{len(entries):,}")
-    return entries
+        raise InputError(f"evidence {key!r} is malformed", expected=expected, found=printable(found, 80))
+    if len(found) > ROWS:
+        raise InputError(f"evidence has too many {key}", "too-large", expected=f"at most {ROWS:,}", found=f"{len(found):,}")
+    return list(found)
 
 
-def _customers(sites: Any, nodes: list[int], what: str) -> list[int]:
+def customers_of(sites: Any, nodes: list[int], what: str) -> list[int]:
     """Customers of a list of indices of sites, as nodes."""
     if not isinstance(sites, list) or not set(map(type, sites)) <= {int}:
         raise InputError(f"{what} in evidence must be a list of indices", found=printable(sites, 80))
@@ -262,7 +291,7 @@ def _customers(sites: Any, nodes: list[int], what: str) -> list[int]:
     return [nodes[site] for site in sites]
 
 
-def _signed(entry: Mapping[str, Any], sign: float) -> float:
+def signed(entry: Mapping[str, Any], sign: float) -> float:
     price = number(entry, "price")
     if sign * price < 0.0:
         expected = "0 or more" if sign > 0.0 else "0 or less"

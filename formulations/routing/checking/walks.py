@@ -142,21 +142,33 @@ class Walks:
             found, _ = self._searched(which, limit, counted=True)
         return found
 
-    def _searched(self, which: int | None, limit: int, *, counted: bool) -> tuple[int | None, int]:
-        """The least cost that was found, and the visits of the walk that has it, 0 without."""
-        from .walk_kernels import DONE, FULL, STOPPED, completions
+    def bounded(self, limit: int) -> tuple[Network, Longs]:
+        """The network of all walks, and at most what is left to pay on those that cost less than ``limit``, as of ``completions``."""
+        network, rest = self._begun(counted=False, marked=None)
+        return network, self._sharpened(network, rest, limit, wanted=False, levels=self._levels[False])
+
+    def _begun(self, *, counted: bool, marked: int | None) -> tuple[Network, Longs]:
+        """The network, with the moves that set ``marked`` needs, and what is left to pay at most."""
+        from .walk_kernels import completions
 
         if counted not in self._networks:
             levels = self._levels.setdefault(counted, whole_levels(self.resources, self.usable, counted=counted))
             self._networks[counted] = network_of(self.reduced, self.usable, levels, self.multipliers.listed, self.rows)
-        network, visits = self._networks[counted], 0
-        marked = which if which is not None or not self.needed else 0
+        network = self._networks[counted]
         if marked is not None:
             network = with_needed(network, self.needed[marked][self.usable].astype(np.int64))
         if (counted, marked) not in self._rest:
             self._rest[counted, marked] = completions(self.stop.flag, network, 1 if marked is None else 2)
             self.work -= int(network.grid[2]) * len(network.moves)
-        rest, wanted = self._rest[counted, marked], which is not None
+        return network, self._rest[counted, marked]
+
+    def _searched(self, which: int | None, limit: int, *, counted: bool) -> tuple[int | None, int]:
+        """The least cost that was found, and the visits of the walk that has it, 0 without."""
+        from .walk_kernels import DONE, FULL, STOPPED
+
+        marked = which if which is not None or not self.needed else 0
+        network, rest = self._begun(counted=counted, marked=marked)
+        wanted, visits = which is not None, 0
 
         status, found, length = self._run(network, rest, limit, wanted, QUICK, careful=False)
         if status == DONE and found < limit:

@@ -25,6 +25,7 @@ from ...linear_programs import LinearPrograms
 from ..proof_tree import ROOT, Node, ProofTree
 from .arcs import Flags, Floats, by_site
 from .column_generation import WHOLE, ColumnGeneration, Part, Solved
+from .enumerated_routes import ChoiceTree, routes_below
 from .first_answer import RUINS, first_answer
 from .load_cuts import LoadCut
 from .memory_shares import NUMBER
@@ -60,6 +61,10 @@ SMALLER, MANY = 0.6, 0.02
 """Moves that no better answer makes are looked for each time the gap has become so much smaller, and left out where they are more than a
 share of all."""
 
+WIDEST, NARROWER = 0.02, 0.7
+"""Part of the best value that may be open for all routes of a better answer to be listed, and how much smaller the gap is to be before
+that is tried again."""
+
 CANDIDATES, PRICED = 20, 3
 """Statements that are tried over the routes at hand before one is branched on, and those of them that are tried with further routes too."""
 
@@ -75,12 +80,15 @@ LEAST_GAIN = 1e-6
 class _Node(Node):
     """A node and its linear relaxation: ``prices`` of its best bound, where its children begin; ``flow``, shape (types, nodes, nodes), how
     often vehicles of each type make each move in its linear program, and its ``value``; the ``gap`` at which hopeless moves were last
-    looked for; ``rest``: it only leaves out such moves."""
+    looked for, and ``listed``, at which all routes of a better answer were; ``chosen`` is the proof over these; ``rest``: it only leaves
+    out moves."""
 
     prices: Prices | None = None
     flow: Floats | None = None
     value: float = -math.inf
     gap: float = math.inf
+    listed: float = math.inf
+    chosen: Evidence | None = None
     rest: bool = False
 
     @property
@@ -188,7 +196,7 @@ class Tree(ProofTree[_Node]):
     def look(self, node: _Node) -> bool:
         part, parent, first = self._part(node), node.parent, node.first
         if isinstance(parent, _Node):
-            node.prices, node.gap = parent.prices, parent.gap
+            node.prices, node.gap, node.listed = parent.prices, parent.gap, parent.listed
         solved, hopeless = self._solved(node, part)
         if solved.status == "stopped" and (not first or solved.prices is None):
             return False
@@ -208,6 +216,8 @@ class Tree(ProofTree[_Node]):
         node.prices = solved.prices or node.prices
         if solved.prices is not None:
             self._prove(node, solved)
+        if node.chosen is not None and not self.reached(node.bound):
+            self._prove_by(node, node.chosen)
         if self.reached(node.bound) or solved.status in ("full", "flooded", "stopped"):
             self.close(node)
         else:
@@ -232,6 +242,8 @@ class Tree(ProofTree[_Node]):
             hopeless = self._hopeless(node, part, solved)
             if hopeless is not None:
                 return solved, hopeless
+            if self._over_all(node, part, solved):
+                return solved, None
             columns.purge(self.target / self.unit - solved.bound)
             bounds.append(solved.bound)
             self.on_step(-math.inf)
@@ -257,14 +269,39 @@ class Tree(ProofTree[_Node]):
         gap = self.target / self.unit - solved.bound
         if not self.fixing or not gap < SMALLER * node.gap:
             return None
-        node.gap = gap
-        if self.grain is not None:  # what is above the last multiple before the target is lifted to it
-            gap -= self.grain.size / self.unit * (1.0 - 1e-4)
+        node.gap, gap = gap, self._goal() - solved.bound
         hopeless = self.columns.hopeless(part, solved, gap)
         if hopeless is not None and self.partition.symmetric:
             hopeless &= hopeless.T
         many = MANY * np.isfinite(part.cost).any(axis=0).sum()
         return (hopeless, gap + 0.5 * self.columns.step) if hopeless is not None and hopeless.sum() > many else None
+
+    def _goal(self) -> float:
+        """What is to be proved, in units: what is above the last multiple before the target is lifted to it."""
+        below = 0.0 if self.grain is None else self.grain.size * (1.0 - 1e-4)
+        return (self.target - below) / self.unit
+
+    def _over_all(self, node: _Node, part: Part, solved: Solved) -> bool:
+        """List all routes of a better answer, where the gap is small, and choose among them; whether that proves the node."""
+        gap = self._goal() - solved.bound
+        if not self.partition.merged or part.rows or not gap < min(NARROWER * node.listed, WIDEST * abs(self.target) / self.unit):
+            return False
+        node.listed = gap
+        every = routes_below(self.columns, part, solved, gap)
+        if every is None or not len(every):
+            return False
+
+        def told(answer: Routes) -> None:
+            self._judged(answer)
+
+        choice = ChoiceTree(self.columns, part, solved, every, self._goal, self.stop, told)
+        choice.grow()
+        if choice.bound < choice.target:
+            return False
+        prices = self._evidence(solved, None).data
+        data = {"goal": self._goal() * self.unit, "prices": prices, "nodes": choice.listed()}
+        node.chosen = Evidence("enumerated-routes", f"{len(every)} routes, {len(choice.nodes)} cases", choice.bound * self.unit, data)
+        return True
 
     def _without(self, node: _Node, solved: Solved, hopeless: Flags, more: float) -> bool | None:
         """Leave moves out over which routes cost ``more`` than the cheapest: a branching of which one side is proved at once.
@@ -343,9 +380,13 @@ class Tree(ProofTree[_Node]):
     # -- evidence ----------------------------------------------------------------------------------------------------
 
     def _prove(self, node: _Node, solved: Solved, more: float | None = None) -> None:
-        """Prove a node by the prices of its best bound, in what is left of all the time."""
+        """Prove a node by the prices of its best bound."""
+        self._prove_by(node, self._evidence(solved, more))
+
+    def _prove_by(self, node: _Node, evidence: Evidence) -> None:
+        """Prove a node in what is left of all the time."""
         stop, self.stop = self.stop, self.whole
-        self.prove(node, self.restricted(node), [self._evidence(solved, more)])
+        self.prove(node, self.restricted(node), [evidence])
         self.stop = stop
 
     def _evidence(self, solved: Solved, more: float | None) -> Evidence:
@@ -511,6 +552,6 @@ def opening_answer(
 
 
 KERNELS = (
-    *(f"waybound.solvers.bounds.routing.{name}_kernels" for name in ("label", "subset_row", "cut")),
-    "waybound.formulations.routing.checking.walk_kernels",
+    *(f"waybound.solvers.bounds.routing.{name}_kernels" for name in ("label", "subset_row", "cut", "enumeration")),
+    *(f"waybound.formulations.routing.checking.{name}_kernels" for name in ("walk", "cheap_route")),
 )

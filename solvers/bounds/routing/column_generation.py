@@ -303,7 +303,7 @@ class ColumnGeneration:
 
     def _priced(self, part: Part, at: Prices, how: int, step: float) -> tuple[int, Floats, list[Drive]]:
         """Status, least reduced costs, and routes of all types."""
-        reduced, fines = self._reduced(part, at), at.of(self.row_cuts)
+        reduced, fines = self.reduced_costs(part, at), at.of(self.row_cuts)
         least, found = np.full(len(reduced), math.inf), list[Drive]()
         for kind, (pricer, costs, price) in enumerate(zip(self.pricers, reduced, at.routes.tolist(), strict=True)):
             # Each route pays for being one of so many.
@@ -313,7 +313,7 @@ class ColumnGeneration:
             found += [self._turned(kind, route) for route in routes]
         return 0, least, found
 
-    def _reduced(self, part: Part, at: Prices) -> Floats:
+    def reduced_costs(self, part: Part, at: Prices) -> Floats:
         """Reduced costs of moves, but for the prices of subset rows."""
         reduced = part.cost.copy()
         reduced[:, :, 1:] -= at.visits[1:]
@@ -329,7 +329,7 @@ class ColumnGeneration:
             return []
         some = Pool()
         some.add(fresh)
-        cost = some.sums(self._reduced(part, prices)) - prices.routes[some.kind]
+        cost = some.sums(self.reduced_costs(part, prices)) - prices.routes[some.kind]
         cost -= coefficients(self.row_cuts, some, 0) @ prices.of(self.row_cuts)
         chosen, counts = list[Drive](), np.zeros(part.cost.shape[1], np.int64)
         for k in np.argsort(cost, kind="stable").tolist():
@@ -432,7 +432,7 @@ class ColumnGeneration:
         """Moves that no route makes whose reduced cost is less than ``gap`` above the least of its type, shape (nodes, nodes); None where
         there was no time or no room."""
         assert solved.prices is not None
-        reduced, fines = self._reduced(part, solved.prices), solved.prices.of(self.row_cuts)
+        reduced, fines = self.reduced_costs(part, solved.prices), solved.prices.of(self.row_cuts)
         usable = np.isfinite(part.cost)
         needed = np.zeros(usable.shape[1:], dtype=bool)
         for kind, (pricer, costs, least) in enumerate(zip(self.pricers, reduced, solved.least.tolist(), strict=True)):

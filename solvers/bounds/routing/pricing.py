@@ -200,7 +200,7 @@ class Pricer:
         from .label_kernels import DONE, NONE, STOPPED, join
 
         fines = self._fines(duals)
-        least_bar = self._bar(below)
+        least_bar = self.bar(below)
         halves = (self.halfway, int(self.top[0]) - self.halfway - 1) if self.bidirectional else (int(self.top[0]), -1)
         status = self._grow(stop, reduced, fines, how, halves)
         if status != DONE:
@@ -225,14 +225,20 @@ class Pricer:
         if self._grow(stop, reduced, fines, EXACT, (full, full)) != DONE:
             return None
         ahead = self.ends[0]
-        least = np.full(len(ahead.heads), self._bar(below), np.int64)
+        least = np.full(len(ahead.heads), self.bar(below), np.int64)
         if arc_costs(stop.flag, *self._meeting(fines), least) != DONE:
             return None
         costs = np.full(reduced.shape, np.inf)
         costs[ahead.tails, ahead.heads] = least / self.unit
         return costs
 
-    def _bar(self, below: float) -> int:
+    def backwards(self, stop: Stop, reduced: Floats, duals: Floats) -> int:
+        """Grow all labels from the end of routes; whether it was done, stopped or full."""
+        from .label_kernels import EXACT
+
+        return self._grow(stop, reduced, self._fines(duals), EXACT, (-1, int(self.top[0])))
+
+    def bar(self, below: float) -> int:
         """A cost in whole numbers, those beyond all sums cut off."""
         from .label_kernels import NONE
 

@@ -1,0 +1,101 @@
+"""Rows over whole routes, of which only the customers count: of weights that are rounded down, and of sets that several routes visit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .arcs import Flags, Floats
+from .restricted_master import Pool
+
+LEAST = 0.02
+"""Least violation."""
+
+ROOM = 20_000
+"""Most violated sets of three that are looked at."""
+
+MOST, EACH = 80, 6
+"""Most rows that are added at once, and those of one customer among them."""
+
+
+def visited(pool: Pool, first: int, nodes: int) -> Flags:
+    """Whom each route from number ``first`` on visits, shape (routes, nodes)."""
+    at = pool.begin[first]
+    visits = np.zeros((len(pool) - first, nodes), bool)
+    visits[pool.owner[at:] - first, pool.head[at:]] = True
+    visits[:, 0] = False
+    return visits
+
+
+@dataclass(frozen=True, eq=False)
+class RouteRow:
+    """Routes have ``parts`` of the ``weights`` of those whom they visit only so often, rounded down (Chvátal 1973); halves without weights."""
+
+    customers: tuple[int, ...]
+    weights: tuple[int, ...] = ()
+    parts: int = 2
+    sign: int = field(default=-1, init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "weights", self.weights or (1,) * len(self.customers))
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """The same for the same row."""
+        return (*sorted(zip(self.customers, self.weights, strict=True)), self.parts)
+
+    @property
+    def right(self) -> float:
+        return float(sum(self.weights) // self.parts)
+
+    def missing(self, nodes: int) -> Floats:
+        return np.zeros(nodes - 1)
+
+    def counted(self, visits: Flags) -> Floats:
+        """Coefficients of routes, given as whom they visit, shape (routes, nodes)."""
+        total = visits[:, self.customers].astype(np.int64) @ np.array(self.weights)
+        return (total // self.parts).astype(np.float64)
+
+    @staticmethod
+    def coefficients(rows: Sequence[RouteRow | RouteLoad], pool: Pool, first: int) -> Floats:
+        nodes = 1 + max(int(pool.head.max(initial=0)), max(max(row.customers) for row in rows))
+        visits = visited(pool, first, nodes)
+        return np.array([row.counted(visits) for row in rows]).T
+
+
+@dataclass(frozen=True, eq=False)
+class RouteLoad:
+    """At least ``right`` routes visit some of the customers."""
+
+    customers: tuple[int, ...]
+    right: float
+    sign: int = field(default=1, init=False)
+
+    def missing(self, nodes: int) -> Floats:
+        return np.isin(np.arange(1, nodes), self.customers).astype(np.float64)
+
+    def counted(self, visits: Flags) -> Floats:
+        """Coefficients of routes, given as whom they visit, shape (routes, nodes)."""
+        return visits[:, self.customers].any(axis=1).astype(np.float64)
+
+    coefficients = staticmethod(RouteRow.coefficients)
+
+
+def violated_rows(visits: Flags, values: Floats, known: set[tuple[object, ...]]) -> list[RouteRow]:
+    """Rows that a point violates most and that are not ``known``; ``visits``, shape (nodes, routes)."""
+    from .subset_row_kernels import violated_triples
+
+    whom = np.ascontiguousarray(visits, dtype=np.float64)
+    triples, excess = np.zeros((ROOM, 3), np.int64), np.zeros(ROOM)
+    number = violated_triples((whom * values) @ whom.T, whom, np.ascontiguousarray(values), LEAST, triples, excess)
+    counts, found = np.zeros(len(whom), np.int64), list[RouteRow]()
+    for row in triples[np.argsort(-excess[:number], kind="stable")].tolist():
+        cut = RouteRow(tuple(row))
+        if counts[row].max() < EACH and cut.key not in known:
+            counts[row] += 1
+            found.append(cut)
+        if len(found) == MOST:
+            break
+    return found
