@@ -12,6 +12,9 @@ from .walk_networks import BITS, Network
 _NAMED = (Network,)
 """The named tuple that these types name."""
 
+SLOTS = 1 << 18
+"""Places of a table in which sets are looked up, a power of two."""
+
 
 @kernel(_nrt=False, no_cpython_wrapper=True)
 def _same(one, k, other, m):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
@@ -43,17 +46,16 @@ def cheap_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     nodes, levels, rows, loads = len(first) - 1, len(start), inside.shape[1], among.shape[1]
     words = (nodes + BITS - 1) // BITS
     base, shift, mixed = grid[0], grid[1], above.max() >= 0
-    size = 1024
-    while size < 2 * room:
-        size *= 2
-    slots, tables = size - 1, np.full(size, -1, np.int32)
-    node, key = np.zeros((2, room), np.int32), np.zeros((2, room), np.int64)
-    label = np.zeros((2, room, 2 + levels), np.int64)  # what the moves cost, the reduced cost, levels
-    seen, half, hit = np.zeros((2, room, words), np.int64), np.zeros((2, room, rows), np.int64), np.zeros((2, room, loads), np.int64)
-    link = np.zeros(room, np.int32)
-    sets, least, known = np.zeros((most, words), np.int64), np.zeros(most, np.int64), np.zeros(most, np.int64)
-    chain, ended = np.zeros(most, np.int32), np.full(size, -1, np.int32)
+    slots, tables = SLOTS - 1, np.full(SLOTS, -1, np.int32)
+    node, key = np.empty((2, room), np.int32), np.empty((2, room), np.int64)
+    label = np.empty((2, room, 2 + levels), np.int64)  # what the moves cost, the reduced cost, levels
+    seen, half, hit = np.empty((2, room, words), np.int64), np.empty((2, room, rows), np.int64), np.empty((2, room, loads), np.int64)
+    link = np.empty(room, np.int32)
+    sets, least, known = np.empty((most, words), np.int64), np.empty(most, np.int64), np.empty(most, np.int64)
+    chain, ended = np.empty(most, np.int32), np.full(SLOTS, -1, np.int32)
     new = np.zeros(2 + levels, np.int64)
+    # What is never written takes no memory.
+    node[0, 0], key[0, 0], label[0, 0], seen[0, 0], half[0, 0], hit[0, 0] = 0, 0, 0, 0, 0, 0
     for r in range(levels):
         label[0, 0, 2 + r] = start[r]
     count, number, looked, now = 1, 0, 0, 0

@@ -552,6 +552,6 @@ def opening_answer(
 
 
 KERNELS = (
-    *(f"waybound.solvers.bounds.routing.{name}_kernels" for name in ("label", "subset_row", "cut", "enumeration")),
+    *(f"waybound.solvers.bounds.routing.{name}_kernels" for name in ("label", "subset_row", "cut", "enumeration", "route_row")),
     *(f"waybound.formulations.routing.checking.{name}_kernels" for name in ("walk", "cheap_route")),
 )

@@ -34,10 +34,10 @@ LABEL = 150
 ADDED = 300
 """Most routes that are added to the linear program at once."""
 
-WORTH = 0.03
-"""Rows are added until a round closes less than this share of the gap."""
+ROUNDS, WORTH = 3, 0.04
+"""Rows are added until so many rounds together close less than this share of the gap."""
 
-CANDIDATES = 12
+CANDIDATES = 6
 """Pairs of customers that are tried before one is branched on."""
 
 NODES = 3_000
@@ -170,7 +170,7 @@ class ChoiceTree(ProofTree[_Case]):
         if not len(node.at):
             self.close_at_goal(node)
             return True
-        before = -math.inf
+        bounds = list[float]()
         while True:
             found = self._solved(node.at)
             if found is None:
@@ -183,12 +183,14 @@ class ChoiceTree(ProofTree[_Case]):
             if self.reached(node.bound):
                 self.close(node)
                 return True
-            slow = bound - before < WORTH * (self.target - bound)
-            before = bound
+            bounds.append(bound)
+            slow = len(bounds) > ROUNDS and bounds[-1] - bounds[-1 - ROUNDS] < WORTH * (self.target - bound)
             if slow or not self._cut(point):
                 break
         used = np.nonzero(point.values > WHOLE)[0]
         node.at, node.used, node.values = node.at[kept], self.of[used], point.values[used]
+        if parent is None:
+            self._forget(node)
         if self._pairs(node):
             self.wait(node)
         else:
@@ -247,9 +249,17 @@ class ChoiceTree(ProofTree[_Case]):
         self.of = np.concatenate([self.of, new])
         self.master.refresh()
 
+    def _forget(self, node: _Case) -> None:
+        """Drop the rows that have no price at a node, and the routes that it leaves out."""
+        assert node.prices is not None
+        self.master.drop([cut for cut in self.master.cuts if cut not in node.prices.cuts])
+        kept = np.isin(self.of, node.at)
+        self.inside[self.of[~kept]] = False
+        self.of = self.of[kept]
+        self.master.keep(kept)
+
     def _cut(self, point: Point) -> bool:
-        """Add rows that the point violates, and drop those that do not bind; whether there were any."""
-        assert point.prices is not None
+        """Add rows that the point violates; whether there were any."""
         used = np.nonzero(point.values > WHOLE)[0]
         known = {cut.key for cut in self.master.cuts if isinstance(cut, RouteRow)}
         cuts = violated_rows(self.visits[self.of[used]].T, point.values[used], known)

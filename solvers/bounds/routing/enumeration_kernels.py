@@ -8,6 +8,9 @@ from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
 from .label_kernels import DONE, FULL, STOPPED, WORD
 
+SLOTS = 1 << 18
+"""Places of a table in which sets are looked up, a power of two."""
+
 
 @kernel(_nrt=False, no_cpython_wrapper=True)
 def completed(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
@@ -60,18 +63,16 @@ def all_below(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """
     nodes, levels, rows, loads, room = len(chains), lower.shape[1], rows_of.shape[1], loads_of.shape[1], len(node)
     words, one = (nodes + WORD - 1) // WORD, 1
-    size = 1024
-    while size < 2 * room:
-        size *= 2
-    slots, places, known, link = size - 1, np.full(size, -1, np.int32), np.full(size, -1, np.int32), np.full(room, -1, np.int32)
+    slots, places, known, link = SLOTS - 1, np.full(SLOTS, -1, np.int32), np.full(SLOTS, -1, np.int32), np.empty(room, np.int32)
     next_route = np.full(len(ended), -1, np.int32)
-    key, moves, cost = np.zeros(room, np.int64), np.zeros(room, np.int64), np.zeros(room, np.int64)
-    level, seen = np.zeros((room, levels), np.int64), np.zeros((room, words), np.int64)
-    half, hit = np.zeros((room, rows), np.int64), np.zeros((room, loads), np.int64)
+    key, moves, cost = np.empty(room, np.int64), np.empty(room, np.int64), np.empty(room, np.int64)
+    level, seen = np.empty((room, levels), np.int64), np.empty((room, words), np.int64)
+    half, hit = np.empty((room, rows), np.int64), np.empty((room, loads), np.int64)
     left, new = np.zeros(levels, np.int64), np.zeros(levels, np.int64)
     for r in range(levels):
         level[0, r] = start[r]
     node[0], parent[0] = 0, -1
+    key[0], moves[0], cost[0], seen[0], half[0], hit[0] = 0, 0, 0, 0, 0, 0
     count, number, begin = 1, 0, 0
     while begin < count:
         end = count  # all labels from here on have a visit more

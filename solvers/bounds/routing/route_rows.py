@@ -19,6 +19,10 @@ ROOM = 20_000
 MOST, EACH = 80, 6
 """Most rows that are added at once, and those of one customer among them."""
 
+KINDS = (((2, 1, 1, 1), 3), ((1,) * 5, 3), ((2, 2, 1, 1, 1), 4), ((3, 1, 1, 1, 1), 4), ((3, 2, 2, 1, 1), 5), ((1,) * 5, 2),
+         ((2, 2, 1, 1, 1), 3), ((3, 3, 2, 2, 1), 4))  # fmt: skip
+"""Weights and parts that no others of four or five customers surpass (Pecin, Pessoa, Poggi, Uchoa, Santos 2017)."""
+
 
 def visited(pool: Pool, first: int, nodes: int) -> Flags:
     """Whom each route from number ``first`` on visits, shape (routes, nodes)."""
@@ -84,18 +88,26 @@ class RouteLoad:
 
 
 def violated_rows(visits: Flags, values: Floats, known: set[tuple[object, ...]]) -> list[RouteRow]:
-    """Rows that a point violates most and that are not ``known``; ``visits``, shape (nodes, routes)."""
+    """Rows of three to five customers that a point violates most and that are not ``known``; ``visits``, shape (nodes, routes)."""
+    from .route_row_kernels import violated_weights
     from .subset_row_kernels import violated_triples
 
-    whom = np.ascontiguousarray(visits, dtype=np.float64)
+    visits, values = np.ascontiguousarray(visits), np.ascontiguousarray(values)
+    whom = visits.astype(np.float64)
     triples, excess = np.zeros((ROOM, 3), np.int64), np.zeros(ROOM)
-    number = violated_triples((whom * values) @ whom.T, whom, np.ascontiguousarray(values), LEAST, triples, excess)
-    counts, found = np.zeros(len(whom), np.int64), list[RouteRow]()
-    for row in triples[np.argsort(-excess[:number], kind="stable")].tolist():
-        cut = RouteRow(tuple(row))
-        if counts[row].max() < EACH and cut.key not in known:
-            counts[row] += 1
-            found.append(cut)
+    number = violated_triples((whom * values) @ whom.T, whom, values, LEAST, triples, excess)
+    seen = list(zip(excess[:number].tolist(), map(RouteRow, map(tuple, triples[:number].tolist())), strict=True))
+    for weights, parts in KINDS:
+        members, excess = np.zeros((len(visits), len(weights)), np.int64), np.zeros(len(visits))
+        number = violated_weights(visits, values, np.array(weights), parts, LEAST, members, excess)
+        seen += [(excess[k], RouteRow(tuple(members[k].tolist()), weights, parts)) for k in range(number)]
+    counts, found, known = np.zeros(len(visits), np.int64), list[RouteRow](), set(known)
+    for _, row in sorted(seen, key=lambda pair: -pair[0]):
+        at = list(row.customers)
+        if counts[at].max() < EACH and row.key not in known:
+            counts[at] += 1
+            known.add(row.key)
+            found.append(row)
         if len(found) == MOST:
             break
     return found
