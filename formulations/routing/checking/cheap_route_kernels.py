@@ -19,10 +19,7 @@ SLOTS = 1 << 18
 @kernel(_nrt=False, no_cpython_wrapper=True)
 def _same(one, k, other, m):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Whether two rows have the same bits."""
-    for w in range(one.shape[1]):
-        if one[k, w] != other[m, w]:
-            return False
-    return True
+    return all(one[k, w] == other[m, w] for w in range(one.shape[1]))
 
 
 @kernel(
@@ -71,7 +68,7 @@ def cheap_routes(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
             looked += first[tail + 1] - first[tail]
             for m in range(first[tail], first[tail + 1]):
                 head = moves[m, 0]
-                if head == 0 and tail == 0 or seen[now, one, head // BITS] >> (head % BITS) & 1:
+                if (head == 0 and tail == 0) or seen[now, one, head // BITS] >> (head % BITS) & 1:
                     continue
                 fits = True
                 for r in range(levels):

@@ -21,7 +21,7 @@ from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
 from ...stop import current_stop
 from .known_features import Flags, Floats, Longs, routing_evidence
-from .set_partitioning_duals import CUSTOMERS, Merged, customers_of, entries, entering, given_rows, merged_walks, signed
+from .set_partitioning_duals import CUSTOMERS, Merged, customers_of, entering, entries, given_rows, merged_walks, signed
 from .walk_networks import BITS, FAR
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def check_enumerated_routes(problem: RoutingProblem, data: Mapping[str, Any]) ->
     if len(problem.sites.customers) > CUSTOMERS:
         return -math.inf
     try:
-        finest = min(BIT - math.frexp(case.size)[1] for case in cases)
+        finest = min(BIT - math.frexp(size)[1] for size in (goal, *(case.size for case in cases)))
         merged = merged_walks(problem, visits, given, finest=finest)
         if isinstance(merged, float):
             return merged

@@ -131,13 +131,14 @@ class Merged:
 
     def error(self, bound: float) -> float:
         """By how much a bound in exact arithmetic may exceed what the judge adds up."""
-        # The routes of an answer have fewer than 2 nodes moves. Each is added up from its first on, so that no sum is larger than nodes sizes.
+        # The routes of an answer have fewer than 2 nodes moves. Each is added up from its first on: no sum is larger than nodes sizes.
         size, nodes = float(np.abs(self.walks.cost[self.walks.usable]).max()), len(self.walks.cost)
         return 8.0 * EPS * (2 * nodes * nodes * size + abs(bound))
 
 
 def merged_walks(problem: RoutingProblem, prices: Floats, given: Given, *, ray: bool = False, finest: int = 1000) -> Merged | float:
-    """The walks at some prices, in multiples of ``2^-finest`` or larger ones; infinity where there is no answer, minus infinity where nothing is known of the problem.
+    """The walks at some prices, in multiples of ``2^-finest`` or larger ones; infinity where there is no answer, minus infinity where
+    nothing is known of the problem.
 
     Raises OverflowError if numbers are too large to be added up.
     """
@@ -224,12 +225,16 @@ def _flag(data: Mapping[str, Any], key: str) -> bool:
 
 
 def given_rows(problem: RoutingProblem, data: Mapping[str, Any]) -> Given:
+    """Evidence beside prices of visits, read."""
     node = np.zeros(len(problem.sites), dtype=np.int64)
     node[problem.sites.customers] = np.arange(1, len(problem.sites.customers) + 1)
     nodes = node.tolist()
     rows = []
     for entry in entries(data, "rows", {"sites", "memory", "price"}):
-        sites, memory = customers_of(entry["sites"], nodes, "the sites of a row"), customers_of(entry["memory"], nodes, "the memory of a row")
+        sites, memory = (
+            customers_of(entry["sites"], nodes, "the sites of a row"),
+            customers_of(entry["memory"], nodes, "the memory of a row"),
+        )
         if len(sites) < 3 or len(sites) % 2 == 0:
             raise InputError("a row of evidence has an odd number of sites", "out-of-range", expected="3 or more", found=str(len(sites)))
         if not set(sites) <= set(memory):
@@ -271,6 +276,7 @@ def _memory(data: Mapping[str, Any], nodes: list[int]) -> int | NDArray[np.int32
 
 
 def entries(data: Mapping[str, Any], key: str, keys: Set[str], optional: Set[str] = frozenset()) -> Sequence[Mapping[str, Any]]:
+    """Objects of a list in evidence, which have all of some keys, and no others but some that they need not have."""
     found = data.get(key, [])
     right = isinstance(found, list) and all(isinstance(entry, Mapping) and keys <= entry.keys() <= keys | optional for entry in found)
     if not right:
@@ -292,6 +298,7 @@ def customers_of(sites: Any, nodes: list[int], what: str) -> list[int]:
 
 
 def signed(entry: Mapping[str, Any], sign: float) -> float:
+    """The price of an entry, which is 0 or has a sign."""
     price = number(entry, "price")
     if sign * price < 0.0:
         expected = "0 or more" if sign > 0.0 else "0 or less"

@@ -25,7 +25,7 @@ from ...linear_programs import LinearPrograms
 from ..proof_tree import ROOT, Node, ProofTree
 from .arcs import Flags, Floats, by_site
 from .column_generation import WHOLE, ColumnGeneration, Part, Solved
-from .enumerated_routes import ChoiceTree, routes_below
+from .enumerated_routes import ROUTES, ChoiceTree, routes_below
 from .first_answer import RUINS, first_answer
 from .load_cuts import LoadCut
 from .memory_shares import NUMBER
@@ -100,7 +100,8 @@ class _Node(Node):
 class Tree(ProofTree[_Node]):
     """A tree over moves and numbers of routes.
 
-    ``answer`` is the best answer so far; ``most`` are those of ``ColumnGeneration``; ``on_answer`` hears of better answers, ``on_step``
+    ``answer`` is the best answer so far; ``most`` are those of ``ColumnGeneration``, and ``enumeration``, the most routes that are
+    listed; ``on_answer`` hears of better answers, ``on_step``
     of the bound after some work, ``gap`` is the part of the target that may stay open, and ``share`` that of the time for the root.
     """
 
@@ -117,6 +118,7 @@ class Tree(ProofTree[_Node]):
         self.columns = ColumnGeneration(problem, partition, stop, self._enough, seed, most)
         self.cost, self.unit = self.columns.cost, self.columns.unit
         self.fixing, self.rounds, self.choosing = True, 0, CHOICES
+        self.most_listed = (most or {}).get("enumeration", ROUTES)
         self.branched: list[MoveRow] = []
         ids = problem.sites.ids
         self.starts, self.ends = sorted({ids[v.start] for v in problem.fleet}), sorted({ids[v.end] for v in problem.fleet})
@@ -284,10 +286,14 @@ class Tree(ProofTree[_Node]):
     def _over_all(self, node: _Node, part: Part, solved: Solved) -> bool:
         """List all routes of a better answer, where the gap is small, and choose among them; whether that proves the node."""
         gap = self._goal() - solved.bound
-        if not self.partition.merged or part.rows or not gap < min(NARROWER * node.listed, WIDEST * abs(self.target) / self.unit):
+        if (
+            not (self.most_listed and self.partition.merged)
+            or part.rows
+            or not gap < min(NARROWER * node.listed, WIDEST * abs(self.target) / self.unit)
+        ):
             return False
         node.listed = gap
-        every = routes_below(self.columns, part, solved, gap)
+        every = routes_below(self.columns, part, solved, gap, self.most_listed)
         if every is None or not len(every):
             return False
 

@@ -16,16 +16,16 @@ from scipy import sparse
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
 from ..proof_tree import Node, ProofTree
-from .arcs import Flags, Floats, Longs, by_site
+from .arcs import Floats, Longs, by_site
 from .load_cuts import LoadCut
-from .restricted_master import Cut, Master, Point, Pool, Prices
+from .restricted_master import Master, Point, Pool, Prices
 from .route_rows import RouteLoad, RouteRow, violated_rows, visited
 from .subset_rows import SubsetRow
 
 if TYPE_CHECKING:
     from .column_generation import ColumnGeneration, Part, Solved
 
-LABELS, ROUTES = 1_000_000, 60_000
+LABELS, ROUTES = 1_000_000, 50_000
 """Most labels and routes; with more nothing is listed."""
 
 LABEL = 150
@@ -44,16 +44,17 @@ NODES = 3_000
 """Most nodes; beyond, the tree is given up."""
 
 WHOLE = 1e-6
+"""Distance to a whole number up to which a value counts as one."""
 
 FACTOR = 2.0
 """Price of a visit that no route makes, as a multiple of the best value."""
 
 
-def routes_below(columns: ColumnGeneration, part: Part, solved: Solved, gap: float) -> Pool | None:
-    """Of each set of customers the cheapest route whose reduced cost is less than ``gap`` above the least; None where they are too many,
-    or there was no time."""
+def routes_below(columns: ColumnGeneration, part: Part, solved: Solved, gap: float, most: int = ROUTES) -> Pool | None:
+    """Of each set of customers the cheapest route whose reduced cost is less than ``gap`` above the least; None where there are more than
+    ``most``, or there was no time."""
     from .enumeration_kernels import all_below
-    from .label_kernels import DONE, EXACT, WORD
+    from .label_kernels import DONE, WORD
 
     prices, (pricer,) = solved.prices, columns.pricers
     assert prices is not None
@@ -69,7 +70,7 @@ def routes_below(columns: ColumnGeneration, part: Part, solved: Solved, gap: flo
     row_members = [list(cut.customers) for cut in rows]
     load_members = [np.nonzero(cut.inside)[0].tolist() for cut in loads]
     fines, gains = (np.rint(np.abs(prices.of(cuts)) * unit).astype(np.int64) for cuts in (rows, loads))
-    node, parent, ended, total = np.empty(room, np.int32), np.empty(room, np.int32), np.empty(ROUTES, np.int32), np.empty(ROUTES, np.int64)
+    node, parent, ended, total = np.empty(room, np.int32), np.empty(room, np.int32), np.empty(most, np.int32), np.empty(most, np.int64)
     keys = np.random.default_rng(1).integers(1 << 62, size=nodes)
     below = pricer.bar(float(solved.least[0]) + gap + columns.step)
     status, number = all_below(
@@ -79,8 +80,7 @@ def routes_below(columns: ColumnGeneration, part: Part, solved: Solved, gap: flo
     )  # fmt: skip
     if status != DONE:
         return None
-    found = Pool()
-    drives = []
+    found, drives = Pool(), []
     for label in ended[:number].tolist():
         visits = []
         while label > 0:

@@ -1,4 +1,4 @@
-"""All routes below a reduced cost, compiled, by labels that are extended one visit at a time. Imports numba: import it inside functions only."""
+"""All routes below a reduced cost, compiled, by labels that grow a visit at a time. Imports numba: import it inside functions only."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def all_below(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     flag, arcs, heads, paid, weight, worth, rows_of, fines, loads_of, gains, lower, upper, above, members,
     others, after, chains, cheapest, back_lower, back_upper, top, start, keys, below, node, parent, ended, total,
 ):  # fmt: skip
-    """Routes that visit nobody twice and whose reduced costs are ``below`` a number, of each set of customers the one whose moves cost least.
+    """Routes that visit nobody twice, of reduced costs ``below`` a number, of each set of customers the one whose moves cost least.
 
     Arcs, levels and labels from the other end are as for ``grow``. Moves cost ``paid`` (arcs,), visits are ``worth`` (nodes,), each second
     visit to the members of a row, ``rows_of`` (nodes, words), costs its share of ``fines`` (words, WORD), the first to those of a load,

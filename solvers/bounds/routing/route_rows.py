@@ -35,7 +35,7 @@ def visited(pool: Pool, first: int, nodes: int) -> Flags:
 
 @dataclass(frozen=True, eq=False)
 class RouteRow:
-    """Routes have ``parts`` of the ``weights`` of those whom they visit only so often, rounded down (Chvátal 1973); halves without weights."""
+    """Routes have ``parts`` of the ``weights`` of those whom they visit only so often, rounded down (Chvátal 1973); halves by default."""
 
     customers: tuple[int, ...]
     weights: tuple[int, ...] = ()
@@ -60,7 +60,8 @@ class RouteRow:
     def counted(self, visits: Flags) -> Floats:
         """Coefficients of routes, given as whom they visit, shape (routes, nodes)."""
         total = visits[:, self.customers].astype(np.int64) @ np.array(self.weights)
-        return (total // self.parts).astype(np.float64)
+        counted: Floats = (total // self.parts).astype(np.float64)
+        return counted
 
     @staticmethod
     def coefficients(rows: Sequence[RouteRow | RouteLoad], pool: Pool, first: int) -> Floats:
@@ -84,7 +85,9 @@ class RouteLoad:
         """Coefficients of routes, given as whom they visit, shape (routes, nodes)."""
         return visits[:, self.customers].any(axis=1).astype(np.float64)
 
-    coefficients = staticmethod(RouteRow.coefficients)
+    @staticmethod
+    def coefficients(rows: Sequence[RouteLoad], pool: Pool, first: int) -> Floats:
+        return RouteRow.coefficients(rows, pool, first)
 
 
 def violated_rows(visits: Flags, values: Floats, known: set[tuple[object, ...]]) -> list[RouteRow]:

@@ -17,6 +17,7 @@ from ...bounds.routing.arcs import ARC_TERMS, LIMITS
 from ...bounds.routing.branch_price_cut import CUSTOMERS, OPENING, Tree
 from ...bounds.routing.choice_of_routes import holds_peaks, lacks_one_peak
 from ...bounds.routing.column_generation import LABELS, MEMORY, MOST_COLUMNS
+from ...bounds.routing.enumerated_routes import ROUTES
 from ...bounds.routing.first_answer import first_answer
 from ...bounds.routing.largest_limits import LimitSearch
 from ...bounds.routing.memory_shares import least_limit
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from ....formulations.problem import Problem
     from ....formulations.routing.problem import RoutingProblem
 
-LEAST = {"columns": 1, "labels": 2, "memory": 0}
+LEAST = {"columns": 1, "labels": 2, "memory": 0, "enumeration": 0}
 """Smallest values of its options."""
 
 ROOT = 0.9
@@ -44,7 +45,8 @@ class BranchPriceCut(Engine):
     """A first answer by ruin and recreate, then branch, price and cut, which betters and proves it.
 
     Options: ``columns``, the most routes at hand, ``labels``, the most labels of one search, ``memory``, how many neighbours are
-    remembered at a customer to begin with, and ``stabilisation`` of the prices: ``smoothing``, ``trust-region`` or ``none``. Labels, routes
+    remembered at a customer to begin with, ``enumeration``, the most routes that are listed (0 for none), and ``stabilisation`` of the
+    prices: ``smoothing``, ``trust-region`` or ``none``. Labels, routes
     and the tree share what ``memory_limit`` leaves.
     """
 
@@ -53,7 +55,9 @@ class BranchPriceCut(Engine):
     modules = ("numba", "highspy")
     summary = "branch, price and cut over routes, with a proof at every leaf"
     family: ClassVar[str] = "routing"
-    options = MappingProxyType({"columns": MOST_COLUMNS, "labels": LABELS, "memory": MEMORY, "stabilisation": KINDS[0]})
+    options = MappingProxyType(
+        {"columns": MOST_COLUMNS, "labels": LABELS, "memory": MEMORY, "enumeration": ROUTES, "stabilisation": KINDS[0]}
+    )
     order = 90
     honours = frozenset({"gap"})
     one_thread = True
