@@ -19,7 +19,10 @@ SLOTS = 1 << 18
 @kernel(_nrt=False, no_cpython_wrapper=True)
 def _same(one, k, other, m):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     """Whether two rows have the same bits."""
-    return all(one[k, w] == other[m, w] for w in range(one.shape[1]))
+    same = True
+    for w in range(one.shape[1]):
+        same = same and one[k, w] == other[m, w]
+    return same
 
 
 @kernel(

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ..problem import RoutingProblem
     from .walks import Walks
 
-LABELS = 1_000_000
+LABELS = 300_000
 """At a time at most, of as many visits each; some 200 bytes each."""
 
 ROUTES = 200_000

@@ -60,7 +60,7 @@ def routes_below(columns: ColumnGeneration, part: Part, solved: Solved, gap: flo
     assert prices is not None
     rows, loads = columns.row_cuts, [cut for cut in prices.cuts if isinstance(cut, LoadCut)]
     words = (len(rows) + len(loads)) // WORD + 2
-    room = int(min(LABELS, columns.shares.labels / (LABEL + 8 * words)))
+    room = int(min(LABELS, columns.shares.routes / 2.0 / (LABEL + 8 * words)))  # the share of labels is taken by those from both ends
     if pricer.backwards(columns.stop, columns.reduced_costs(part, prices)[0], prices.of(rows)) != DONE:
         return None
     ahead, back = pricer.ends
