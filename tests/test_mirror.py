@@ -16,6 +16,7 @@ FLOORS = ("instances", "formulations", "solvers", "heuristics", "reports", "wayb
 
 KERNELS = {
     "formulations/auctions/matching_kernels": "formulations/auctions/matching",
+    "formulations/routing/checking/cheap_route_kernels": "formulations/routing/checking/enumerated_routes",
     "formulations/routing/checking/state_space_kernels": "formulations/routing/checking/state_space",
     "formulations/routing/checking/walk_kernels": "formulations/routing/checking/walks",
     "heuristics/auctions/auction_steps/bidding_kernels": "heuristics/auctions/sequential_single_item",
@@ -29,6 +30,8 @@ KERNELS = {
     "heuristics/sata/greedy_steps/loops_kernels": "heuristics/sata/greedy_steps/picking",
     "solvers/bounds/auctions/forest_kernels": "solvers/bounds/auctions/task_forest",
     "reports/missions/auctions/orchard_days/day_kernels": "reports/missions/auctions/orchard_days/days",
+    "solvers/bounds/routing/enumeration_kernels": "solvers/bounds/routing/enumerated_routes",
+    "solvers/bounds/routing/route_row_kernels": "solvers/bounds/routing/route_rows",
     "solvers/bounds/routing/label_kernels": "solvers/bounds/routing/pricing",
     "solvers/bounds/routing/subset_row_kernels": "solvers/bounds/routing/subset_rows",
     "solvers/bounds/routing/state_space_kernels": "solvers/bounds/routing/state_space",
