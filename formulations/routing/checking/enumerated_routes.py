@@ -208,7 +208,7 @@ class _Case:
 
     @property
     def members(self) -> int:
-        return 1 + len(self.visits) // 8 + sum(len(row[-1]) for row in (*self.rows, *self.loads))
+        return 1 + len(self.visits) // 8 + sum(len(row[3]) for row in self.rows) + sum(len(load[2]) for load in self.loads)
 
     def reduced(self, sets: Flags, cost: Longs, at: Longs, exponent: int) -> tuple[int, Longs]:
         """The sum of all prices, and reduced costs of some routes, by their positions: prices are rounded, for any are valid."""
@@ -252,7 +252,7 @@ def _cases(problem: RoutingProblem, nodes: Sequence[Mapping[str, Any]]) -> list[
         fewest = entering(problem, groups)
         loads = [(price, routes, members - 1) for (members, price), routes in zip(groups, fewest, strict=True)]
         rows = [_row(row, index) for row in entries(entry, "rows", {"sites", "price"}, {"weights", "parts"})]
-        read.append(_Case(visits, rows, loads, pair and (pair[0] - 1, pair[1] - 1), bool(entry.keys() - {"branch"})))
+        read.append(_Case(visits, rows, loads, None if pair is None else (pair[0] - 1, pair[1] - 1), bool(entry.keys() - {"branch"})))
     if missing:
         raise InputError("the tree over routes lacks nodes", "missing", expected=f"{missing} subtrees more")
     return read

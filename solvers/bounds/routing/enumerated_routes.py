@@ -166,8 +166,8 @@ class ChoiceTree(ProofTree[_Case]):
     def look(self, node: _Case) -> bool:
         self.begin(node)
         parent = node.parent
-        node.at = np.arange(len(self.every)) if parent is None else self._left(parent.at, node)
-        if not len(node.at):
+        node.at = np.arange(len(self.every)) if not isinstance(parent, _Case) else self._left(parent.at, node)
+        if not len(node.at):  # no route is left
             self.close_at_goal(node)
             return True
         bounds = list[float]()
