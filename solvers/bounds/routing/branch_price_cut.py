@@ -65,6 +65,9 @@ WIDEST, NARROWER = 0.02, 0.7
 """Part of the best value that may be open for all routes of a better answer to be listed, and how much smaller the gap is to be before
 that is tried again."""
 
+CHOOSING = 0.2
+"""Part of the time that is left in which the choice among all these routes is to be proved."""
+
 CANDIDATES, PRICED = 20, 3
 """Statements that are tried over the routes at hand before one is branched on, and those of them that are tried with further routes too."""
 
@@ -118,7 +121,7 @@ class Tree(ProofTree[_Node]):
         self.columns = ColumnGeneration(problem, partition, stop, self._enough, seed, most)
         self.cost, self.unit = self.columns.cost, self.columns.unit
         self.fixing, self.rounds, self.choosing = True, 0, CHOICES
-        self.most_listed = (most or {}).get("enumeration", ROUTES)
+        self.most_listed = (most or {}).get("enumeration", ROUTES) if self.columns.shares.listing else 0
         self.branched: list[MoveRow] = []
         ids = problem.sites.ids
         self.starts, self.ends = sorted({ids[v.start] for v in problem.fleet}), sorted({ids[v.end] for v in problem.fleet})
@@ -241,6 +244,7 @@ class Tree(ProofTree[_Node]):
                 return (solved if solved.status == "enough" or best.prices is None else best), None
             node.prices = solved.prices
             best = solved if solved.bound >= best.bound else best
+            self.on_step(-math.inf)
             hopeless = self._hopeless(node, part, solved)
             if hopeless is not None:
                 return solved, hopeless
@@ -248,7 +252,6 @@ class Tree(ProofTree[_Node]):
                 return solved, None
             columns.purge(self.target / self.unit - solved.bound)
             bounds.append(solved.bound)
-            self.on_step(-math.inf)
             self.rounds += node.first
             if self.rounds == ROUNDS and node.first:
                 self._look_again(solved.bound)
@@ -300,7 +303,8 @@ class Tree(ProofTree[_Node]):
         def told(answer: Routes) -> None:
             self._judged(answer)
 
-        choice = ChoiceTree(self.columns, part, solved, every, self._goal, self.stop, told)
+        stop = self.stop.within(CHOOSING * self.stop.seconds_left)
+        choice = ChoiceTree(self.columns, part, solved, every, self._goal, stop, told)
         choice.grow()
         if choice.bound < choice.target:
             return False

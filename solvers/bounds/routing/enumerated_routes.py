@@ -212,7 +212,8 @@ class ChoiceTree(ProofTree[_Case]):
         assert node.decision is not None
         (i, j), together = node.decision
         one, other = self.visits[at, i], self.visits[at, j]
-        return at[one == other if together else ~(one & other)]
+        kept: Longs = at[one == other if together else ~(one & other)]
+        return kept
 
     # -- the linear program --------------------------------------------------------------------------------------------
 
@@ -329,6 +330,6 @@ class ChoiceTree(ProofTree[_Case]):
                 decision = node.children[0].decision
                 assert decision is not None
                 entry["branch"] = at(decision[0])
-                waiting.extend(reversed(node.children))
+                waiting.extend(child for child in node.children[::-1] if isinstance(child, _Case))
             nodes.append(entry)
         return nodes

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 MB = 10**6
 
-KEPT = 270 * MB
+KEPT = 250 * MB
 """For the room that checks ask for, most of which they seldom use, and for the integer program over routes at hand."""
 
 A_TYPE, A_NODE, A_MOVE = 100_000, 2_000, 400
@@ -20,6 +20,9 @@ LABELS, ROUTES = 0.5, 0.25
 LEAST = 20 * MB
 """Least rest with which a search is begun."""
 
+LISTING = 120 * MB
+"""For the list of all routes of a better answer, its linear program and its check, if three times as much is there."""
+
 ROUTE, VISIT = 2_500, 150
 """Bytes of a route at hand in the linear program and beside it, and of each of its moves."""
 
@@ -29,11 +32,13 @@ NUMBER = 50
 
 @dataclass(frozen=True)
 class MemoryShares:
-    """Bytes for ``labels`` of all types of vehicle, for ``routes`` at hand, and for the ``tree``."""
+    """Bytes for ``labels`` of all types of vehicle, for ``routes`` at hand, and for the ``tree``; ``listing``: whether there is room for
+    a list of all routes of a better answer."""
 
     labels: float = math.inf
     routes: float = math.inf
     tree: float = math.inf
+    listing: bool = True
 
     @classmethod
     def of(cls, limit: float | None, nodes: int, types: int) -> MemoryShares:
@@ -41,7 +46,9 @@ class MemoryShares:
         if limit is None:
             return cls()
         rest = max(limit * MB - _beside(nodes, types), 0)
-        return cls(LABELS * rest, ROUTES * rest, (1.0 - LABELS - ROUTES) * rest)
+        listing = rest >= 3 * LISTING
+        rest -= LISTING * listing
+        return cls(LABELS * rest, ROUTES * rest, (1.0 - LABELS - ROUTES) * rest, listing)
 
 
 def least_limit(nodes: int, types: int) -> int:

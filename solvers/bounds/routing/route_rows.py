@@ -83,7 +83,7 @@ class RouteLoad:
 
     def counted(self, visits: Flags) -> Floats:
         """Coefficients of routes, given as whom they visit, shape (routes, nodes)."""
-        return visits[:, self.customers].any(axis=1).astype(np.float64)
+        return np.asarray(visits[:, self.customers].any(axis=1), dtype=np.float64)
 
     @staticmethod
     def coefficients(rows: Sequence[RouteLoad], pool: Pool, first: int) -> Floats:

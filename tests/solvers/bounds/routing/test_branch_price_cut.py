@@ -208,6 +208,7 @@ def test_capacities_alone_take_branchings(seed: int) -> None:
 def test_numbers_of_routes_and_moves_are_branched_on(monkeypatch: pytest.MonkeyPatch) -> None:
     seen = set[str]()
     monkeypatch.setattr(ColumnGeneration, "cut", lambda self, solved, rows: False)
+    monkeypatch.setattr("waybound.solvers.bounds.routing.branch_price_cut.ROUTES", 0)
     for problem in (*(plane(seed, 9, 17.0) for seed in range(12)), *(small("time-windows", seed, "exact") for seed in range(12))):
         evidence = branch_price_cut_bound(problem, Stop(60.0))
         if evidence.kind == "branching-tree":

@@ -44,9 +44,9 @@ def test_options_are_checked_and_limits_are_kept_to() -> None:
             wb.solve(problem, "branch-price-cut", **{name: value})
     with pytest.raises(UsageError, match="stabilisation must be one of trust-region, smoothing, none, not 'box'"):
         wb.solve(problem, "branch-price-cut", stabilisation="box")
-    with pytest.raises(UsageError, match="the memory limit must be at least 291 MB for this problem, not 5"):
+    with pytest.raises(UsageError, match="the memory limit must be at least 271 MB for this problem, not 5"):
         wb.solve(problem, "branch-price-cut", memory_limit=5)
-    assert wb.solve(problem, "branch-price-cut", memory_limit=291, bound_time=0).status == "optimal"
+    assert wb.solve(problem, "branch-price-cut", memory_limit=271, bound_time=0).status == "optimal"
     few = wb.solve(problem, "branch-price-cut", labels=5, bound_time=0)
     assert (few.status, few.limit) == ("feasible", "memory") and few.objective >= wb.solve(problem, "branch-price-cut").objective
 
