@@ -1,0 +1,3 @@
+"""Worlds that vehicles and robots go through."""
+
+from .... import _guard as _guard

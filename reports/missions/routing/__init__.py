@@ -1,0 +1,3 @@
+"""Missions whose decisions are routes."""
+
+from .... import _guard as _guard

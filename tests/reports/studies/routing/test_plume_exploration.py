@@ -1,0 +1,39 @@
+"""The study of plume exploration, in its short form."""
+
+from __future__ import annotations
+
+import pytest
+
+from waybound.reports.studies.page import page_of
+from waybound.reports.studies.routing import plume_exploration as study
+
+
+@pytest.mark.slow
+def test_the_short_study():
+    report = study.plume_exploration(full=False, instances=2)
+    assert (report.num_faults, report.done, report.interrupted) == (0, report.asked, False)
+    sweeps = [row for row in report.observations if "sweep" in row]
+    assert all(row["shortest"] <= row["time"] <= row["longest"] for row in sweeps)
+    loops = [row for row in report.observations if "method" in row]
+    assert [row["method"] for row in loops] == [*study.LOOPS] * 2
+    assert all(row["above"] >= -1e-6 for row in loops)
+    html = page_of(study.plume_exploration, study.plume_exploration.setting(full=False), report).html()
+    assert "explore a plume of 60 cells" in html
+
+
+def test_the_defaults_are_the_sources():
+    assert {key: study.SWEEPS[key] for key in study.SWEEPS}["cells"][2] == 120
+    assert 20 in study.SWEEPS["robots"] and 2.5 in study.SWEEPS["speed"] and study.plume_exploration.instances == 100
+
+
+def test_broken_bounds_are_faults():
+    row = {"sweep": "cells", "level": 5.0, "seed": 1, "time": 9.0, "finished": 1.0, "longest": 8.0, "shortest": 2.0}
+    kinds = [study.broken_bounds([{**row, **change}]) for change in ({}, {"time": 8.0}, {"time": 1.0}, {"finished": 0.0})]
+    assert [[fault.kind for fault in faults] for faults in kinds] == [["bound"], [], ["bound"], ["answer"]]
+    loop = {"method": "depth-first", "seed": 1, "time": 9.0, "finished": 1.0, "hindsight": 4.0, "bound": 4.0, "proved_ratio": 2.0}
+    assert [len(study.broken_bounds([{**loop, **change}])) for change in ({}, {"time": 8.0}, {"method": "exact"}, {"time": 3.9})] == [
+        1,
+        0,
+        0,
+        1,
+    ]
