@@ -16,8 +16,9 @@ import numpy as np
 from ....instances.routing.worlds.plume_exploration import Cell, PlumeWorld, serpentine
 from ...missions.routing.plume_exploration import PlumeExploration, lawn_mower
 from ...plots.drawing import COLOURS, bare, plain
+from ..findings import NOT, Finding
 from ..frames import frame_table
-from ..study import NOT, Fault, Figure, Finding, Report, StudySetting, study
+from ..study import Fault, Figure, Report, StudySetting, study
 
 SERPENTINES = ((9, 4), (15, 2), (21, 4), (41, 8))
 """Width, and robots."""

@@ -1,0 +1,3 @@
+"""Heuristics beside bare programs."""
+
+from ... import _guard as _guard

@@ -1,0 +1,3 @@
+"""Worlds whose decisions are bare programs."""
+
+from .... import _guard as _guard

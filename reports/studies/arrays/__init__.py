@@ -1,0 +1,3 @@
+"""Studies of what is written as a bare program."""
+
+from .... import _guard as _guard
