@@ -11,8 +11,8 @@ import waybound as wb
 from waybound.cli.app import app
 
 COMMANDS = {
-    "bench", "bound", "check", "compare", "convert", "explain", "export", "generate", "heuristics", "info", "instances", "ratio", "run",
-    "solve", "solvers", "warm",
+    "bench", "bound", "check", "compare", "convert", "explain", "export", "generate", "heuristics", "info", "instances", "ratio", "report",
+    "run", "solve", "solvers", "warm",
 }  # fmt: skip
 
 
