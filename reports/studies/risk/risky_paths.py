@@ -9,10 +9,10 @@ from ...ratios.judged_runs import Configuration
 from .families import risky_graphs as families
 
 
-def _of_rewards(problem: Any) -> float:
-    """All rewards over the least one; 1 where the last alone counts."""
+def _of_rewards(problem: Any) -> tuple[float, float]:
+    """All rewards over the least one at most; 1 where the last alone counts."""
     rewards = problem.rewards[problem.rewards > 0.0]
-    return 1.0 if problem.graph.discount == 0.0 else float(rewards.sum() / rewards.min())
+    return 1.0, 1.0 if problem.graph.discount == 0.0 else float(rewards.sum() / rewards.min())
 
 
 guarantee_study(
