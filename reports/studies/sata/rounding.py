@@ -36,7 +36,10 @@ def _of_local_shares(problem: Any, options: Mapping[str, Any], seed: int, outcom
         others = np.nonzero(problem.graph.robot_of_action == problem.graph.robot_of_action[one])[0]
         largest = others[shares[others] >= shares[others].max() - ALIKE]
         if one != largest[-1]:
-            yield "order", f"action {one + 1} is taken at a share of {shares[one]!r}, where action {largest[-1] + 1} has {shares[largest[-1]]!r}"
+            yield (
+                "order",
+                f"action {one + 1} is taken at a share of {shares[one]!r}, where action {largest[-1] + 1} has {shares[largest[-1]]!r}",
+            )
 
 
 guarantee_study(

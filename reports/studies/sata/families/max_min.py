@@ -185,7 +185,7 @@ REFERENCE_GRAPHS = listed(
 
 WHOLE_REFERENCES = listed(
     "reference, whole actions", "the same, undivided",
-    [partial(lambda name: Case(BottleneckSATA(_reference(name).problem.graph)), name) for name in REFERENCES],
+    [partial(lambda name: Case(BottleneckSATA(robots(REFERENCES[name][0], name).graph)), name) for name in REFERENCES],
 )  # fmt: skip
 
 
