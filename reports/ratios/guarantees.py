@@ -138,7 +138,8 @@ def measure_one(
         except Exception as error:
             return None, (("error", f"{type(error).__name__}: {error}"),)
         runs.append(judge(problem, best, outcome, expected, in_expectation=many))
-        faults += [fault for fault in runs[-1].faults if fault not in faults]
+        found = (*runs[-1].faults, *configuration.checks(problem, options, own, outcome))
+        faults += [fault for fault in found if fault not in faults]
         if audited and repeat == 0:
             faults += audit(problem, configuration.heuristic, options, own, best, outcome)
     if not many:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -29,6 +29,12 @@ SECONDS = 60.0
 
 Options = Mapping[str, Any] | Callable[[Problem, np.random.Generator], Mapping[str, Any]]
 
+Expected = float | tuple[float, float] | None
+"""The ratio of the literature's own formula, or where it depends on the run the least and the largest it may be; None for no guarantee."""
+
+Checks = Callable[[Any, Mapping[str, Any], int, Outcome], Iterable[tuple[str, str]]]
+"""``checks(problem, options, seed, outcome)``: faults of an outcome beside other answers, as (kind, message)."""
+
 
 @dataclass(frozen=True)
 class Case:
@@ -46,17 +52,18 @@ class Case:
 class Configuration:
     """A heuristic with its options, and the ratio that the literature states for it.
 
-    ``expected`` gives the ratio (>= 1) that must be stated at least on a problem, or None where no guarantee is owed; it knows nothing of
-    the heuristic. More than one of ``repeats`` stands for a guarantee in expectation, which the mean of that many runs tests. Problems that
-    it does not take are left out.
+    ``expected`` gives the ratio (>= 1) that must be stated on a problem, no other; it knows nothing of the heuristic. More than one of
+    ``repeats`` stands for a guarantee in expectation, which the mean of that many runs tests. Problems that it does not take are left out.
+    ``checks`` look at what a run must have in common with other answers.
     """
 
     label: str
     heuristic: str
-    expected: Callable[[Any], float | None]
+    expected: Callable[[Any], Expected]
     options: Options = field(default_factory=dict)
     repeats: int = 1
     takes: Callable[[Any], bool] = lambda problem: True
+    checks: Checks = lambda problem, options, seed, outcome: ()
 
     def chosen(self, problem: Problem, rng: np.random.Generator) -> dict[str, Any]:
         """The options for a problem."""
@@ -96,12 +103,12 @@ def judge(
     problem: Problem,
     best: Optimum,
     outcome: Outcome,
-    expected: float | None = None,
+    expected: Expected = None,
     *,
     in_expectation: bool = False,
     tolerance: float = TOLERANCE,
 ) -> Run:
-    """Judge the outcome of a heuristic, which must state the ratio ``expected`` at least; None if it owes no guarantee.
+    """Judge the outcome of a heuristic, which must state the ratio ``expected``, neither a weaker nor a stronger one.
 
     With ``in_expectation`` the ratio of this single run is no fault: only a mean can break the guarantee.
     """
@@ -133,15 +140,18 @@ def judge(
     return Run(value, best.value, ratio, stated, bound, tuple(faults))
 
 
-def _guarantee_faults(guarantee: Guarantee | None, expected: float | None) -> list[tuple[str, str]]:
+def _guarantee_faults(guarantee: Guarantee | None, expected: Expected) -> list[tuple[str, str]]:
+    least, most = expected if isinstance(expected, tuple) else (expected, expected)
     if guarantee is None:
-        return [] if expected is None else [("guarantee", f"no guarantee is stated, where the literature has a ratio of {expected:.9g}")]
+        return [] if most is None else [("guarantee", f"no guarantee is stated, where the literature has a ratio of {most:.9g}")]
     if not guarantee.ratio >= 1.0:
         return [("guarantee", f"a stated ratio of {guarantee.ratio!r}; ratios are at least 1")]
-    if expected is None:
+    if least is None or most is None:
         return [("guarantee", f"a ratio of {guarantee.ratio:.9g} is stated, where none is known")]
-    if guarantee.ratio > expected * (1.0 + TOLERANCE):
-        return [("guarantee", f"the stated ratio {guarantee.ratio:.9g} is weaker than that of the literature, {expected:.9g}")]
+    if guarantee.ratio > most * (1.0 + TOLERANCE):
+        return [("guarantee", f"the stated ratio {guarantee.ratio:.9g} is weaker than that of the literature, {most:.9g}")]
+    if guarantee.ratio < least * (1.0 - TOLERANCE):
+        return [("guarantee", f"the stated ratio {guarantee.ratio:.9g} is stronger than that of the literature, {least:.9g}")]
     return []
 
 

@@ -67,7 +67,7 @@ CLAIMS = {
     ),
     "local by steps": (
         st.tuples(bottlenecks(), st.integers(1, 4)),
-        lambda drawn: hold(drawn[0], "local", math.inf, h=drawn[1], search="step", ball=False),
+        lambda drawn: hold(drawn[0], "local", (1.0, math.inf), h=drawn[1], search="step", ball=False),
     ),
 }
 

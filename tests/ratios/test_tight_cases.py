@@ -52,6 +52,13 @@ def test_greedy_falls_to_its_bound_on_geometric_covers(name, k):
     assert found == pytest.approx(1.0 - (1.0 - 1.0 / k) ** k, abs=2 * k * bribe)
 
 
+@pytest.mark.parametrize("name", ["greedy", "sequential-greedy", "lazy-greedy", "continuous-greedy"])
+def test_robots_that_know_what_others_took_meet_at_no_shared_target(name):
+    for k in range(traps.SHARED_TARGETS.size):
+        case = traps.SHARED_TARGETS.case(k, 1)
+        assert value(case.problem, name) == pytest.approx(case.solved().value)
+
+
 def test_cover_tight_is_the_geometric_cover_of_two():
     f, good, bad = traps.geometric_cover(2, 1 / 80)
     assert 80 * SubmodularSelection(f, Cardinality(2)).value(good.elements) == pytest.approx(80)

@@ -9,15 +9,20 @@ from ...ratios.judged_runs import Configuration
 from .families import risky_graphs as families
 
 
-def _of_rewards(problem: Any) -> float:
-    """All rewards over the least one; 1 where the last alone counts."""
+def _of_rewards(problem: Any) -> tuple[float, float]:
+    """All rewards over the least one at most; 1 where the last alone counts."""
     rewards = problem.rewards[problem.rewards > 0.0]
-    return 1.0 if problem.graph.discount == 0.0 else float(rewards.sum() / rewards.min())
+    return 1.0, 1.0 if problem.graph.discount == 0.0 else float(rewards.sum() / rewards.min())
+
+
+def _of_moves(problem: Any) -> float | None:
+    """Nothing is known where a risk hangs on the way before the last move."""
+    return None if problem.graph.traverse else 1.0
 
 
 guarantee_study(
-    "look-back", "least risk by labels of two states, stated 1", 300, [Configuration("two steps", "look-back", lambda problem: 1.0)],
-    [families.least_risk()],
+    "look-back", "least risk by labels of two states, stated 1", 300, [Configuration("two steps", "look-back", _of_moves)],
+    [families.least_risk(), families.gathered_risk()],
     source="Xiao (2019), section 4.2.2.1, Algorithm 2", claim="the least risk, where risks are of places and moves",
 )  # fmt: skip
 guarantee_study(

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...ratios.guarantees import GuaranteePlan, guarantee_study, run_plan
+from ...ratios.guarantees import guarantee_study
 from ...ratios.judged_runs import Configuration
-from ..study import STUDIES, Study
 from .families import uncertain_graphs as families
 
 EVEN = 0.5
 RISKS = (0.2, 0.05, 0.001)
-
-BELOW_EVEN = "uncertain-paths"
-SUMMARY = "what paths of the least mean, and of RAGS, cost at risks below 1/2, where nothing is stated"
 
 
 def _of_risk(problem: Any) -> float | None:
@@ -29,13 +25,10 @@ guarantee_study(
     [families.graphs(EVEN), families.graphs(EVEN, whole=True), families.roadmaps(EVEN), families.gambles(EVEN), families.long_ways(EVEN)],
 )  # fmt: skip
 
-BELOW = GuaranteePlan(
-    (LEAST_MEAN, RAGS),
-    (
+guarantee_study(
+    "uncertain-paths", "paths of the least mean, and of RAGS, at risks below 1/2, no ratio stated", 600, [LEAST_MEAN, RAGS],
+    [
         *(family(risk) for family in (families.graphs, families.roadmaps, families.gambles) for risk in RISKS),
         families.graphs(0.05, whole=True), families.long_ways(0.05),
-    ),
+    ],
 )  # fmt: skip
-"""Configurations without a guarantee, so no part of ``all``; a ratio that is stated all the same is a fault."""
-
-STUDIES.add(BELOW_EVEN, Study(BELOW_EVEN, SUMMARY, 600, lambda setting: run_plan(BELOW_EVEN, SUMMARY, BELOW, setting), guarantees=False))

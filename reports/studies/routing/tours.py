@@ -20,12 +20,20 @@ def metric(problem: Any) -> bool:
     return bool((d[:, :, None] + d[None] >= d[:, None] * (1 - 1e-12)).all())
 
 
-def tour_ratio(of_tour: float) -> Callable[[Any], float]:
-    """The ratio of the tour; any where the triangle inequality fails, since it is as much larger as the instance asks for."""
-    return lambda problem: of_tour if metric(problem) else math.inf
+Ratio = float | tuple[float, float]
 
 
-def partition_ratio(of_tour: float) -> Callable[[Any], float]:
+def _where_metric(ratio: float, problem: Any) -> Ratio:
+    """The ratio itself; any larger one where the triangle inequality fails, as the instance asks for."""
+    return ratio if metric(problem) else (ratio, math.inf)
+
+
+def tour_ratio(of_tour: float) -> Callable[[Any], Ratio]:
+    """That of the tour."""
+    return lambda problem: _where_metric(of_tour, problem)
+
+
+def partition_ratio(of_tour: float) -> Callable[[Any], Ratio]:
     """1 + (1 - 1/Q) a for demands of 1, 2 + (1 - 2/Q) a for positive whole ones and an even Q, 2 + a for others.
 
     Source: Haimovich and Rinnooy Kan (1985); Altinkemer and Gavish (1987, 1990).
@@ -33,8 +41,6 @@ def partition_ratio(of_tour: float) -> Callable[[Any], float]:
 
     def ratio(problem: Any) -> float:
         demand, capacity = problem.sites.demand[problem.customers], problem.fleet[0].capacity
-        if not metric(problem):
-            return math.inf
         if demand.sum() <= capacity:
             return of_tour
         if np.ptp(demand) == 0:
@@ -44,15 +50,15 @@ def partition_ratio(of_tour: float) -> Callable[[Any], float]:
         whole = int(Fraction(capacity) / math.gcd(*(int(value) for value in demand)))
         return float(2.0 + (1.0 - 2.0 / (whole if whole % 2 == 0 else 2 * whole)) * of_tour)
 
-    return ratio
+    return lambda problem: _where_metric(ratio(problem), problem)
 
 
-def splitting_ratio(of_tour: float) -> Callable[[Any], float]:
+def splitting_ratio(of_tour: float) -> Callable[[Any], Ratio]:
     """a + 1 - 1/k for k vehicles (Frederickson, Hecht and Kim 1978)."""
-    return lambda problem: of_tour + 1.0 - 1.0 / min(len(problem.customers), problem.vehicle_limit) if metric(problem) else math.inf
+    return lambda problem: _where_metric(of_tour + 1.0 - 1.0 / min(len(problem.customers), problem.vehicle_limit), problem)
 
 
-def _ways(heuristic: str, ratio: Callable[[float], Callable[[Any], float]]) -> list[Configuration]:
+def _ways(heuristic: str, ratio: Callable[[float], Callable[[Any], Ratio]]) -> list[Configuration]:
     return [
         Configuration("christofides", heuristic, ratio(1.5), {"improve": False}),
         Configuration("christofides, improved", heuristic, ratio(1.5)),

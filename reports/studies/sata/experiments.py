@@ -242,6 +242,9 @@ def _cell(row: Mapping[str, Any], shown: str) -> str:
 
 # -- the experiments -----------------------------------------------------------------------------------------------------
 
+ANY_RATIO = (1.0, math.inf)
+"""The additive search states the eps that its step amounts to."""
+
 LOCAL = {"search": "step", "step": 0.1, "ball": False}
 """As in the thesis: levels lowered in steps of 0.1."""
 
@@ -265,7 +268,7 @@ def bottleneck(graph: SensingGraph, seed: int) -> Measured:
     whole, shares = BottleneckSATA(graph), BottleneckSATA(graph, fractional=True)
     best, relaxed = solved(whole), solved(shares)
     rounded = judge(whole, best, run_heuristic(whole, "lp-rounding", {}, seed))
-    local = judge(shares, relaxed, run_heuristic(shares, "local", {"h": 2, **LOCAL}, seed), expected=math.inf)
+    local = judge(shares, relaxed, run_heuristic(shares, "local", {"h": 2, **LOCAL}, seed), expected=ANY_RATIO)
     local_whole = judge(whole, best, run_heuristic(whole, "local", {"h": 2, **LOCAL}, seed))
     random = judge(whole, best, run_heuristic(whole, "random", {}, seed))
     values = {
@@ -281,7 +284,7 @@ def layers(graph: SensingGraph, seed: int) -> Measured:
     best, relaxed = solved(whole), solved(shares)
     values, faults = {"LP": relaxed.value, "ILP": best.value}, []
     for h in HEIGHTS:
-        fractional = judge(shares, relaxed, run_heuristic(shares, "local", {"h": h, **LOCAL}, seed), expected=math.inf)
+        fractional = judge(shares, relaxed, run_heuristic(shares, "local", {"h": h, **LOCAL}, seed), expected=ANY_RATIO)
         rounded = judge(whole, best, run_heuristic(whole, "local", {"h": h, **LOCAL}, seed))
         values[f"h={h}"], values[f"h={h} whole"] = fractional.value, rounded.value
         faults += [*fractional.faults, *rounded.faults]

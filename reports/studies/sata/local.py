@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ....formulations.sata.bottleneck_sata import BottleneckSATA
 from ....formulations.sata.max_min_lp import MaxMinLP
+from ....heuristics.heuristic import Outcome
+from ....instances.sata.sensing_graph import SensingGraph
 from ...ratios.guarantees import guarantee_study
-from ...ratios.judged_runs import Configuration, run_heuristic
+from ...ratios.judged_runs import TOLERANCE, Configuration, run_heuristic
 from ...tables.table import Column, Table
 from ..findings import Finding
 from ..study import STUDIES, Fault, Report, Study, StudySetting
@@ -44,13 +48,51 @@ def _ratio(h: int, eps: float = EPS) -> Any:
     return expected
 
 
-def _some(problem: Any) -> float:
-    """The additive search must state a guarantee, with whatever eps its step amounts to."""
-    return math.inf
+def _at_least(h: int) -> Any:
+    """The additive search must state a guarantee, with whatever eps > 0 its step amounts to."""
+    return lambda problem: (_ratio(h, 0.0)(problem), math.inf)
 
 
-def _configuration(label: str, expected: Any, **options: Any) -> Configuration:
-    return Configuration(label, "local", expected, {"eps": EPS, "ball": False, **options})
+Faults = Iterator[tuple[str, str]]
+
+
+def _agrees(problem: Any, options: Mapping[str, Any], seed: int, outcome: Outcome) -> Faults:
+    """Shares depend on what is near, so another graph beside this one changes none; and on no unit, so double weights do neither."""
+    if isinstance(problem, MaxMinLP):
+        return
+    g = problem.graph
+    beside = _again(problem, options, seed, families.side_by_side(g, 3.0))[0][: g.num_actions]
+    yield from _differing(beside, outcome.answer, "beside another graph")
+    doubled = {**options, "step": 2.0 * options.get("step", 0.1)} if options.get("search") == "step" else options
+    shares, stated = _again(problem, doubled, seed, replace(g, weights=2.0 * g.weights))
+    yield from _differing(shares, outcome.answer, "with all weights doubled")
+    own = None if outcome.guarantee is None else outcome.guarantee.ratio
+    if stated != own:
+        yield "guarantee", f"the stated ratio is {own}, and {stated} with all weights, and steps, doubled"
+
+
+def _again(problem: Any, options: Mapping[str, Any], seed: int, graph: SensingGraph) -> tuple[Any, float | None]:
+    """Shares and stated ratio on another graph."""
+    outcome = run_heuristic(BottleneckSATA(graph, fractional=True), "local", {**options, "ball": False}, seed)
+    return outcome.answer, None if outcome.guarantee is None else outcome.guarantee.ratio
+
+
+def _differing(other: Any, own: Any, how: str) -> Faults:
+    apart = float(np.abs(np.asarray(other) - np.asarray(own)).max(initial=0.0))
+    if apart > TOLERANCE:
+        yield "order", f"a share is another one, by {apart:.3g}, {how}"
+
+
+def _configuration(label: str, expected: Any, checks: Any = _agrees, **options: Any) -> Configuration:
+    return Configuration(label, "local", expected, {"eps": EPS, "ball": False, **options}, checks=checks)
+
+
+def _of_each_height(problem: Any, options: Mapping[str, Any], seed: int, outcome: Outcome) -> Faults:
+    """The best of several heights is worth as much as the best of their runs."""
+    runs = [run_heuristic(problem, "local", {"eps": EPS, "ball": False, "h": h}, seed).answer for h in range(1, options["heights"] + 1)]
+    best, own = (max(problem.evaluate(answer).values[0] for answer in answers) for answers in (runs, [outcome.answer]))
+    if abs(best - own) > TOLERANCE * max(best, own):
+        yield "order", f"the best of the heights has {best!r}, all of them together {own!r}"
 
 
 guarantee_study(
@@ -61,9 +103,9 @@ guarantee_study(
         *(_configuration(f"h={h}", _ratio(h), h=h) for h in (1, 2, 3, 5, 10)),
         _configuration("h=3 raw", _ratio(3), h=3, normalise=False),
         _configuration("h=3 ball", _ratio(3), h=3, smoothing="ball"),
-        _configuration("h=2 step", _some, h=2, search="step"),
-        _configuration("h=1..4", _ratio(4), heights=4),
-        Configuration("default", "local", _ratio(3, 0.1)),
+        _configuration("h=2 step", _at_least(2), h=2, search="step"),
+        _configuration("h=1..4", _ratio(4), _of_each_height, heights=4),
+        Configuration("default", "local", _ratio(4, 0.1), checks=_agrees),
     ],
     (
         *families.RANDOM_FAMILIES, families.RANDOM_PROGRAMS, families.REFERENCE_GRAPHS, families.TIGHT, families.PRIVATE,

@@ -68,7 +68,7 @@ def _limited(problem: Any) -> bool:
 CARDINALITY = (*random.random_families("cardinality"), random.planted_covers("cardinality"), traps.geometric_covers("cardinality"))
 PARTITION = (
     *random.random_families("partition"), random.RANDOM_ASSIGNMENTS, random.PLANTED_ASSIGNMENTS, random.planted_covers("partition"),
-    traps.HALVES, traps.ORDER_MATTERS, traps.geometric_covers("partition"),
+    traps.HALVES, traps.ORDER_MATTERS, traps.SHARED_TARGETS, traps.geometric_covers("partition"),
 )  # fmt: skip
 BOTTLENECKS = Family("bottleneck", "whole actions of up to 5 robots", lambda k, rng: Case(BottleneckSATA(random.random_graph(rng, k))))
 
@@ -93,7 +93,7 @@ guarantee_study(
     ],
     (
         *(family for family in random.random_families("partition") if family.name != "user-function"), random.RANDOM_ASSIGNMENTS,
-        random.PLANTED_ASSIGNMENTS, traps.HALVES, traps.ORDER_MATTERS, traps.geometric_covers("cardinality"),
+        random.PLANTED_ASSIGNMENTS, traps.HALVES, traps.ORDER_MATTERS, traps.SHARED_TARGETS, traps.geometric_covers("cardinality"),
         random.planted_covers("cardinality"),
     ),
 )  # fmt: skip
@@ -146,5 +146,6 @@ guarantee_study(
         *random.random_families("cardinality"),
         random.planted_covers("cardinality"),
         replace(traps.geometric_covers("cardinality"), effort=5),
+        traps.NEEDLES,
     ),
 )

@@ -15,7 +15,7 @@ from waybound.reports.studies.sata.families.selection import random_families
 from waybound.reports.studies.study import STUDIES, StudySetting
 from waybound.reports.studies.violations import write_faults
 
-SUBMODULAR = 1 / (1 - math.exp(-1))
+SUBMODULAR = (1.0, 1 / (1 - math.exp(-1)))
 
 
 def kinds(report):

@@ -12,7 +12,7 @@ from selection_problems import cover_tight
 from waybound.formulations.evidence import Evidence, Guarantee
 from waybound.formulations.sata.selections import Selection
 from waybound.heuristics.heuristic import Outcome
-from waybound.reports.ratios.judged_runs import Case, Configuration, audit, judge, ratio_of, run_heuristic
+from waybound.reports.ratios.judged_runs import Case, Configuration, Expected, audit, judge, ratio_of, run_heuristic
 from waybound.reports.ratios.optimum import Optimum, optimum
 
 PROBLEM = cover_tight()  # optimum 80 of elements 0 and 1; greedy 62
@@ -23,7 +23,7 @@ def stated(ratio: float) -> Guarantee:
     return Guarantee(ratio, "", (), "nowhere")
 
 
-def faults(outcome: Outcome, expected: float | None = None, **more: object) -> set[str]:
+def faults(outcome: Outcome, expected: Expected = None, **more: object) -> set[str]:
     return {kind for kind, _ in judge(PROBLEM, BEST, outcome, expected, **more).faults}  # type: ignore[arg-type]
 
 
@@ -64,11 +64,16 @@ def test_a_broken_ratio_is_a_fault_unless_it_holds_in_expectation() -> None:
         (2.0, None, True),
         (2.0, 2.0, False),
         (2.1, 2.0, True),
+        (1.9, 2.0, True),
+        (1.9, (1.5, 2.0), False),
+        (1.4, (1.5, 2.0), True),
+        (2.1, (1.5, 2.0), True),
+        (None, (1.5, 2.0), True),
         (0.9, 2.0, True),
         (math.nan, 2.0, True),
     ],
 )  # fmt: skip
-def test_what_is_stated_is_held_to_the_literature(ratio: float | None, expected: float | None, faulty: bool) -> None:
+def test_what_is_stated_is_held_to_the_literature(ratio: float | None, expected: Expected, faulty: bool) -> None:
     outcome = Outcome(Selection((0, 1)), None if ratio is None else stated(ratio))
     assert ("guarantee" in faults(outcome, expected)) == faulty
 

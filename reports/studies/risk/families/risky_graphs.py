@@ -7,9 +7,11 @@ from functools import partial
 import numpy as np
 
 from .....formulations.risk.risky_path import RiskyPath
+from .....instances.risk.element import RiskElement
 from .....instances.risk.elements import LengthRisk, LocaleRisk, TurnRisk
 from .....instances.risk.occupancy import OccupancyGrid
 from .....instances.risk.risky_graph import RiskyGraph
+from .....instances.risk.traverse_elements import CollectedRisk
 from ....ratios.families import Family, listed
 from ....ratios.judged_runs import Case
 from ....ratios.optimum import attained
@@ -19,8 +21,9 @@ Rng = np.random.Generator
 RISKS = (0.0, 0.01, 0.02, 0.04, 0.1, 0.2)
 
 
-def random_map(rng: Rng, name: str, *, rewards: bool, discount: float = 1.0) -> RiskyPath:
-    """Nine cells, one of them perhaps occupied, neighbours along the axes: risks of places, lengths and turns."""
+def random_map(rng: Rng, name: str, *, rewards: bool, discount: float = 1.0, gathering: bool = False) -> RiskyPath:
+    """Nine cells, one of them perhaps occupied, neighbours along the axes: risks of places, lengths and turns, and where ``gathering`` of
+    what the path has collected."""
     occupied = np.zeros((3, 3), dtype=bool)
     occupied.flat[int(rng.integers(1, 9))] = rng.random() < 0.5
     grid = OccupancyGrid(occupied)
@@ -28,7 +31,9 @@ def random_map(rng: Rng, name: str, *, rewards: bool, discount: float = 1.0) -> 
     n = len(grid.cells)
     risks = rng.choice(RISKS, n)
     risks[0] = 0.01
-    elements = (LocaleRisk(risks), LengthRisk(0.03), TurnRisk(0.1, "norm"))
+    elements: tuple[RiskElement, ...] = (LocaleRisk(risks), LengthRisk(0.03), TurnRisk(0.1, "norm"))
+    if gathering:
+        elements += (CollectedRisk(rng.random(n) < 0.3, np.stack([np.zeros(n), np.full(n, 0.2)])),)
     collected = rng.integers(0, 5, n).astype(float) * rewards
     collected[-1] += rewards
     goals = () if rewards else (int(rng.integers(1, n)),)
@@ -53,13 +58,21 @@ def enumerated(problem: RiskyPath) -> Case:
     return Case(problem, attained(problem, best[1], "enumeration of all paths"))
 
 
-def _random(k: int, rng: Rng, rewards: bool, discount: float) -> Case:
-    return enumerated(random_map(rng, f"map-{k}", rewards=rewards, discount=discount))
+def _random(k: int, rng: Rng, rewards: bool, discount: float, gathering: bool = False) -> Case:
+    return enumerated(random_map(rng, f"map-{k}", rewards=rewards, discount=discount, gathering=gathering))
 
 
 def least_risk() -> Family:
     """Random maps with a goal."""
     return Family("maps", "random maps of nine cells, least risk to a goal", partial(_random, rewards=False, discount=1.0))
+
+
+def gathered_risk() -> Family:
+    """Random maps with a goal, on which a risk hangs on what the path has collected."""
+    return Family(
+        "gathering maps", "random maps whose risks grow with what the path collects",
+        partial(_random, rewards=False, discount=1.0, gathering=True),
+    )  # fmt: skip
 
 
 def rewarded(discount: float) -> Family:

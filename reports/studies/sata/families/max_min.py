@@ -107,6 +107,32 @@ def _random_program(k: int, rng: Rng) -> Case:
 RANDOM_PROGRAMS = Family("packing-rows", "max-min LPs with one packing row a variable and coefficients of any size", _random_program)
 
 
+def side_by_side(graph: SensingGraph, times: float) -> SensingGraph:
+    """A graph, and after it a copy of its own robots and targets with weights so many times as large."""
+    robots, actions, targets = graph.num_robots, graph.num_actions, graph.num_targets
+    return graph_of_edges(
+        np.concatenate([graph.robot_of_action, graph.robot_of_action + robots]),
+        np.concatenate([graph.action_of_edge, graph.action_of_edge + actions]),
+        np.concatenate([graph.indices, graph.indices + targets]),
+        np.concatenate([graph.weights, times * graph.weights]), robots=2 * robots, targets=2 * targets, name=f"{graph.name}-twice",
+    )  # fmt: skip
+
+
+def _whole(k: int, rng: Rng) -> Case:
+    """Up to 5 robots of up to 4 actions, every target seen, some by one action only."""
+    owner = np.repeat(np.arange(int(rng.integers(1, 6))), 4)
+    owner = owner[np.append(True, rng.random(len(owner) - 1) < 0.7)]
+    targets = int(rng.integers(1, 7))
+    sees = rng.random((len(owner), targets)) < rng.uniform(0.2, 0.7)
+    sees[rng.integers(0, len(owner), targets), np.arange(targets)] = True
+    action, target = np.nonzero(sees)
+    weight = weights(rng, ("unit", "whole", "uniform", "spread")[k % 4], len(action))
+    return Case(BottleneckSATA(graph_of_edges(owner, action, target, weight, robots=5, targets=targets, name=f"whole-actions-{k}")))
+
+
+WHOLE = Family("whole-actions", "up to 5 robots of up to 4 actions, undivided, every target seen", _whole)
+
+
 # -- graphs by hand ---------------------------------------------------------------------------------------------------
 
 
@@ -155,6 +181,12 @@ def _reference(name: str) -> Case:
 REFERENCE_GRAPHS = listed(
     "reference", "small graphs with known optima, weights and unequal robots among them", [partial(_reference, name) for name in REFERENCES]
 )
+
+
+WHOLE_REFERENCES = listed(
+    "reference, whole actions", "the same, undivided",
+    [partial(lambda name: Case(BottleneckSATA(robots(REFERENCES[name][0], name).graph)), name) for name in REFERENCES],
+)  # fmt: skip
 
 
 def tight_pair(h: int) -> BottleneckSATA:

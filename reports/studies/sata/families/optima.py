@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from .....formulations.sata.selections import Selection
 from .....formulations.sata.submodular_selection import SubmodularSelection
 from .....formulations.verified_bounds import verified_bound
 from .....instances.errors import CheckFailedError, UsageError
+from .....instances.sata.sensing_graph import SensingGraph
 from ....ratios.optimum import OPTIMA, Optimum, attained, subsets
 
 Floats = NDArray[np.float64]
@@ -84,18 +86,35 @@ def best_actions(problem: BottleneckSATA) -> Optimum:
     return attained(problem, Selection.of(chosen[least.min(axis=1).argmax()]), "enumeration")
 
 
-def best_shares(problem: BottleneckSATA) -> Optimum:
-    """The optimum of the max-min LP (3.5) of Sung (2019)."""
-    g = problem.graph
+def _rows(g: SensingGraph) -> tuple[Floats, Floats]:
+    """Packing rows of the robots and covering rows of the targets."""
     packing, covering = np.zeros((g.num_robots, g.num_actions)), np.zeros((g.num_targets, g.num_actions))
     packing[g.robot_of_action, np.arange(g.num_actions)] = 1.0
     covering[g.indices, g.action_of_edge] = g.weights
+    return packing, covering
+
+
+def best_shares(problem: BottleneckSATA) -> Optimum:
+    """The optimum of the max-min LP (3.5) of Sung (2019)."""
+    g = problem.graph
+    packing, covering = _rows(g)
     x, y = _max_min(packing, covering)
     shares = x / np.maximum(packing @ x, 1.0)[g.robot_of_action]  # the solver keeps rows up to a tolerance only
     evidence = {"targets": list(range(g.num_targets)), "weights": y.tolist()}
     best = attained(problem, shares, "linear program")
     _agree(problem, best.value, verified_bound(problem, Evidence("target-weights", "linear program", math.nan, evidence)))
     return best
+
+
+def least_coverage(g: SensingGraph, largest: Sequence[int] = ()) -> float:
+    """The optimum of the max-min LP of shares, of which those of the actions ``largest`` are no smaller than others of their robots."""
+    packing, covering = _rows(g)
+    ahead = [(other, one) for one in largest for other in np.nonzero(g.robot_of_action == g.robot_of_action[one])[0] if other != one]
+    order = np.zeros((len(ahead), g.num_actions))
+    for row, (other, one) in zip(order, ahead, strict=True):
+        row[other], row[one] = 1.0, -1.0
+    x, _ = _max_min(packing, covering, order)
+    return float((covering @ x).min(initial=math.inf))
 
 
 def best_vector(problem: MaxMinLP) -> Optimum:
@@ -114,21 +133,24 @@ def best_vector(problem: MaxMinLP) -> Optimum:
     return best
 
 
-def _max_min(packing: Floats, covering: Floats) -> tuple[Floats, Floats]:
-    """A point that maximises the least entry of ``covering x`` subject to ``packing x <= 1``, and its dual weights of the covering rows."""
+def _max_min(packing: Floats, covering: Floats, order: Floats | None = None) -> tuple[Floats, Floats]:
+    """A point that maximises the least entry of ``covering x`` subject to ``packing x <= 1`` and ``order x <= 0``, and its dual weights of
+    the covering rows."""
     from scipy.optimize import linprog
 
     n = covering.shape[1]
     scale = float(covering.max(initial=0.0)) or 1.0  # tolerances are absolute
-    rows = np.block([[packing, np.zeros((len(packing), 1))], [-covering / scale, np.ones((len(covering), 1))]])
-    right = np.concatenate([np.ones(len(packing)), np.zeros(len(covering))])
+    below = np.zeros((0, n)) if order is None else order
+    rows = np.concatenate([packing, -covering / scale, below])
+    rows = np.column_stack([rows, np.repeat([0.0, 1.0, 0.0], [len(packing), len(covering), len(below)])])
+    right = np.repeat([1.0, 0.0], [len(packing), len(covering) + len(below)])
     cost = np.zeros(n + 1)
     cost[n] = -1.0
     options: Any = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
     solved: Any = linprog(cost, A_ub=rows, b_ub=right, method="highs-ds", options=options)
     if solved.status != 0:
         raise CheckFailedError(f"the linear program of the optimum was not solved: {solved.message}")
-    return np.maximum(solved.x[:n], 0.0), np.maximum(-solved.ineqlin.marginals[len(packing) :], 0.0)
+    return np.maximum(solved.x[:n], 0.0), np.maximum(-solved.ineqlin.marginals[len(packing) : len(packing) + len(covering)], 0.0)
 
 
 def _agree(problem: Problem, value: float, bound: float) -> None:

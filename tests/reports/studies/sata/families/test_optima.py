@@ -21,7 +21,7 @@ from waybound.instances.errors import CheckFailedError, UsageError
 from waybound.instances.sata.constraints import Cardinality
 from waybound.instances.sata.set_functions import Coverage, UserFunction
 from waybound.reports.ratios.optimum import optimum
-from waybound.reports.studies.sata.families import optima
+from waybound.reports.studies.sata.families import max_min, optima
 from waybound.reports.studies.sata.families.optima import MOST_ELEMENTS, allowed_sets, set_values
 
 
@@ -93,3 +93,11 @@ def test_an_optimum_whose_two_sides_differ_is_refused(monkeypatch):
     monkeypatch.setattr(optima, "verified_bound", lambda problem, evidence: math.pi)
     with pytest.raises(CheckFailedError, match="bound of"):
         optimum(BottleneckSATA(CASES["S1"].graph, fractional=True))
+
+
+@pytest.mark.parametrize(("largest", "value"), [((), 2 / 3), ((0, 3), 2 / 3), ((0, 2), 1 / 2), ((1, 3), 1 / 2), ((1, 2), 1 / 2)])
+def test_the_linear_program_of_shares_in_a_given_order(largest, value):
+    """Robot 1 is at target 0 or 1, robot 2 at target 1 or 2: at most half is left for an outer target
+    that is not the larger share."""
+    graph = max_min.robots(max_min.REFERENCES["D"][0], "D").graph
+    assert optima.least_coverage(graph, largest) == pytest.approx(value)
