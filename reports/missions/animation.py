@@ -8,6 +8,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...instances.atomic import atomic_write
 from ...instances.errors import UsageError
 from ...instances.worlds import World
@@ -51,6 +53,15 @@ class Film:
         every = math.ceil(len(self.shots) / MOST_FRAMES)
         last = len(self.shots) - 1
         return [*range(0, last, every), last]
+
+    def pictures(self, most: int = MOST_FRAMES) -> list[bytes]:
+        """At most ``most`` pictures as PNG files, evenly over the steps, the last one always among them."""
+        picture, steps = Picture({"": self}), self.frames()
+        shown = []
+        for k in np.unique(np.linspace(0, len(steps) - 1, min(most, len(steps))).round().astype(int)):
+            picture.show(steps[k])
+            shown.append(png_of(picture.figure, 80))
+        return shown
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write a ``.gif`` or ``.html`` file, whole or not at all; needs no display."""

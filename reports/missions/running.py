@@ -7,6 +7,7 @@ import math
 import signal
 import threading
 from collections.abc import Callable, Collection, Iterator, Sequence
+from time import perf_counter
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
@@ -78,8 +79,8 @@ def run(
     pandas.DataFrame
         One row a step: ``step``; the world's metrics after it; for what was solved in it ``problems`` (their number), ``objective``
         and ``bound`` (of all teams together), ``bound_kind``, ``gap``, ``guarantee`` (the worst stated ratio, if all have one),
-        ``seconds`` (wall time of all solving), ``status`` (the worst; ``none`` without a problem) and ``limit``; and, but for
-        policies, the mission's measures. ``attrs`` tells the mission, what decided, seed, settings, ``limit``: ``interrupt`` if
+        ``seconds`` (wall time of all solving, or of the policy), ``status`` (the worst; ``none`` without a problem) and ``limit``; and,
+        but for policies, the mission's measures. ``attrs`` tells the mission, what decided, seed, settings, ``limit``: ``interrupt`` if
         Ctrl-C ended the run, which keeps the steps so far; and ``faults``: claims and bounds that contradict a verified answer, by step.
 
     Raises
@@ -170,6 +171,7 @@ def _step(mission: Mission, world: World, rule: Callable[[Any], Any] | None, dec
     observation = world.observe()
     decisions: list[Decision] = []
     actions: dict[int, Any] = {}
+    begun = perf_counter()
     if rule is not None:
         actions.update(rule(observation))
     else:
@@ -178,10 +180,11 @@ def _step(mission: Mission, world: World, rule: Callable[[Any], Any] | None, dec
             decision = Decision(view, problem, None if problem is None else decide(problem))
             decisions.append(decision)
             actions.update(mission.actions(view, problem, decision.answer))
+    ruled = {} if rule is None else {"seconds": perf_counter() - begun}
     world.step(actions)
     measures = {} if rule is not None else mission.measures(decisions, world)
     solutions = [d.solution for d in decisions if d.solution is not None]
-    return {"step": world.time, **world.metrics(), **_solving_columns(mission, solutions), **measures}
+    return {"step": world.time, **world.metrics(), **_solving_columns(mission, solutions), **ruled, **measures}
 
 
 def _solving_columns(mission: Mission, solutions: Sequence[Solution]) -> Row:

@@ -15,6 +15,9 @@ from .findings import lead_text
 if TYPE_CHECKING:
     import pandas as pd
 
+    from ..missions.animation import Film
+    from ..missions.mission import Mission
+
 LEVEL = 0.95
 
 HALF = "_half"
@@ -39,6 +42,16 @@ def play(
         shown = log.iloc[-1:] if last else log
         rows += [{**columns, "seed": seed, "method": name, **{key: row.get(key, math.nan) for key in keep}} for row in records(shown)]
     return rows
+
+
+def film_of(mission: Mission, seed: int, **how: Any) -> Film:
+    """The film of a run: ``how`` it is decided, and settings of the mission."""
+    from ..missions.animation import Film
+    from ..missions.running import run
+
+    film = Film(mission)
+    run(mission, seed=seed, watch=film, **how)
+    return film
 
 
 def records(table: pd.DataFrame) -> list[dict[str, Any]]:

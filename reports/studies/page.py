@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..pages.blocks import Code, DataTable, Facts, Figure, Folded, Text
+from ..pages.blocks import Animation, Code, DataTable, Facts, Figure, Folded, Text
 from ..pages.page import Page
 from ..pages.rendering import Block
 from ..plots.drawing import figure_without_display
@@ -12,6 +12,9 @@ from .study import Report, Study, StudySetting
 
 SHOWN_OBSERVATIONS = 1000
 """Observations on a page: a folder of tables holds all."""
+
+SHOWN_PICTURES = 60
+"""Pictures of an animation."""
 
 
 def page_of(study: Study, setting: StudySetting, report: Report) -> Page:
@@ -28,6 +31,7 @@ def page_of(study: Study, setting: StudySetting, report: Report) -> Page:
         drawn = figure_without_display(*figure.size)
         figure.draw(drawn)
         blocks.append(Figure(drawn, f"{figure.name}: {study.summary}"))
+    blocks += [Animation(clip.play().pictures(SHOWN_PICTURES), clip.shows, clip.shows) for clip in report.clips]
     blocks += [DataTable(table) for table in tables]
     said = [*report.notes, *(f"violation ({fault.kind}): {fault.message}" for fault in report.faults)]
     if report.num_faults > len(report.faults):

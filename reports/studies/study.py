@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...instances.instance import Instance
 from ...instances.registry import Registry
 from ..tables.table import Table
 from .findings import FINDINGS, REPRODUCED, SIGN, Finding
+
+if TYPE_CHECKING:
+    from ..missions.animation import Film
 
 Told = Callable[[int, int, str], None]
 """``told(done, total, what)`` receives the progress of a study."""
@@ -90,6 +93,14 @@ class Figure:
     size: tuple[float, float] = (8.0, 5.0)
 
 
+@dataclass(frozen=True)
+class Clip:
+    """A film to be played when it is wanted, and a sentence of what it shows."""
+
+    play: Callable[[], Film]
+    shows: str
+
+
 def broken(findings: Sequence[Finding]) -> dict[str, Any]:
     """The fields of a report for findings that must be reproduced: a fault for each that is not."""
     faults = tuple(
@@ -126,6 +137,8 @@ class Report:
         Published numbers and claims beside ours.
     further : tuple of Table
         More tables for people.
+    clips : tuple of Clip
+        Films of missions, for pages.
     """
 
     study: str
@@ -142,6 +155,7 @@ class Report:
     interrupted: bool = False
     findings: tuple[Finding, ...] = ()
     further: tuple[Table, ...] = ()
+    clips: tuple[Clip, ...] = ()
 
     @property
     def tables(self) -> tuple[Table, ...]:
