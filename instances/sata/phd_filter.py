@@ -12,6 +12,8 @@ from ..generators import Flags, Floats
 
 NODES, NODE_WEIGHTS = np.polynomial.legendre.leggauss(40)
 
+REPULSIONS = ("all", "undetected", "none")
+
 FAR = 9.0
 """Standard deviations beyond which a normal distribution is left out: less than 1e-18 of it."""
 
@@ -57,8 +59,9 @@ class PHDFilter:
         Weight below which components are dropped, and squared Mahalanobis distance within which they are merged.
     birth : float
         Weight of the component that each detection adds.
-    repulsion : bool
-        Whether components at the border of the disc that were not detected are pushed out of it, (2.11).
+    repulsion : str
+        Which components at the border of the disc are pushed out of it, (2.11): ``all`` (the part of each that was not detected, as
+        printed), ``undetected`` (of those alone that no detection is more likely to come from) or ``none``.
 
     Raises
     ------
@@ -79,14 +82,14 @@ class PHDFilter:
     prune: float = 1e-3
     merge: float = 10.0
     birth: float = 1.0
-    repulsion: bool = True
+    repulsion: str = "all"
 
     def __post_init__(self) -> None:
         for name in ("detection", "survival", "clutter"):
             if not 0.0 <= (value := getattr(self, name)) <= 1.0:
                 raise InputError(f"{name} is no probability", "out-of-range", expected="from 0 to 1", found=f"{value:g}")
         for field in fields(self):
-            if not (math.isfinite(value := getattr(self, field.name)) and value >= 0.0):
+            if field.name != "repulsion" and not (math.isfinite(value := getattr(self, field.name)) and value >= 0.0):
                 raise InputError(f"{field.name} is negative or no number", "out-of-range", expected="0 at least", found=f"{value:g}")
         for name in ("sensing", "noise"):
             if getattr(self, name) == 0.0:
@@ -114,17 +117,18 @@ class PHDFilter:
         n components become n (detections + 1): not detected first, then those of each detection.
         """
         seen = self.detected(mixture, place)
-        push = np.where((seen >= 0.4) & (seen <= 0.6), seen, 0.0) if self.repulsion else np.zeros(len(seen))
-        missed = Mixture((1.0 - seen) * mixture.weights, mixture.means + push[:, None] * (mixture.means - place), mixture.covariances)
-        if not len(found):
-            return missed
         inverse, gain, after = self.gains(mixture)
         away = found[:, None, :] - mixture.means
         squares = np.einsum("kni,nij,knj->kn", away, inverse, away)
         joint = seen * mixture.weights * np.sqrt(np.linalg.det(inverse)) * np.exp(-0.5 * squares) / (2.0 * math.pi)
         total = joint.sum(axis=1, keepdims=True) + self.clutter / (math.pi * self.sensing**2)
         weights = np.divide(joint, total, out=np.zeros_like(joint), where=total > 0)
+        pushed = (seen >= 0.4) & (seen <= 0.6) & (self.repulsion != "none")
+        if self.repulsion == "undetected":
+            pushed &= weights.sum(axis=0) < 0.5 * mixture.weights
+        border = mixture.means + np.where(pushed, seen, 0.0)[:, None] * (mixture.means - place)
         means = mixture.means + np.einsum("nij,knj->kni", gain, away)
+        missed = Mixture((1.0 - seen) * mixture.weights, border, mixture.covariances)
         return missed.joined(Mixture(weights.ravel(), means.reshape(-1, 2), np.tile(after, (len(found), 1, 1))))
 
     def reduced(self, mixture: Mixture) -> Mixture:

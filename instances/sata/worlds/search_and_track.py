@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ...errors import UsageError
 from ...generators import Draw, Flags, Floats
 from ...worlds import WORLDS, Setting, World, WorldKind
-from ..phd_filter import Mixture, PHDFilter
+from ..phd_filter import REPULSIONS, Mixture, PHDFilter
 from ..tracks import Tracks, TrackRules, ospa
 from ._plane import direction, distances, moved, placed, wandered
 
@@ -219,7 +219,7 @@ WORLDS.add(
             "prune": Setting(1e-3, "weight below which components are dropped", float, 0, 1),
             "merge": Setting(10.0, "squared Mahalanobis distance within which components are merged", float, 0, 1e6),
             "birth": Setting(1.0, "weight of the component that each detection adds", float, 0, 1e3),
-            "repulsion": Setting(True, "whether undetected components at the border of the disc are pushed out of it"),
+            "repulsion": Setting("all", "which components at the border of the disc are pushed out of it", choices=REPULSIONS),
             "threshold": Setting(0.5, "weight above which a component is a target", float, 0, 1e3),
             "confirm": Setting(3, "length from which a track counts, steps", int, 1, 10**6),
             "patience": Setting(3, "steps without a component that a track outlives", int, 0, 10**6),
