@@ -35,7 +35,7 @@ class SearchRules:
     width: float = 150.0
     height: float = 150.0
     robot_step: float = 0.5
-    target_step: float = 0.05
+    target_step: float = 0.0
     turn_every: int = 400
     initial: int = 10
     initial_offset: float = 15.0
@@ -203,7 +203,7 @@ WORLDS.add(
             "width": Setting(150.0, "of the area, m", float, 1e-3, 1e6),
             "height": Setting(150.0, "of the area, m", float, 1e-3, 1e6),
             "robot-step": Setting(0.5, "longest move of a robot in a step, m", float, 1e-6, 1e6),
-            "target-step": Setting(0.05, "move of a target in a step, m", float, 0, 1e6),
+            "target-step": Setting(0.0, "move of a target in a step, m", float, 0, 1e6),
             "turn-every": Setting(400, "steps between turns of all targets, 0 for never", int, 0, 10**9),
             "start": Setting(None, "positions of the robots at the start: 'x,y x,y', m", str),
             "sensing": Setting(25.0, "radius of the disc that a robot sees, m", float, 1e-3, 1e6),
