@@ -20,7 +20,7 @@ FAR = 9.0
 
 @dataclass(frozen=True, eq=False)
 class Mixture:
-    """Density of targets in the plane, the sum of ``weights`` (n,) times normal densities: ``means`` (n, 2) in m, ``covariances`` (n, 2, 2).
+    """Density of targets in the plane: ``weights`` (n,) times normal densities of ``means`` (n, 2) in m and ``covariances`` (n, 2, 2).
 
     Its integral over a region is the expected number of targets there. Source: Sung (2019), (2.1) and (2.4).
     """
@@ -85,6 +85,8 @@ class PHDFilter:
     repulsion: str = "all"
 
     def __post_init__(self) -> None:
+        if self.repulsion not in REPULSIONS:
+            raise InputError("no such repulsion", "unknown-name", expected=", ".join(REPULSIONS), found=str(self.repulsion))
         for name in ("detection", "survival", "clutter"):
             if not 0.0 <= (value := getattr(self, name)) <= 1.0:
                 raise InputError(f"{name} is no probability", "out-of-range", expected="from 0 to 1", found=f"{value:g}")

@@ -59,6 +59,20 @@ def records(table: pd.DataFrame) -> list[dict[str, Any]]:
     return [{str(key): value for key, value in row.items()} for row in table.to_dict("records")]
 
 
+def times_apart(rows: Sequence[Mapping[str, Any]], key: str = "method") -> tuple[list[dict[str, Any]], Table]:
+    """Rows without ``milliseconds`` and ``slowest``, which no seed decides, and a table of these by ``key``: wall time of a decision."""
+    kept = [{name: value for name, value in row.items() if name not in ("milliseconds", "slowest")} for row in rows]
+    timed: dict[str, list[tuple[float, float]]] = {}
+    for row in rows:
+        if "milliseconds" in row and key in row:
+            timed.setdefault(str(row[key]), []).append((row["milliseconds"], row["slowest"]))
+    told = [
+        {key: name, "mean_ms": float(np.mean([mean for mean, _ in own])), "slowest_ms": max(slowest for _, slowest in own)}
+        for name, own in timed.items()
+    ]
+    return kept, frame_table("Wall time of a decision", told)
+
+
 def by_method(logs: Sequence[Mapping[str, Any]]) -> list[tuple[str, pd.DataFrame]]:
     """Rows with a column ``method`` as one table a method, in the order in which these come."""
     import pandas as pd

@@ -53,7 +53,7 @@ def _reachable(robots: Floats, robot: int, position: ArrayLike, longest: float, 
 
 
 def wandered(draw: Draw, targets: Floats, headings: Floats, reach: Floats, area: Floats) -> tuple[Floats, Floats]:
-    """Headings of targets that move by ``reach``, shape (targets, 1), and their moves; who would cross a wall draws others until none is."""
+    """Headings of targets that move by ``reach``, shape (targets, 1), and their moves; at walls others are drawn until one leads inside."""
     crossing = outside(targets + reach * direction(headings), area)
     while crossing.any():
         headings[crossing] = draw.uniform(-np.pi, np.pi, int(crossing.sum()))

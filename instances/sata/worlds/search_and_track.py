@@ -14,7 +14,7 @@ from ...errors import UsageError
 from ...generators import Draw, Flags, Floats
 from ...worlds import WORLDS, Setting, World, WorldKind
 from ..phd_filter import REPULSIONS, Mixture, PHDFilter
-from ..tracks import Tracks, TrackRules, ospa
+from ..tracks import TrackRules, Tracks, ospa
 from ._plane import direction, distances, moved, placed, wandered
 
 FOUND = 10.0
@@ -81,10 +81,10 @@ class SearchWorld(World):
     """
 
     def __init__(
-        self, rules: SearchRules, filter: PHDFilter, tracks: TrackRules, rng: np.random.Generator, *,
+        self, rules: SearchRules, density: PHDFilter, tracks: TrackRules, rng: np.random.Generator, *,
         robots: ArrayLike | None = None, targets: ArrayLike | None = None,
     ) -> None:  # fmt: skip
-        self.rules, self.filter, self._draw = rules, filter, Draw(rng)
+        self.rules, self.filter, self._draw = rules, density, Draw(rng)
         r, draw = rules, self._draw
         drawn = draw.uniform(0.0, 1.0, (r.targets, 2)) * r.area
         self.targets = drawn if targets is None else placed("target", targets, r.targets, r.area)
@@ -109,7 +109,9 @@ class SearchWorld(World):
         self.robots = moved(self.robots, actions, r.robot_step, r.area)
         drawn = self._draw.uniform(-math.pi, math.pi, r.targets)
         due = r.turn_every > 0 and self.time > 0 and self.time % r.turn_every == 0
-        self.headings, moves = wandered(self._draw, self.targets, drawn if due else self.headings, np.full((r.targets, 1), r.target_step), r.area)
+        self.headings, moves = wandered(
+            self._draw, self.targets, drawn if due else self.headings, np.full((r.targets, 1), r.target_step), r.area
+        )
         self.targets = self.targets + moves
         self.time += 1
         self._estimate(self._detections())
@@ -151,7 +153,7 @@ class SearchWorld(World):
         """Of the confirmed tracks beside the true targets.
 
         ``found``: targets with a track within 10 m; ``missed``: the others; ``ospa``: distance of the two sets, order 2, cut-off 100 m;
-        ``tracks``, ``components``: their numbers; ``track_weight``, ``weight``: sums of their weights; ``nearest``, ``second``: mean
+        ``tracks``, ``components``: their numbers; ``track_weight``, ``weight``: sums of their weights; ``closest``, ``next_closest``: mean
         Mahalanobis distance of a target to the closest and second closest track, NaN without one; ``variance``: largest trace of a
         component's covariance, m2; ``observed``: targets in sight.
         """
@@ -166,7 +168,7 @@ class SearchWorld(World):
             "found": found, "missed": self.rules.targets - found, "ospa": ospa(followed.means, self.targets),
             "tracks": float(len(ends)), "components": float(len(mixture.weights)),
             "track_weight": float(followed.weights.sum()), "weight": float(mixture.weights.sum()),
-            "nearest": float(closest[0]) if len(ends) > 0 else math.nan, "second": float(closest[1]) if len(ends) > 1 else math.nan,
+            "closest": float(closest[0]) if len(ends) > 0 else math.nan, "next_closest": float(closest[1]) if len(ends) > 1 else math.nan,
             "variance": float(traces.max(initial=0.0)), "observed": float(self._in_sight().any(axis=0).sum()),
         }  # fmt: skip
 

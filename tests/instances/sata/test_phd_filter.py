@@ -80,7 +80,9 @@ def test_the_border_pushes_what_it_does_not_see():
         assert np.array_equal(after.covariances, own.covariances)
     assert seen[1] == pytest.approx(0.434, abs=5e-4)
     detected = np.array([[25.0, 0.0]])
-    pushed = {kind: PHDFilter(repulsion=kind).update(own.part(np.array([False, True, False])), HERE, detected) for kind in ("all", "undetected")}
+    pushed = {
+        kind: PHDFilter(repulsion=kind).update(own.part(np.array([False, True, False])), HERE, detected) for kind in ("all", "undetected")
+    }
     assert pushed["all"].means[0, 0] > 30 and pushed["undetected"].means[0, 0] == 25
 
 

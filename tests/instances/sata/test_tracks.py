@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from waybound.instances.sata.phd_filter import Mixture
-from waybound.instances.sata.tracks import Tracks, TrackRules, forecast, ospa
+from waybound.instances.sata.tracks import TrackRules, Tracks, forecast, ospa
 
 
 def mixture(*places, weight=1.0, variance=1.0):
@@ -31,7 +31,9 @@ def mixture(*places, weight=1.0, variance=1.0):
     ],
 )
 def test_known_distances(ones, others, distance):
-    assert ospa(np.array(ones, dtype=float).reshape(-1, 2), np.array(others, dtype=float).reshape(-1, 2)) == pytest.approx(distance, abs=1e-6)
+    assert ospa(np.array(ones, dtype=float).reshape(-1, 2), np.array(others, dtype=float).reshape(-1, 2)) == pytest.approx(
+        distance, abs=1e-6
+    )
 
 
 @given(st.integers(0, 10**6), st.integers(0, 5), st.integers(0, 5), st.sampled_from([1.0, 2.0]))
@@ -40,7 +42,8 @@ def test_distances_agree_with_all_assignments(seed, count, further, order):
     ones, others, third = (rng.normal(size=(n, 2)) * 60 for n in (count, further, 3))
     small, large = sorted((ones, others), key=len)
     best = min(
-        sum(min(math.dist(a, large[k]), 100.0) ** order for a, k in zip(small, chosen, strict=True)) + 100.0**order * (len(large) - len(small))
+        sum(min(math.dist(a, large[k]), 100.0) ** order for a, k in zip(small, chosen, strict=True))
+        + 100.0**order * (len(large) - len(small))
         for chosen in itertools.permutations(range(len(large)), len(small))
     )
     expected = (best / len(large)) ** (1 / order) if len(large) else 0.0
@@ -79,7 +82,7 @@ def test_motion_does_not_depend_on_where_the_origin_is():
     path = np.tile([100.0, 40.0], (10, 1))
     assert forecast(path, 20.0, 0.5) == pytest.approx([100, 40])
     line = np.column_stack([np.arange(20.0), np.zeros(20)])
-    assert forecast(line + [70, -9], 20.0, 0.1) == pytest.approx(forecast(line, 20.0, 0.1) + [70, -9])
+    assert forecast(line + np.array([70, -9]), 20.0, 0.1) == pytest.approx(forecast(line, 20.0, 0.1) + np.array([70, -9]))
     assert 18.5 < forecast(line, 20.0, 0.1)[0] < 20.5
 
 
