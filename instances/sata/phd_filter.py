@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from ..errors import InputError
-from ..generators import Flags, Floats
+from ..generators import Flags, Floats, Integers
 
 NODES, NODE_WEIGHTS = np.polynomial.legendre.leggauss(40)
 
@@ -29,7 +29,7 @@ class Mixture:
     means: Floats
     covariances: Floats
 
-    def part(self, rows: Flags) -> Mixture:
+    def part(self, rows: Flags | Integers) -> Mixture:
         """These components alone."""
         return Mixture(self.weights[rows], self.means[rows], self.covariances[rows])
 
@@ -111,7 +111,7 @@ class PHDFilter:
         inverse = np.linalg.inv(covariances + self.noise**2 * np.eye(2))
         gain = covariances @ inverse
         after = covariances - gain @ covariances
-        return inverse, gain, 0.5 * (after + after.transpose(0, 2, 1))
+        return np.asarray(inverse, dtype=np.float64), gain, 0.5 * (after + after.transpose(0, 2, 1))
 
     def update(self, mixture: Mixture, place: Floats, found: Floats) -> Mixture:
         """After a robot at ``place`` measured ``found``, shape (detections, 2), m: (2.3) with the field of view and (2.11).

@@ -188,10 +188,12 @@ def read_places(text: str | None) -> list[list[float]] | None:
 
 def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> SearchWorld:
     named = {key.replace("-", "_"): value for key, value in values.items()}
-    rules, sensing, tracks = (
-        kind(**{field.name: named[field.name] for field in fields(kind)}) for kind in (SearchRules, PHDFilter, TrackRules)
-    )
-    return SearchWorld(rules, sensing, tracks, rng, robots=read_places(values["start"]))
+
+    def of(kind: type) -> dict[str, Any]:
+        return {field.name: named[field.name] for field in fields(kind)}
+
+    rules, density, tracks = SearchRules(**of(SearchRules)), PHDFilter(**of(PHDFilter)), TrackRules(**of(TrackRules))
+    return SearchWorld(rules, density, tracks, rng, robots=read_places(values["start"]))
 
 
 WORLDS.add(

@@ -165,7 +165,7 @@ class TrackingWorld(World):
         due = r.turn_every > 0 and self.time > 0 and self.time % r.turn_every == 0
         headings = np.where(due | (chance < r.turn_chance), drawn, self.target_headings)
         reach = r.target_step * self.moving[:, None]
-        self.target_headings, self._last_move = wandered(draw, self.targets, headings, reach, r.area)
+        self.target_headings, self._last_move = wandered(draw, self.targets, np.asarray(headings, dtype=np.float64), reach, r.area)
         self.targets = self.targets + self._last_move
 
     def _look(self) -> TrackingObservation:

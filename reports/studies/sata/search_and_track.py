@@ -62,7 +62,7 @@ SEEDS_LOST = "the source's seeds, noise, motion and hyperparameters are not told
 
 NOTES = (
     "means over the steps of a run, then over runs, with intervals of confidence 95 %; all methods meet the same targets",
-    "found: targets with a confirmed track within 10 m; missed: the others; closest, next closest: Mahalanobis distances of targets to tracks",
+    "found: targets with a confirmed track within 10 m; missed: the others; closest, next closest: Mahalanobis distances to tracks",
     "the short form flies 2 m a step, one sweep in 600 steps; in full it is 0.5 m, three sweeps in 7,278",
     "lost: percent of the worth of a plan below the best for the same state; only the exact loop proves each plan",
 )
@@ -118,7 +118,8 @@ def search_and_track(setting: StudySetting) -> Report:
     rows = means(flights, FLIGHTS)
     played = film_of(SearchAndTrack(), setting.seed, steps=300, heuristic="sequential-greedy", **TEAM)
     return Report(
-        "search-and-track", search_and_track.summary, frame_table("One robot: means of steps and runs", rows), tuple(rows), tuple(observed),
+        "search-and-track", search_and_track.summary, frame_table("One robot: means of steps and runs", rows),
+        tuple(rows), tuple(observed),
         figures=(loop_figure(loops),), notes=NOTES, findings=tuple(findings(flights, loops)),
         further=(frame_table("Teams of three: means, and percent of the worth that plans lose", means(loops, LOOPS)), times),
         clips=(Clip(lambda: played, "three robots share out what the filter is least sure of, greedily"),), **done.progress(),
@@ -129,7 +130,8 @@ def means(table: pd.DataFrame, methods: Sequence[str] | dict[str, Any]) -> list[
     """A row a method: mean and interval of each measure."""
     rows: list[dict[str, Any]] = []
     for name in methods:
-        own, row = table[table["method"] == name], {"method": name}
+        own = table[table["method"] == name]
+        row: dict[str, Any] = {"method": name}
         for key in (*MEASURES, "lost"):
             if not own[key].isna().all():
                 row[key], row[f"{key}{HALF}"] = mean_interval(own[key].dropna())
@@ -139,7 +141,7 @@ def means(table: pd.DataFrame, methods: Sequence[str] | dict[str, Any]) -> list[
 
 CLAIMS: tuple[tuple[str, str, str, str, str, int, str], ...] = (
     ("OSPA without (2.11) against with it", "larger", "ospa", "no repulsion", "10 % clutter", 1, ""),
-    ("Mahalanobis distance to the closest track without (2.11) against with it", "larger", "closest", "no repulsion", "10 % clutter", 1, ""),
+    ("Mahalanobis distance to the closest track without (2.11)", "larger", "closest", "no repulsion", "10 % clutter", 1, ""),
     ("number of tracks without (2.11) against with it", "fewer (false negatives)", "tracks", "no repulsion", "10 % clutter", -1, ""),
     ("targets without a track within 10 m, without (2.11) against with it", "more (false negatives)", "missed", "no repulsion",
      "10 % clutter", 1, "what is pushed out is 11 m off: a track more, but seldom one that is near the target"),
@@ -149,7 +151,7 @@ CLAIMS: tuple[tuple[str, str, str, str, str, int, str], ...] = (
      "without clutter each detection must be of some component, however far, and pulls it along"),
     ("largest covariance in a run, largest-Gaussian against lawn mower", "smaller", "variance_worst", "largest, exact", "10 % clutter", -1,
      "the largest is that of the start, or of what is out of reach, with both"),
-    ("mean of the largest covariance, largest-Gaussian against lawn mower", "smaller", "variance", "largest, exact", "10 % clutter", -1, ""),
+    ("mean largest covariance, largest-Gaussian against lawn mower", "smaller", "variance", "largest, exact", "10 % clutter", -1, ""),
     ("tracks, largest-Gaussian against lawn mower", "fewer targets", "tracks", "largest, exact", "10 % clutter", -1, ""),
     ("targets found, largest-Gaussian against lawn mower", "fewer targets", "found", "largest, exact", "10 % clutter", -1,
      "it flies to where targets were said to be, and leaves out what holds none"),
