@@ -164,8 +164,8 @@ class TrackingWorld(World):
         drawn, chance = draw.uniform(-math.pi, math.pi, r.targets), draw.uniform(0.0, 1.0, r.targets)
         due = r.turn_every > 0 and self.time > 0 and self.time % r.turn_every == 0
         headings = np.where(due | (chance < r.turn_chance), drawn, self.target_headings)
-        reach = r.target_step * self.moving[:, None]
-        self.target_headings, self._last_move = wandered(draw, self.targets, np.asarray(headings, dtype=np.float64), reach, r.area)
+        reach = np.asarray(r.target_step * self.moving[:, None], dtype=np.float64)
+        self.target_headings, self._last_move = wandered(draw, self.targets, headings, reach, r.area)
         self.targets = self.targets + self._last_move
 
     def _look(self) -> TrackingObservation:
