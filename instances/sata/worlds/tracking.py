@@ -10,13 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...errors import InputError, UsageError
+from ...errors import UsageError
 from ...generators import Draw, Flags, Floats, Integers
-from ...text import an
 from ...worlds import WORLDS, Setting, World, WorldKind
-
-TOLERANCE = 1e-9
-"""Relative rounding error by which a robot's move may exceed its longest one."""
+from ._plane import direction, moved, placed, wandered
+from ._plane import distances as distances
 
 SCENARIOS: dict[str, dict[str, Any]] = {
     "matlab": {
@@ -126,24 +124,13 @@ class TrackingWorld(World):
         self.moving = self._draw.chosen(round(rules.moving * rules.targets), rules.targets)
         self.robots = self._start("robot", rules.robots, robots)
         self.headings = self._draw.uniform(-math.pi, math.pi, rules.robots)
-        self._last_move = rules.target_step * _direction(self.target_headings) * self.moving[:, None]
+        self._last_move = rules.target_step * direction(self.target_headings) * self.moving[:, None]
         self._observation = self._look()
         self._before: Flags = np.zeros(rules.targets, dtype=bool)
 
     def _start(self, what: str, count: int, given: ArrayLike | None) -> Floats:
         drawn = self._draw.uniform(0.0, 1.0, (count, 2)) * self.rules.area
-        if given is None:
-            return drawn
-        points = np.array(given, dtype=np.float64)
-        if points.shape != (count, 2):
-            raise InputError(f"there must be one position {an(what)}", "wrong-shape", expected=f"({count}, 2)", found=str(points.shape))
-        wrong = ~np.isfinite(points).all(axis=1) | _outside(points, self.rules.area)
-        if wrong.any():
-            k = int(np.argmax(wrong))
-            raise InputError(
-                f"{what} {k + 1} starts outside the area", "out-of-range", expected=_area(self.rules), found=str(points[k].tolist())
-            )
-        return points
+        return drawn if given is None else placed(what, given, count, self.rules.area)
 
     # -- the three things that every world does ------------------------------------------------------------------------
 
@@ -153,13 +140,10 @@ class TrackingWorld(World):
 
     def step(self, actions: Mapping[int, ArrayLike]) -> None:
         """Move each robot to the position that ``actions`` gives for its number, and all targets; robots not named stay."""
-        to = self.robots.copy()
-        for robot, position in actions.items():
-            place = self._reachable(robot, position)
-            to[robot] = place
+        to = moved(self.robots, actions, self.rules.robot_step, self.rules.area)
         moves = to - self.robots
-        moved = (moves**2).sum(axis=1) > 0
-        self.headings = np.where(moved, np.arctan2(moves[:, 1], moves[:, 0]), self.headings)
+        turned = (moves**2).sum(axis=1) > 0
+        self.headings = np.where(turned, np.arctan2(moves[:, 1], moves[:, 0]), self.headings)
         self.robots, self._before = to, self._observation.seen_by_any
         self._move_targets()
         self.time += 1
@@ -175,40 +159,13 @@ class TrackingWorld(World):
 
     # ------------------------------------------------------------------------------------------------------------------
 
-    def _reachable(self, robot: int, position: ArrayLike) -> Floats:
-        if not 0 <= robot < self.rules.robots:
-            raise InputError(f"there is no robot number {robot}", "unknown-name", expected=f"0 to {self.rules.robots - 1}")
-        try:
-            point = np.array(position, dtype=np.float64)
-        except (TypeError, ValueError):
-            point = np.zeros(0)
-        if point.shape != (2,) or not np.isfinite(point).all():
-            raise InputError(f"robot number {robot} must be told a position", expected="two finite numbers", found=str(position)[:80])
-        length = float(np.linalg.norm(point - self.robots[robot]))
-        if length > self.rules.robot_step * (1 + TOLERANCE):
-            raise InputError(
-                f"robot number {robot} cannot move {length:.9g} m in one step",
-                "out-of-range",
-                expected=f"at most {self.rules.robot_step:g}",
-            )
-        if _outside(point[None], self.rules.area)[0]:
-            raise InputError(
-                f"robot number {robot} must stay inside", "out-of-range", expected=_area(self.rules), found=str(point.tolist())
-            )
-        return point
-
     def _move_targets(self) -> None:
         r, draw = self.rules, self._draw
         drawn, chance = draw.uniform(-math.pi, math.pi, r.targets), draw.uniform(0.0, 1.0, r.targets)
         due = r.turn_every > 0 and self.time > 0 and self.time % r.turn_every == 0
         headings = np.where(due | (chance < r.turn_chance), drawn, self.target_headings)
-        reach = r.target_step * self.moving[:, None]
-        crossing = _outside(self.targets + reach * _direction(headings), r.area)
-        while crossing.any():
-            headings[crossing] = draw.uniform(-math.pi, math.pi, int(crossing.sum()))
-            crossing = _outside(self.targets + reach * _direction(headings), r.area)
-        self.target_headings = headings
-        self._last_move = reach * _direction(headings)
+        reach = np.asarray(r.target_step * self.moving[:, None], dtype=np.float64)
+        self.target_headings, self._last_move = wandered(draw, self.targets, headings, reach, r.area)
         self.targets = self.targets + self._last_move
 
     def _look(self) -> TrackingObservation:
@@ -224,11 +181,6 @@ class TrackingWorld(World):
         )  # fmt: skip
 
 
-def distances(here: Floats, there: Floats) -> Floats:
-    """Distances between two lists of positions, shape (here, there)."""
-    return np.asarray(np.sqrt(((here[:, None, :] - there[None, :, :]) ** 2).sum(axis=2)))
-
-
 def linked(adjacent: Flags) -> Integers:
     """Number of each node's connected component, in the order of their first nodes, from a symmetric matrix with a true diagonal."""
     least = np.arange(len(adjacent))
@@ -237,18 +189,6 @@ def linked(adjacent: Flags) -> Integers:
         if (spread == least).all():
             return np.unique(least, return_inverse=True)[1].reshape(-1)
         least = spread
-
-
-def _direction(headings: Floats) -> Floats:
-    return np.column_stack([np.cos(headings), np.sin(headings)])
-
-
-def _outside(points: Floats, area: Floats) -> Flags:
-    return np.asarray(((points < 0) | (points > area)).any(axis=1))
-
-
-def _area(rules: TrackingRules) -> str:
-    return f"within [0, {rules.width:g}] x [0, {rules.height:g}]"
 
 
 def scenario_values(values: Mapping[str, Any]) -> dict[str, Any]:
