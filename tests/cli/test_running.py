@@ -56,7 +56,10 @@ def test_an_animation_is_written(run, tmp_path, suffix):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("mars",), "choose from fleet-energy, information-gathering, orchard, plume-exploration, room-exploration, tracking"),
+        (
+            ("mars",),
+            "choose from fleet-energy, information-gathering, orchard, plume-exploration, room-exploration, search-and-track, tracking",
+        ),
         (("tracking", "--policy", "nothing"), "choose from force-vector, stay"),
         (("tracking", "--policy", "stay", "--solver", "highs"), "one of solver, heuristic and policy"),
         (("tracking", "--steps", "0"), "steps must be"),

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy import sparse
 
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
@@ -140,6 +139,8 @@ class ChoiceTree(ProofTree[_Case]):
         self, columns: ColumnGeneration, part: Part, solved: Solved, every: Pool, goal: Callable[[], float], stop: Stop,
         on_answer: Callable[[Routes], object],
     ) -> None:  # fmt: skip
+        from scipy import sparse
+
         super().__init__(columns.problem, _Case(None), goal(), stop, 1.0)
         self.columns, self.part, self.every, self.goal, self.on_answer = columns, part, every, goal, on_answer
         self.partition, nodes = columns.partition, len(columns.partition.row)
