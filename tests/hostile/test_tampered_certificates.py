@@ -31,10 +31,12 @@ from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.formulations.sata.max_min_lp import MaxMinLP
 from waybound.formulations.sata.selections import Selection
 from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.stop import Stop
 from waybound.instances.document import parse_json
 from waybound.instances.errors import CheckFailedError, InputError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import Travel
+from waybound.solvers.bounds.routing import branch_price_cut
 from waybound.solving.bounding import find_bounds
 
 from .. import (
@@ -52,7 +54,7 @@ from .. import (
 )
 from ..bin_assignments import worked
 from ..programs import program
-from ..small_routing import small
+from ..small_routing import plane, small
 from ..uncertain_graphs import WORKED, all_paths, graph_of
 
 NEAR = 1e-6
@@ -100,6 +102,7 @@ def _routing(features: tuple[str, ...] = FEATURES) -> list[Case]:
     truth = best_values(mixed)
     assert truth is not None
     cases += _cases_of(mixed, truth[0], [], Evidence("all-routes", "all routes", truth[0], {}), look=False)
+    cases += _listed()
     tour = wb.RoutingProblem(
         Sites.of("oabc", demand=[0, 1, 1, 1]), Travel("euclidean", [(0, 0), (3, 0), (3, 4), (0, 4)]), (VehicleType(count=1),), problem="tsp"
     )
@@ -110,6 +113,21 @@ def _routing(features: tuple[str, ...] = FEATURES) -> list[Case]:
     far = wb.RoutingProblem(Sites.of("oab"), line, (VehicleType(max_distance=9.0),))
     few = wb.RoutingProblem(Sites.of("oab", demand=[0, 5, 5]), line, (VehicleType(count=1, capacity=9.0),))
     return cases + _cases_of(far, None, [wb.Routes.of([[1]])]) + _cases_of(few, None, [wb.Routes.of([[1], [2]])])
+
+
+def _listed() -> list[Case]:
+    """A proof over all routes of a better answer, listed however wide the gap is."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(branch_price_cut, "WIDEST", 10.0)
+        patch.setattr(branch_price_cut.Tree, "_hopeless", lambda self, node, part, solved: None)
+        for seed in range(30):
+            problem = plane(seed, 7, 17.0)
+            evidence = branch_price_cut.branch_price_cut_bound(problem, Stop(60.0))
+            if evidence is not None and evidence.kind == "enumerated-routes":
+                truth = best_values(problem)
+                assert truth is not None
+                return _cases_of(problem, truth[0], [], evidence, look=False)
+    raise AssertionError("none of thirty problems is proved over listed routes")
 
 
 def _without_answer() -> list[Case]:

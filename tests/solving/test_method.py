@@ -155,7 +155,9 @@ def test_the_nearest_solver_is_of_the_family_and_lacks_fewest() -> None:
 
 
 @pytest.mark.slow
-def test_where_no_solver_takes_a_problem_the_heuristic_that_opens_it_does_and_others_are_named() -> None:
+def test_where_no_solver_takes_a_problem_the_heuristic_that_opens_it_does_and_others_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    for engine in (Portfolio, RuinRecreate):
+        monkeypatch.setattr(engine, "installed", classmethod(lambda cls: False))
     problem = asking(TotalCost(), max_duration=60.0)
     many = Sites.of(range(31), demand=1)
     xy = np.random.default_rng(1).uniform(0, 9, (31, 2))

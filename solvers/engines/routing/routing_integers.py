@@ -237,16 +237,17 @@ def fitting_integers(problem: RoutingProblem, *, largest: int, total: int, scale
     return integer_routing(problem, largest=largest, total=total, fine=scales[-1])
 
 
-def with_slope(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:
+def with_slope(problem: RoutingProblem, data: IntegerRouting, *, maxima: bool = False) -> IntegerRouting:
     """The data with a price of distance where no move has a price, but sites are rewarded, vehicles counted, or stops made on the way.
 
     Of answers that are equal the shorter one is better then, and no other order changes: a step of what counts outweighs all the distance
-    that the limits of routes leave. Without a price a local search has no direction, and ends with the first routes that are full.
+    that the limits of routes leave. Without a price a local search has no direction, and ends with the first routes that are full. With
+    ``maxima`` also beside the largest of all routes, which is a slope only for the largest one.
     """
     costs = {name: getattr(data, name) for name in ("fixed", "time", "overtime", "maxima", "prize")}
     priced, stops = bool(data.time.any() or data.overtime.any()), stops_between(problem)
     timed = priced or bool(data.maxima.any())
-    if data.unit.any() or (priced and not stops):
+    if data.unit.any() or ((priced or (timed and not maxima)) and not stops):
         return data
     data = _coarse(data)
     step = max(1, int(np.gcd.reduce(np.concatenate([*costs.values()]))))
@@ -264,7 +265,7 @@ def with_slope(problem: RoutingProblem, data: IntegerRouting) -> IntegerRouting:
 def searched_integers(problem: RoutingProblem) -> tuple[IntegerRouting, bool]:
     """The integers of a problem for searches that add prizes to other costs, and whether a slope was added (``with_slope``)."""
     data = integer_routing(problem)
-    sloped = with_slope(problem, data)
+    sloped = with_slope(problem, data, maxima=True)
     sloped = sloped if int(sloped.prize.sum()) < MOST_PRIZES else data
     return sloped, sloped is not data
 
