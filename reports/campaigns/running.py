@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, suppress
 from typing import Protocol
 
-from ...instances.errors import InputError, UnsupportedError
+from ...instances.errors import InputError, UnsupportedError, UsageError
 from ...instances.registry import Registry
 from .campaign import Campaign, Planned
 from .one_run import Outcome, Task
@@ -38,7 +38,12 @@ def workers_at(address: str | None, jobs: int) -> AbstractContextManager[Workers
     MissingPackageError
         Where the package that it takes is not installed.
     """
-    return WORKERS["processes" if address is None else address.partition("://")[0]](address or "", jobs)
+    if address is None:
+        return WORKERS["processes"]("", jobs)
+    scheme, colon, _ = address.partition("://")
+    if scheme == "processes" or not (colon or scheme in WORKERS):
+        raise UsageError(f"no cluster is named {address!r}: write local, or the address of a scheduler, tcp://HOST:8786", "unknown-name")
+    return WORKERS[scheme](address, jobs)
 
 
 def run_campaign(campaign: Campaign, workers: AbstractContextManager[Workers], *, again: bool = False, progress: Told | None = None) -> int:

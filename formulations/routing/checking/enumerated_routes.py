@@ -29,7 +29,10 @@ if TYPE_CHECKING:
     from .walks import Walks
 
 LABELS = 300_000
-"""At a time at most, of as many visits each; some 200 bytes each."""
+"""At a time at most, of as many visits each; some 200 bytes each where rows and loads are few."""
+
+FEW_WORDS = 4
+"""Words of bits of a label beyond which there are fewer labels, in proportion."""
 
 ROUTES = 200_000
 """Sets of customers at most."""
@@ -149,8 +152,10 @@ def listed_routes(walks: Walks, limit: int) -> tuple[Flags, Longs] | None:
     fines = np.array([price for _, price in walks.rows], dtype=np.int64)
     among = _bits([sites for sites, _ in loads], nodes)
     keys = np.random.default_rng(0).integers(1 << 62, size=nodes)
+    words = inside.shape[1] + among.shape[1]
+    room = LABELS * FEW_WORDS // max(FEW_WORDS, words)
     status, number, sets, least = cheap_routes(
-        walks.stop.flag, network, rest, paid, worth, inside, fines, among, gains, keys, limit, LABELS, ROUTES, WORK
+        walks.stop.flag, network, rest, paid, worth, inside, fines, among, gains, keys, limit, room, ROUTES, WORK
     )
     if status != DONE:
         return None
@@ -184,6 +189,9 @@ def _over_cases(cases: Sequence[_Case], some: Choice, above: int, exponent: int,
         if case.pair is None:
             found = min(found, bound if len(at) else some.goal)
         else:
+            work -= len(at)
+            if work < 0:
+                return above
             one, other = (sets[customer, at] for customer in case.pair)
             waiting += [(at[~(one & other)], bound), (at[one == other], bound)]
     return found

@@ -180,7 +180,8 @@ class _Search:
                 if turn.engine is BranchPriceCut and not self.short_routes:
                     continue
                 results.append(self.turn(turn, turn.share))
-                if self.control.stopped or results[-1].status in ("optimal", "infeasible") or self.ends - now() < TOO_LATE:
+                closed = results[-1].status in ("optimal", "infeasible") or results[-1].limit == "gap"
+                if self.control.stopped or closed or self.ends - now() < TOO_LATE:
                     break
         last = results[-1]
         statistics = {name: value for name, value in last.statistics.items() if name in WORK} | {"turns": self.turns}
@@ -244,6 +245,7 @@ class _Search:
         )
         control, before, began = _TurnControl(self, until), self.best.values, now()
         patience = threading.Timer(FIRST_BOUND * own.time_limit, control.end_unless_bounded)
+        patience.daemon = True
         if turn.engine is BranchPriceCut:
             patience.start()
         try:
@@ -253,7 +255,8 @@ class _Search:
                 result = turn.engine().run(self.problem, own, control)
         except Exception as fault:  # the next one goes on, and the message tells it
             result = RawResult("error", message=f"{turn.engine.name} failed: {in_words(fault)}")
-        patience.cancel()
+        finally:
+            patience.cancel()
         if result.answer is not None:
             self.best.take(result.answer)
         done = {name: value for name, value in result.statistics.items() if name in ("iterations", "solutions")}

@@ -94,7 +94,7 @@ class Arrays:
         running = home.sum() + self.sums[k.SHORT] * self.sums[k.FEWEST]
         left_out = (self.site[self.customers, column].sum() + running for column in (k.MISSED, k.LOST))
         self.sums[: k.STEPS] = *left_out, len(self.customers), 0
-        self.types[:, k.HIGHEST : k.DEARER] = 0
+        self.types[:, k.HIGHEST : k.DEARER], self.route[:, k.HAZARD], self.sums[k.HAZARDS] = 0, 0, 0
         return self.begin(answer)
 
     def unserved(self, visited: NDArray[np.bool_]) -> Integers:

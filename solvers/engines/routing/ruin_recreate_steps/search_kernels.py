@@ -95,7 +95,10 @@ def settle(ways, at_way, site, types, route, node, absent, sums, flags):  # type
                 take_in(site, node, absent, sums, at)
             at = node[at, FOLLOWING]
         recount(ways, at_way, site, types, route, node, sums, r, flags)
-        if not route[r, SOUND] or (flags & SHARED and sums[HAZARDS] > sums[MOST_HAZARDS]):
+        if not route[r, SOUND]:
+            dissolve(ways, at_way, site, types, route, node, absent, sums, r, flags)
+    for r in range(len(route) if flags & SHARED else 0):
+        if sums[HAZARDS] > sums[MOST_HAZARDS] and route[r, VISITS] > 0:
             dissolve(ways, at_way, site, types, route, node, absent, sums, r, flags)
 
 

@@ -59,6 +59,8 @@ class NormalMatrix:
         if pairs > min(MOST_PAIRS * graph.num_edges, np.iinfo(np.int32).max) or not game.limits.afford(2.0 * pairs):
             return None
         both = (sight.T @ sight).tocsr()
+        if not both.diagonal().all():  # the loops rely on it
+            return None
         both.sort_indices()
         sees, seen, starts, columns = (
             np.ascontiguousarray(part, np.int32) for part in (sight.indptr, sight.indices, both.indptr, both.indices)

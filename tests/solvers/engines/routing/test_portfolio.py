@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from coded import coded
-from small_routing import small, varied
+from small_routing import plane, small, varied
 
 import waybound as wb
 from waybound.instances.errors import UnsupportedError, UsageError
@@ -132,3 +132,9 @@ def test_it_has_no_options_of_its_own() -> None:
 def test_the_default_of_the_family_is_the_portfolio() -> None:
     problem = wb.generate("random", customers=8, capacity=40)
     assert wb.solve(problem, time_limit=0.5, bound_time=0).solver == "portfolio"
+
+
+def test_the_gap_that_is_asked_for_ends_it() -> None:
+    """Branch, price and cut ends at the gap, and PyVRP has no turn after it."""
+    result = run(plane(3, 30, 40.0), time_limit=60.0, gap=0.5)
+    assert result.limit in ("gap", "none") and engines(result)[-1] == "branch-price-cut"

@@ -109,3 +109,19 @@ def test_the_risk_of_the_team_is_the_judges() -> None:
             assert told == pytest.approx(judged.quantities["team-overrun"], rel=1e-5, abs=1e-12), seed
         kept, refused = kept + sound, refused + (not sound)
     assert kept > 3 and refused > 3
+
+
+def test_an_answer_that_takes_the_place_of_another_keeps_its_routes() -> None:
+    """The risk of the team counts the routes that are put in, none of those before."""
+    for seed in range(40):
+        problem, rng = varied("team-risk", seed, 5), np.random.default_rng(seed)
+        held, kept = made(problem), []
+        for _ in range(8):
+            sites = rng.permutation(problem.customers)[: rng.integers(1, 6)].tolist()
+            parts = [part for part in np.array_split(sites, len(problem.fleet)) if len(part)]
+            answer = Routes.of([Route(tuple(part.tolist()), kind) for kind, part in enumerate(parts)])
+            if {v.check for v in problem.evaluate(answer).violations} <= {"visits", "groups"}:
+                kept.append(answer)
+        for answer in kept:
+            held.put(answer)
+            assert len(held.routes(held.node[:, k.FOLLOWING])) == len(answer), seed
