@@ -58,7 +58,7 @@ class Browser:
         return found
 
     def run(self, script: str, *arguments: Any) -> Any:
-        """What a function body in JavaScript returns."""
+        """Run the body of a JavaScript function in the page, and return its result."""
         return self.driver.execute_script(script, *arguments)
 
     def click(self, element: Any) -> None:

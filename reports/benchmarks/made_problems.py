@@ -12,7 +12,7 @@ from waybound.formulations.routing.problem import RoutingProblem
 from waybound.instances.routing.sites import Group
 
 LENGTHS = {"E-n51-k5": 521, "E-n76-k10": 830, "E-n101-k8": 815}
-"""Of the best routes of files."""
+"""Lengths of the best routes known of some files."""
 
 
 @PROBLEMS.register("two-vehicles-with-reloads")

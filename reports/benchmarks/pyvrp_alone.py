@@ -16,7 +16,7 @@ from ._harness import in_a_fresh_process
 from .overhead import BISECTED, integers
 
 UNTOLD = frozenset({"groups", "reloads", "overtime", "forbidden-moves", "several-windows"})
-"""What the script models not."""
+"""Features that the bare model of PyVRP leaves out."""
 
 
 @BACKENDS.register("bare-pyvrp")

@@ -174,7 +174,7 @@ class Exporter:
 
 
 EXPORTERS: Registry[Exporter] = Registry("suffix of exports", __package__, group="waybound.exporters")
-"""By the suffix of the file."""
+"""Writers of tables of runs, by the suffix of the file."""
 
 EXPORTERS.add(".csv", Exporter(lambda frame: frame.to_csv(index=False)))
 EXPORTERS.add(".parquet", Exporter(lambda frame: frame.to_parquet(index=False), ("pyarrow", "fastparquet"), "waybound[parquet]"))

@@ -21,7 +21,7 @@ DARK_GROUND = 0.012
 """Relative luminance of the dark page."""
 
 LEAST_CONTRAST = 4.5
-"""Of lines and text on dark ground (Web Content Accessibility Guidelines 2.2, criterion 1.4.3)."""
+"""Least contrast of lines and text on dark ground (Web Content Accessibility Guidelines 2.2, criterion 1.4.3)."""
 
 
 def figure_svg(drawn: Any, made: Rendering) -> tuple[Markup, float, bool]:

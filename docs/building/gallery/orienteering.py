@@ -1,4 +1,4 @@
-"""What to leave out.
+"""Choosing the sites worth a visit.
 
 The most reward on one route of limited length: what is far stays out. [Orienteering](../formulations/routing.md#orienteering)
 """

@@ -1,4 +1,4 @@
-"""Who is where when.
+"""Schedules of vehicles over the day.
 
 Thin lines are driving, bars service, the line below a visit its window. [Pictures](../pictures.md)
 """

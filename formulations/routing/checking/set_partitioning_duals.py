@@ -130,7 +130,7 @@ class Merged:
     relaxed: Relaxation
 
     def error(self, bound: float) -> float:
-        """By how much a bound in exact arithmetic may exceed what the judge adds up."""
+        """The most by which a bound in exact arithmetic exceeds the sum in floating point by which answers are judged."""
         # The routes of an answer have fewer than 2 nodes moves. Each is added up from its first on: no sum is larger than nodes sizes.
         size, nodes = float(np.abs(self.walks.cost[self.walks.usable]).max()), len(self.walks.cost)
         return 8.0 * EPS * (2 * nodes * nodes * size + abs(bound))

@@ -37,7 +37,7 @@ class Job:
 
 @dataclass(frozen=True, eq=False)
 class FleetObservation:
-    """What the team knows: nothing of batteries but who fell below the low voltage or took off before it was full.
+    """Knowledge of the team: of batteries only which robots fell below the low voltage, or took off before they were full.
 
     ``watches`` is for each robot the place to which it flies or which it watches, None for those on their way home or on a pad; ``since``
     the step at which it took off or landed, ``arrival`` when it is or was at its place. ``low`` maps robots that crossed the low voltage in

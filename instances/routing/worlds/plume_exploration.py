@@ -130,7 +130,7 @@ class PlumeWorld(World):
         }  # fmt: skip
 
     def places(self) -> list[tuple[float, float]]:
-        """Where the robots are now, under way too."""
+        """Positions of all robots now, those between two cells included."""
         found = []
         for a, b, arrival in zip(self.origins, self.robots, self.arrivals, strict=True):
             left = (arrival - self.clock) / flight_time(a, b, self.speed, self.drift) if arrival > self.clock else 0.0

@@ -118,7 +118,7 @@ class SearchWorld(World):
         self._observed()
 
     def _detections(self) -> list[Floats]:
-        """What each robot measures. Drawn for all pairs, since the draws must not depend on where robots are."""
+        """Measurements of each robot, drawn for every robot and target: random draws must not depend on where robots are."""
         r, f, draw = self.rules, self.filter, self._draw
         chance = draw.uniform(0.0, 1.0, (r.robots, r.targets + 3))
         errors = f.noise * draw.normal(0.0, 1.0, 2 * r.robots * r.targets).reshape(r.robots, r.targets, 2)
@@ -150,7 +150,7 @@ class SearchWorld(World):
         return np.asarray((distances(self.targets, self.mixture.means[self._observation.tracks]) <= FOUND).any(axis=1))
 
     def metrics(self) -> dict[str, float]:
-        """Of the confirmed tracks beside the true targets.
+        """Errors of the confirmed tracks against the true targets.
 
         ``found``: targets with a track within 10 m; ``missed``: the others; ``ospa``: distance of the two sets, order 2, cut-off 100 m;
         ``tracks``, ``components``: their numbers; ``track_weight``, ``weight``: sums of their weights; ``closest``, ``next_closest``: mean

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ....formulations.solution import Solution
 
 WIDTH, LEAST_HEIGHT, MOST_HEIGHT, MARGIN = 1000.0, 420.0, 820.0, 36.0
-"""Of the map, in its own units."""
+"""Width, height and margin of the map, in its own units."""
 
 LABELLED_SITES = 40
 """Sites up to which the whole map shows ids; those of a picked route are shown on any map."""

@@ -38,7 +38,7 @@ PLAYS: dict[str, dict[str, Any]] = {
 """Three hours of a fleet of 100, and an hour and a half of one of 26 that takes 14 minutes for its charging time of 40 at first."""
 
 FLEET: dict[str, Any] = {"robots": 60, "steps": 360}
-"""Of the loops: an hour."""
+"""The fleet that is played in closed loop, for an hour."""
 
 NOTES = (
     "intervals are of confidence 95 % over seeds; both methods meet the same fleets and jobs",

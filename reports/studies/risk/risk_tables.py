@@ -109,7 +109,7 @@ def risk_tables(setting: StudySetting) -> Report:
 
 
 def _interval(failed: int, flown: int) -> tuple[float, float]:
-    """Of Clopper and Pearson, at 95 %."""
+    """The interval of Clopper and Pearson, at 95 %."""
     from scipy import stats
 
     held = stats.binomtest(failed, flown).proportion_ci(0.95)

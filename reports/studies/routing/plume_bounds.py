@@ -41,7 +41,8 @@ def shortest_time(cells: int, robots: int, speed: float, wind: float) -> float:
 
 
 def proved_ratio(robots: int, speed: float, wind: float) -> float:
-    """Of a depth-first exploration to the shortest: what follows from ``longest_time`` with a depth of all cells, and ``shortest_time``."""
+    """The largest ratio of a depth-first exploration to the shortest: what follows from ``longest_time`` with a depth of all cells, and
+    ``shortest_time``."""
     return 2.0 * robots * (speed + wind) / (speed - wind)
 
 

@@ -50,8 +50,8 @@ FACTOR = 2.0
 
 
 def routes_below(columns: ColumnGeneration, part: Part, solved: Solved, gap: float, most: int = ROUTES) -> Pool | None:
-    """Of each set of customers the cheapest route whose reduced cost is less than ``gap`` above the least; None where there are more than
-    ``most``, or there was no time."""
+    """The cheapest route through each set of customers, where its reduced cost is less than ``gap`` above the least; None where there are
+    more than ``most``, or there was no time."""
     from .enumeration_kernels import all_below
     from .label_kernels import DONE, WORD
 

@@ -42,7 +42,9 @@ def test_an_address_is_local_or_that_of_a_scheduler(monkeypatch: pytest.MonkeyPa
     here, there = workers_at(None, 3), workers_at("tcp://x:1", 2)
     assert isinstance(here, RunProcesses) and here.jobs == 3
     assert isinstance(there, DaskWorkers) and there.address == "tcp://x:1"
-    with pytest.raises(UsageError, match="no cluster is named 'somewhere': write local, or the address of a scheduler", check=coded("unknown-name")):
+    with pytest.raises(
+        UsageError, match="no cluster is named 'somewhere': write local, or the address of a scheduler", check=coded("unknown-name")
+    ):
         workers_at("somewhere", 1)
 
 
