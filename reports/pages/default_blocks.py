@@ -21,9 +21,14 @@ def default_blocks(solution: Solution) -> list[Block]:
     """The pictures of the family's plots, and the answer as a table."""
     problem = solution.problem
     blocks: list[Block] = [chart for _, chart in charts(solution, ["", *views(problem)])] if problem.family in PLOTS else []
-    frame = problem.answer_to_frame(solution.answer)
+    return [*blocks, answer_table(solution)]
+
+
+def answer_table(solution: Solution) -> Block:
+    """The answer as a table, folded away where it is long."""
+    frame = solution.problem.answer_to_frame(solution.answer)
     table = DataTable(frame, title="Answer")
-    return [*blocks, Folded(f"Answer ({len(frame)} rows)", [table]) if len(frame) > SHOWN_ROWS else table]
+    return Folded(f"Answer ({len(frame)} rows)", [table]) if len(frame) > SHOWN_ROWS else table
 
 
 def charts(solution: Solution, names: Sequence[str]) -> list[tuple[str, Figure]]:

@@ -1,0 +1,3 @@
+"""Pages of answers about risk."""
+
+from .... import _guard as _guard
