@@ -126,9 +126,9 @@ def read_campaign(path: str | Path, folder: Path | None = None) -> Campaign:
             raise top.fault(f"the key {key!r} is missing", "missing")
     results, seeds = folder / with_variables(str(top.text("results")), file), top.numbers("seeds", [1])
     known, overtime = top.text("best_known"), top.table.get("overtime", OVERTIME)
-    check_number("overtime", overtime)
+    check_number("overtime", overtime, option=f"{file}: overtime")
     for seed in seeds:
-        check_whole("seed", seed, option="a seed")
+        check_whole("seed", seed, option=f"{file}: a seed")
     modules = tuple(name for name in top.texts("modules") if name is not None)
     try:
         import_modules(modules, folder)

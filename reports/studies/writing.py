@@ -27,6 +27,8 @@ def check_folder(folder: Path) -> None:
     nearest = folder
     while not nearest.exists():
         nearest = nearest.parent
+    if not nearest.is_dir():
+        raise UsageError(f"--out {folder} cannot be made: {nearest} is a file, not a folder")
     if not os.access(nearest, os.W_OK):
         raise UsageError(f"--out {folder}: {nearest} cannot be written to")
 

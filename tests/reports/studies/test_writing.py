@@ -71,5 +71,7 @@ def test_a_folder_that_cannot_be_made_is_refused_before_anything_runs(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(UsageError, match="is a file"):
         check_folder(tmp_path / "file")
+    with pytest.raises(UsageError, match="file is a file, not a folder"):
+        check_folder(tmp_path / "file" / "below")
     check_folder(tmp_path / "new" / "folder")
     assert not (tmp_path / "new").exists()
