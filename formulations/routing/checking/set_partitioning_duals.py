@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 CUSTOMERS = 1_000
 """More are not looked at: nothing is proved."""
 
-LABELS = 1_000_000
+LABELS = 4_000_000
 """At a time at most; some 100 bytes each."""
 
 WORK = 4_000_000_000

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -75,6 +75,9 @@ CLAIM = 1e-8
 """Part of the largest cost of a move by which more is claimed of the cheapest route than labels in rounded numbers found. The checker looks
 at whatever costs less."""
 
+FOLLOWED = (12, 8, 4, 2)
+"""How many are remembered at each customer where the checker cannot follow with more; then neither can it at the next node."""
+
 LEAST_GAIN = 1e-6
 """Least gain of a branching in a product of two gains, as a part of the largest cost of a move."""
 
@@ -120,7 +123,7 @@ class Tree(ProofTree[_Node]):
         self.grain = grain(np.append(costs[np.isfinite(costs)], partition.constant))
         self.columns = ColumnGeneration(problem, partition, stop, self._enough, seed, most)
         self.cost, self.unit = self.columns.cost, self.columns.unit
-        self.fixing, self.rounds, self.choosing = True, 0, CHOICES
+        self.fixing, self.rounds, self.choosing, self.remembered = True, 0, CHOICES, len(partition.row)
         self.most_listed = (most or {}).get("enumeration", ROUTES) if self.columns.shares.listing else 0
         self.branched: list[MoveRow] = []
         ids = problem.sites.ids
@@ -390,8 +393,24 @@ class Tree(ProofTree[_Node]):
     # -- evidence ----------------------------------------------------------------------------------------------------
 
     def _prove(self, node: _Node, solved: Solved, more: float | None = None) -> None:
-        """Prove a node by the prices of its best bound."""
-        self._prove_by(node, self._evidence(solved, more))
+        """Prove a node by the prices of its best bound, with as many remembered as the checker can follow."""
+        evidence = self._evidence(solved, more)
+        while True:
+            self._prove_by(node, self._remembering(evidence, self.remembered))
+            fewer = [k for k in FOLLOWED if k < self.remembered]
+            if node.evidence is not None or not fewer or self.whole.reached():
+                return
+            self.remembered = fewer[0]
+
+    def _remembering(self, evidence: Evidence, most: int) -> Evidence:
+        """The same prices with at most so many remembered at each customer beside himself, the nearest."""
+        lists = evidence.data["remembered"]
+        if max(map(len, lists)) <= most + 1:
+            return evidence
+        far = self.routing.travel.distances
+        far = np.minimum(far, far.T)
+        nearest = [[sites[k] for k in np.argsort(far[here, sites], kind="stable")[: most + 1]] for here, sites in enumerate(lists)]
+        return replace(evidence, data={**evidence.data, "remembered": nearest})
 
     def _prove_by(self, node: _Node, evidence: Evidence) -> None:
         """Prove a node in what is left of all the time."""

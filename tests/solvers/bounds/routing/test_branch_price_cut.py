@@ -24,7 +24,7 @@ from waybound.formulations.kernels import kernels
 from waybound.formulations.routing.checking.relaxation import relax
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.solvers.bounds import BOUNDS
+from waybound.solvers.bounds import BOUNDS, proof_tree
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
 from waybound.solvers.bounds.routing import branch_price_cut, column_generation
 from waybound.solvers.bounds.routing.branch_price_cut import branch_price_cut_bound
@@ -68,6 +68,19 @@ def assert_no_more_is_proved(problem: RoutingProblem, name: str, stop: Stop) -> 
     if evidence is not None:
         sign = 1.0 if problem.sense == "min" else -1.0
         assert sign * verified_bound(problem, evidence) <= (math.inf if best is None else sign * best[0] + 1e-9 * abs(best[0]))
+
+
+def test_a_checker_that_cannot_follow_is_given_fewer_who_are_remembered(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem, told = plane(1, 16, 40.0), list[int]()
+
+    def checked(problem: Any, evidence: Evidence) -> float:
+        told.append(max(map(len, evidence.data.get("remembered", [[0]]))) - 1)
+        return verified_bound(problem, evidence) if told[-1] <= 4 else -math.inf
+
+    monkeypatch.setattr(proof_tree, "verified_bound", checked)
+    evidence = branch_price_cut_bound(problem, Stop(60.0))
+    assert evidence is not None and math.isfinite(verified_bound(problem, evidence))
+    assert told[0] == 8 and max(told[told.index(4) :]) == 4
 
 
 @pytest.mark.share(3)
