@@ -94,7 +94,7 @@ class Arms:
     def cells(self, arm: int) -> NDArray[np.intp]:
         """Numbers of the cells in the footprint of an arm."""
         layer = self.layer(arm)
-        return layer.cells[arm - layer.first]
+        return np.asarray(layer.cells[arm - layer.first])
 
     def sums(self, values: Floats) -> Floats:
         """Sums of a value a cell over each footprint; shape (arms,)."""

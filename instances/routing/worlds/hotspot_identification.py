@@ -140,13 +140,13 @@ def _bilinear(field: Floats, places: Floats) -> Floats:
     return np.asarray(map_coordinates(field, [places[:, 1] - 0.5, places[:, 0] - 0.5], order=1, mode="nearest"))
 
 
-def bumps(draw: Draw, shape: tuple[int, int], count: int, narrowest: float, widest: float, largest: float) -> Floats:
-    """``count`` normal bumps of any place, height and spread, scaled so that the most intense cell has ``largest``."""
+def bumps(draw: Draw, shape: tuple[int, int], count: int, spread: tuple[float, float], largest: float) -> Floats:
+    """``count`` normal bumps of any place, height and spread (within two limits), scaled so that the most intense cell has ``largest``."""
     y, x = np.mgrid[: shape[0], : shape[1]] + 0.5
-    centres, spreads = draw.uniform(0.0, 1.0, (count, 2)) * [shape[1], shape[0]], draw.uniform(narrowest, widest, count)
+    centres, spreads = draw.uniform(0.0, 1.0, (count, 2)) * [shape[1], shape[0]], draw.uniform(min(spread), max(spread), count)
     heights, field = draw.uniform(0.2, 1.0, count), np.zeros(shape)
-    for (cx, cy), spread, height in zip(centres, spreads, heights, strict=True):
-        field += height * np.exp(-((x - cx) ** 2 + (y - cy) ** 2) / (2.0 * spread**2))
+    for (cx, cy), own, height in zip(centres, spreads, heights, strict=True):
+        field += height * np.exp(-((x - cx) ** 2 + (y - cy) ** 2) / (2.0 * own**2))
     return np.asarray(field * (largest / field.max()))
 
 
@@ -170,7 +170,7 @@ def _make(rng: np.random.Generator, v: Mapping[str, Any]) -> HotspotWorld:
     if v["file"] is not None:
         field = read_field(v["file"])
     else:
-        field = bumps(Draw(rng), (v["size"], v["size"]), v["hotspots"], *sorted((v["narrowest"], v["widest"])), v["largest"])
+        field = bumps(Draw(rng), (v["size"], v["size"]), v["hotspots"], (v["narrowest"], v["widest"]), v["largest"])
     arms = Arms((field.shape[0], field.shape[1]), read_altitudes(v["altitudes"]), v["view"], v["noise"])
     kernel = SquaredExponential(v["deviation"], v["length-scale"])
     return HotspotWorld(field, arms, kernel, rng, v["budget"], v["sensing-time"], v["pixels"])
@@ -183,18 +183,18 @@ WORLDS.add(
         {
             "size": Setting(20, "cells of 1 m along each side of the field", int, 2, 60),
             "hotspots": Setting(8, "bumps of the field", int, 1, 1000),
-            "narrowest": Setting(1.0, "least spread of a bump, m", float, 0.1, 1e3),
-            "widest": Setting(3.0, "largest spread of a bump, m", float, 0.1, 1e3),
+            "narrowest": Setting(0.5, "least spread of a bump, m", float, 0.1, 1e3),
+            "widest": Setting(1.5, "largest spread of a bump, m", float, 0.1, 1e3),
             "largest": Setting(50.0, "intensity of the most intense cell", float, 1e-6, 1e6),
             "file": Setting(None, "the field instead: a table of intensities with commas, the northernmost row first", str),
             "altitudes": Setting("10,40,70", "from which pictures are taken, m"),
             "view": Setting(0.1, "side of a footprint for each metre of altitude, m; rounded to whole cells", float, 1e-6, 1e3),
             "pixels": Setting(3, "measurements along each side of a picture", int, 1, 20),
-            "noise": Setting(0.1, "variance of a measurement for each metre of altitude", float, 1e-9, 1e9),
+            "noise": Setting(1.0, "variance of a measurement for each metre of altitude", float, 1e-9, 1e9),
             "budget": Setting(100.0, "time of all flights and pictures; the robot flies 1 m a unit of time", float, 0.0, 1e6),
-            "sensing-time": Setting(1.0, "of a picture", float, 1e-3, 1e6),
+            "sensing-time": Setting(3.0, "of a picture", float, 1e-3, 1e6),
             "deviation": Setting(10.0, "of the intensity by the belief before the first picture", float, 1e-6, 1e6),
-            "length-scale": Setting(2.0, "over which intensities are believed to be alike, m", float, 1e-3, 1e3),
+            "length-scale": Setting(1.0, "over which intensities are believed to be alike, m", float, 1e-3, 1e3),
         },
         _make,
     ),

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from ....formulations.problem import Problem
 from ....formulations.routing.problem import RoutingProblem
+from ....instances.routing.aerial_pictures import Arms
 from ....instances.routing.instance import Sites, VehicleType
 from ....instances.routing.travel import EXPLICIT, Travel
-from ....instances.routing.worlds.hotspot_identification import Arms, HotspotObservation, HotspotWorld
+from ....instances.routing.worlds.hotspot_identification import HotspotObservation, HotspotWorld
 from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
 from ..mission import MISSIONS, Actions, Decision, Mission, Scene
 
@@ -29,18 +30,18 @@ def bonus_weight(scale: float, rate: float, pictures: int, schedule: str) -> flo
     return decay if schedule == "decreasing" else scale - decay
 
 
-def mean_variances(o: HotspotObservation, which: str, arms: NDArray[np.bool_]) -> Floats:
+def mean_variances(o: HotspotObservation, which: str, arms: NDArray[np.bool_], cells: str = "independent") -> Floats:
     """Variance of the mean over each footprint as if its cells were independent, infinite but for ``arms``; shape (arms,).
 
-    ``current``: of the belief; ``future``: of what is left of it once the cells of the footprint were measured from there. Source: Sung
-    (2019), sections 5.4.5 and 5.5, (5.7).
+    ``current``: of the belief; ``future``: of what is left of it once the cells of the footprint were measured from there. With
+    ``dependent`` cells it is the mean of their variances. Source: Sung (2019), sections 5.4.5 and 5.5, (5.7).
     """
     found = np.full(len(o.arms), np.inf)
     for layer in o.arms.layers:
         own = np.flatnonzero(arms[layer.arms])
-        cells = layer.cells[own]
-        each = o.belief.variance[cells] if which == "current" else o.belief.variance_left(cells, layer.noise)
-        found[layer.first + own] = each.sum(axis=1) / cells.shape[1] ** 2
+        inside = layer.cells[own]
+        each = o.belief.variance[inside] if which == "current" else o.belief.variance_left(inside, layer.noise)
+        found[layer.first + own] = each.mean(axis=1) / (inside.shape[1] if cells == "independent" else 1)
     return found
 
 
@@ -51,7 +52,7 @@ def block_start(pictures: int) -> bool:
     (2014), section V.
     """
     frame = (pictures + 1).bit_length()
-    return (pictures + 1 - 2 ** (frame - 1)) % frame == 0
+    return (pictures + 1 - (1 << (frame - 1))) % frame == 0
 
 
 def sweep(arms: Arms) -> list[int]:
@@ -103,6 +104,8 @@ class HotspotIdentification(Mission):
         "schedule": Setting("increasing", "of beta, the weight of the variance, with pictures", choices=("increasing", "decreasing")),
         "scale": Setting(None, "of beta; the source's for the policy and schedule if none", float, 0.0, 1e6),
         "rate": Setting(-0.05, "of the exponential in beta, a picture", float, -1e3, 0.0),
+        "cells": Setting("independent", "of a footprint, in the variance of their mean: independent as printed, or dependent in full",
+                         choices=("independent", "dependent")),
         "window": Setting(5.0, "how far a policy with a window flies along each horizontal axis, m", float, 0.0, 1e6),
         "climb": Setting(30.0, "how far it climbs or descends at most, m", float, 0.0, 1e6),
         "last": Setting("stop", "if the best arm is too far for the time left: stop, or take the best that is not",
@@ -126,7 +129,7 @@ class HotspotIdentification(Mission):
         scale = SCALES[which, v["schedule"]] if v["scale"] is None else v["scale"]
         beta = bonus_weight(scale, v["rate"], len(o.taken), v["schedule"])
         found = np.full(len(o.arms), -np.inf)
-        found[arms] = (o.arms.means(o.belief.mean) + beta * mean_variances(o, which, arms))[arms]
+        found[arms] = (o.arms.means(o.belief.mean) + beta * mean_variances(o, which, arms, v["cells"]))[arms]
         return found
 
     def problem(self, observation: HotspotObservation) -> Problem | None:
@@ -209,17 +212,20 @@ class HotspotIdentification(Mission):
         return {"planned": float(sum(len(route.visits) for answer in routes for route in answer))}
 
     def scene(self, world: World) -> Scene:
-        """Cells, as full as they are believed to be intense; those in a picture are marked."""
+        """Cells in a picture, which are marked, and hotspots that are in none yet; as full as they are believed to be intense."""
+        from scipy.ndimage import maximum_filter
+
         assert isinstance(world, HotspotWorld)
         rows, columns = world.field.shape
         seen = np.zeros(world.field.size, dtype=np.bool_)
         for arm in set(world.taken):
             seen[world.arms.cells(arm)] = True
-        levels = np.clip(world.belief.mean / world.values.max(), 0.0, 1.0)
-        layer = next(layer for layer in world.arms.layers if layer.altitude == world.place[2])
+        peaks = (maximum_filter(world.field, 3) == world.field).ravel() & (world.values > 0.2 * world.values.max())
+        shown = np.flatnonzero(seen | peaks)
+        levels = np.clip(world.belief.mean / world.values.max(), 0.0, 1.0)[shown]
         return Scene(
-            (0.0, 0.0, float(columns), float(rows)), world.place[None, :2], layer.side / 2.0, world.belief.points, seen,
-            ("robot", "in a picture", "not in a picture yet"), levels=levels, notes=(f"{world.place[2]:g} m",), limit=100.0,
+            (0.0, 0.0, float(columns), float(rows)), world.place[None, :2], 0.5, world.belief.points[shown], seen[shown],
+            ("robot", "in a picture", "hotspot in no picture yet"), levels=levels, notes=(f"{world.place[2]:g} m",),
         )  # fmt: skip
 
 
