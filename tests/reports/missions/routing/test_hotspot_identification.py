@@ -47,6 +47,19 @@ def test_variances_before_any_picture():
     assert dependent[1:16] == pytest.approx(later[1:16]) and dependent[16:] == pytest.approx(4 * later[16:])
 
 
+@pytest.mark.parametrize("cells", ["independent", "dependent"])
+@pytest.mark.parametrize("schedule", ["increasing", "decreasing"])
+def test_current_variance_never_climbs(cells, schedule):
+    """The bound of a footprint is at most the mean of the bounds of its cells, which are arms of the lowest altitude."""
+    mission = HotspotIdentification()
+    wb.run(mission, seed=1, policy="current-variance", cells=cells, schedule=schedule, budget=60)
+    w = mission.played
+    assert set(w.arms.places[list(w.taken), 2]) == {10.0}
+    bounds = mission.indices(w.observe(), "current", np.ones(len(w.arms), dtype=bool))
+    for layer in w.arms.layers:
+        assert (bounds[layer.arms] <= bounds[layer.cells].mean(axis=1) + 1e-9).all()
+
+
 def test_blocks_of_frames():
     starts = [k for k in range(31) if block_start(k)]
     assert [k + 1 for k in starts] == [1, 2, 4, 7, 8, 12, 16, 21, 26, 31]  # frames 1, 2-3, 4-7, 8-15, 16-31 in blocks of 1, 2, 3, 4, 5
