@@ -135,7 +135,7 @@ def against_hindsight(rows: list[dict[str, Any]], mission: HotspotIdentification
     "hotspot-identification",
     "hotspots found from several altitudes: confidence bounds, windows, sweeps, and routes in the loop against hindsight",
     100,
-    short=4,
+    short=2,
     source="Sung (2019), chapter 5, Table 5.1 and Fig. 5.4",
     claim="future variance is better than current, a window better than none, and all better than block UCL and boustrophedon",
 )
