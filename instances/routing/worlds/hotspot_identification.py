@@ -18,6 +18,12 @@ from ..gaussian_process import GaussianProcess, SquaredExponential
 
 Floats = NDArray[np.float64]
 
+MOST_CELLS = 3600
+"""Beyond it the covariance of all cells takes hundreds of megabytes."""
+
+LEAST_NOISE = 1e-9
+"""Of the variance of the prior: with less, the factor of all measurements is lost to rounding."""
+
 
 @dataclass(frozen=True, eq=False)
 class HotspotObservation:
@@ -60,7 +66,8 @@ class HotspotWorld(World):
     Raises
     ------
     InputError
-        If the field has a negative or unknown intensity or nothing but 0, or if the budget does not suffice for one picture.
+        If the field has a negative or unknown intensity or nothing but 0, or more than 3,600 cells; if the noise is lost to rounding
+        beside the prior, or the budget does not suffice for one picture.
 
     Notes
     -----
@@ -73,6 +80,12 @@ class HotspotWorld(World):
     ) -> None:  # fmt: skip
         if not np.isfinite(field).all() or field.min() < 0.0 or field.max() <= 0.0:
             raise InputError("a field needs finite intensities of at least 0, and one above", "out-of-range", found=f"{field.min():g}")
+        if field.size > MOST_CELLS:
+            raise InputError("the field has too many cells", "out-of-range", expected=f"at most {MOST_CELLS}", found=str(field.size))
+        least = LEAST_NOISE * kernel.deviation**2
+        if arms.layers[0].noise < least:
+            message = "the noise is too small beside the deviation of the prior"
+            raise InputError(message, "out-of-range", expected=f"at least {least:g}", found=f"{arms.layers[0].noise:g}")
         self.field, self.arms, self.pixels, self.rng = field, arms, pixels, rng
         self.values = field.ravel()
         y, x = np.mgrid[: field.shape[0], : field.shape[1]] + 0.5

@@ -17,7 +17,7 @@ from waybound.instances.worlds import make_world
 FIELD = np.arange(12.0).reshape(3, 4)
 
 
-def world(field=FIELD, noise=1e-9, **how):
+def world(field=FIELD, noise=1e-8, **how):
     arms = Arms(field.shape, [10, 20], 0.1, noise)
     return HotspotWorld(field, arms, SquaredExponential(5.0, 0.3), np.random.default_rng(0), **{"budget": 30.0, **how})
 
@@ -94,6 +94,8 @@ def test_orders_that_cannot_be_followed_change_nothing(actions, message, code):
         ({"field": np.zeros((3, 3))}, "a field needs finite intensities"),
         ({"field": np.full((3, 3), -1.0)}, "a field needs finite intensities"),
         ({"field": np.full((3, 3), np.nan)}, "a field needs finite intensities"),
+        ({"noise": 1e-10}, "the noise is too small beside the deviation of the prior; expected at least 2.5e-08"),
+        ({"field": np.ones((61, 60))}, "too many cells; expected at most 3600; found 3660"),
         ({"noise": -1.0}, "noise of a measurement must be positive"),
     ],
 )
