@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
@@ -48,11 +49,16 @@ class Plan:
 
 @dataclass(frozen=True, eq=False)
 class Round:
-    """Waypoints selected in one round of a horizon, with rewards, and the plans that they may extend."""
+    """Waypoints selected in one round of a horizon, their rewards, and the plans that they may extend.
+
+    ``added`` is what they add to the worth of all waypoints so far, ``at_most`` what no choice of as many exceeds.
+    """
 
     chosen: list[Cell]
     rewards: Floats
     plans: list[Plan]
+    added: float
+    at_most: float
 
 
 class Horizon:
@@ -65,6 +71,7 @@ class Horizon:
         self.o, self.step, self.limit, self.world = o, world.seconds, world.endurance, world
         known = world.terrain.known
         self.closes = np.where(known, np.inf, o.map.closes(values["free"]).reshape(known.shape))
+        self._frozen, self._found = bool(np.isinf(self.closes).all()), dict[tuple[Cell, float], Integers]()
         self.tree = self.ways_from(o.base, 0.0)
         grid = np.indices(known.shape).reshape(2, -1).T
         near = (self.tree.ravel() > 0) & (2.0 * self.tree.ravel() * self.step <= self.limit)
@@ -78,9 +85,17 @@ class Horizon:
         self.places = [stop for plan in self.plans for stop, _ in plan.stops]
         self.left = np.ones(len(self.pool), dtype=bool)
 
+    @cached_property
+    def offered(self) -> Floats:
+        """Weights of all views of the pool."""
+        return self.weights(self.pool)
+
     def ways_from(self, start: Cell, begin: float) -> Integers:
-        """Steps of shortest ways from a cell, for who begins there in so many seconds."""
-        return ways(self.closes, [start], begin, self.step)[0]
+        """Steps of shortest ways from a cell, for who begins there in so many seconds, which counts where cells close later."""
+        key = start, 0.0 if self._frozen else begin
+        if key not in self._found:
+            self._found[key] = ways(self.closes, [start], begin, self.step)[0]
+        return self._found[key]
 
     def weights(self, cells: Any) -> Floats:
         """Worth that a view from each of ``cells`` gives each cell of the map."""
@@ -128,15 +143,23 @@ class Horizon:
         self.places.append(target)
         return True
 
-    def selected(self, plans: list[Plan], count: int, least: float) -> list[int]:
-        """The next views of the pool, lazily and greedily by what they add to all waypoints so far (algorithm 5)."""
-        open_ = np.flatnonzero(np.any([self.reachable(plan)[0] for plan in plans], axis=0)) if plans else np.zeros(0, dtype=np.int64)
+    def selected(self, plans: list[Plan], count: int, least: float) -> tuple[list[int], float, float]:
+        """The next views of the pool, lazily and greedily by what they add to all waypoints so far (algorithm 5); what they add, and a
+        bound for all choices: these add no more than any of what was picked first and the largest gains beside it (Minoux 1978)."""
+        open_ = np.flatnonzero(np.any([self.reachable(plan)[0] for plan in plans], axis=0))
         if not len(open_):
-            return []
+            return [], 0.0, 0.0
         base = range(len(open_), len(open_) + len(self.places))
-        function = DenseFacilityLocation(self.weights([*map(tuple, self.pool[open_]), *self.places]))
+        function = DenseFacilityLocation(np.vstack([self.offered[open_], self.weights(self.places)]))
         problem = SubmodularSelection(function, Cardinality(count + len(base)))
-        return [int(open_[k]) for k in pick(problem, Stop(math.inf), evaluation="lazy", eps=least, base=base).elements]
+        picked = pick(problem, Stop(math.inf), evaluation="lazy", eps=least, base=base)
+        best = function.matrix[list(base)].max(axis=0, initial=0.0)
+        added, at_most = 0.0, math.inf
+        for k, gain in [*zip(picked.elements, picked.gains, strict=True), (-1, 0.0)]:
+            gains = np.sort(np.maximum(function.matrix[: len(open_)] - best, 0.0).sum(axis=1))[::-1]
+            at_most = min(at_most, added + float(gains[:count].sum()))
+            best, added = np.maximum(best, function.matrix[k]), added + gain
+        return [int(open_[k]) for k in picked.elements], added, at_most
 
 
 class PersistentExploration(Mission):
@@ -184,12 +207,12 @@ class PersistentExploration(Mission):
         self._horizon = h = Horizon(observation, self.played, v, self._stops)
         plans = h.plans
         while plans:
-            chosen = h.selected(plans, v["waypoints"], v["least"])
+            chosen, added, at_most = h.selected(plans, v["waypoints"], v["least"])
             if not chosen:
                 return
             cells = [(int(r), int(c)) for r, c in h.pool[chosen]]
             before = len(h.places)
-            yield Round(cells, h.weights(cells).sum(axis=1), plans)
+            yield Round(cells, h.offered[chosen].sum(axis=1), plans, added, at_most)
             h.left[[k for k, cell in zip(chosen, cells, strict=True) if cell in h.places]] = False
             if len(h.places) == before:
                 return
@@ -203,7 +226,7 @@ class PersistentExploration(Mission):
         starts = [(h.o.base, 0.0), *((plan.cell, plan.end) for plan in aloft)]
         begin = [*(end for _, end in starts), *(h.tree[cell] * h.step for cell in o.chosen)]
         places = [*(cell for cell, _ in starts), *o.chosen]
-        found = ways(h.closes, places, begin, h.step)
+        found = [h.ways_from(cell, moment) for cell, moment in zip(places, begin, strict=True)]
         times = np.array([[steps[cell] for cell in places] for steps in found]) * h.step
         times = np.where(times < 0, 2.0 * h.limit, times)
         times[:, 1 : len(starts)] = 2.0 * h.limit  # nobody flies to where another robot is
@@ -259,12 +282,11 @@ class PersistentExploration(Mission):
         if not waiting:
             return {}
         h = Horizon(o, self.played, v, self._stops)
-        weights = h.weights(h.pool)
         while plans := [plan for plan in h.plans if plan.robot in waiting and plan.end < v["tick"] - 1e-6]:
             plan = min(plans, key=lambda p: p.end)
             open_, out = h.reachable(plan)
-            best = h.weights(h.places).max(axis=0) if h.places else np.zeros(weights.shape[1])
-            score = np.where(open_, np.maximum(weights - best, 0.0).sum(axis=1) - v["distance-weight"] * out, -np.inf)
+            best = h.weights(h.places).max(axis=0) if h.places else 0.0
+            score = np.where(open_, np.maximum(h.offered - best, 0.0).sum(axis=1) - v["distance-weight"] * out, -np.inf)
             k = int(score.argmax())
             h.left[k] = False
             if score[k] == -np.inf or not h.extend(plan, (int(h.pool[k, 0]), int(h.pool[k, 1]))):
@@ -274,10 +296,13 @@ class PersistentExploration(Mission):
         return self._told(h) if told else {}
 
     def measures(self, decisions: Sequence[Decision], world: World) -> dict[str, float]:
-        """``selected``: views of all rounds of the step; ``assigned``: those that are on a route."""
+        """``selected``: views of all rounds of the step; ``assigned``: those that are on a route; ``selection_gap``: by how much all
+        selections of the step may be below the best ones, percent of the bound."""
         rounds = [d for d in decisions if isinstance(d.view, Round)]
         on = sum(len(route.visits) for d in rounds for route in d.answer or ())
-        return {"selected": float(sum(len(d.view.chosen) for d in rounds)), "assigned": float(on)}
+        most = math.fsum(d.view.at_most for d in rounds)
+        gap = 100.0 * (1.0 - math.fsum(d.view.added for d in rounds) / most) if most > 0 else math.nan
+        return {"selected": float(sum(len(d.view.chosen) for d in rounds)), "assigned": float(on), "selection_gap": gap}
 
     def scene(self, world: World) -> Scene:
         """Cells that are not known from the start, and how probable the map holds them to be occupied."""
