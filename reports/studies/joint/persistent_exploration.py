@@ -35,7 +35,7 @@ CHANGES: dict[str, Any] = {"shortest": 600.0, "longest": 600.0}
 RUNS: dict[str, dict[str, Any]] = {
     "system": SYSTEM,
     "pure greedy, 0": {"policy": "pure-greedy", "distance_weight": 0.0},
-    "pure greedy, 0.05": {"policy": "pure-greedy"},
+    "pure greedy, 1": {"policy": "pure-greedy", "distance_weight": 1.0},
     "one waypoint": {**SYSTEM, "waypoints": 1},
     "one robot": {**SYSTEM, "robots": 1},
     "no misfit": {**SYSTEM, "misfit_weight": 0.0},
@@ -180,7 +180,7 @@ CLAIMS: tuple[tuple[str, str, str, str, str, int, str], ...] = (
     ("Table 6.3: time to converge", "not longer by more than 7 %", "converged", "system", "pure greedy, 0", -1, FRESH),
     ("Table 6.3: response", "shorter", "late", "system", "pure greedy, 0", -1, FRESH),
     ("Table 6.3: cells not observed", "fewer", "unobserved", "system", "pure greedy, 0", -1, SATURATED),
-    ("Table 6.3: response of pure greedy, weight", "shorter", "late", "pure greedy, 0.05", "pure greedy, 0", -1, "units are lost"),
+    ("Table 6.3: response of pure greedy, weight", "shorter", "late", "pure greedy, 1", "pure greedy, 0", -1, "units are lost"),
     ("Table 6.4: entropy, six waypoints against one", "4 % less", "entropy", "system", "one waypoint", -1,
      "a view that is selected alone is assigned to whoever is near, and its successor knows of it"),
     ("Table 6.4: response, six waypoints against one", "shorter", "late", "system", "one waypoint", -1, SATURATED),
