@@ -42,9 +42,8 @@ class RangeSensor:
     def joint(self, p: ArrayLike) -> Floats:
         """Joint probabilities of state and reading, shape (2, 2, cells), of cells occupied with probability ``p``."""
         prior = np.atleast_1d(np.asarray(p, dtype=np.float64))
-        return (
-            np.stack([1.0 - prior, prior])[:, None] * np.array([[1 - self.false_hit, self.false_hit], [1 - self.hit, self.hit]])[..., None]
-        )
+        readings = np.array([[1.0 - self.false_hit, self.false_hit], [1.0 - self.hit, self.hit]])
+        return np.asarray(np.stack([1.0 - prior, prior])[:, None] * readings[..., None])
 
 
 # -- confidence that decays: chapter 3 ------------------------------------------------------------------------------------

@@ -86,8 +86,7 @@ class PersistentWorld(World):
             )
         self.terrain, self.base, self.beams, self.map = terrain, base, beams, map_
         self.tick, self.seconds, self.endurance, self.charge = tick, EDGE / speed, endurance, charge
-        self.time, self.clock, self.crossed = 0, 0.0, 0.0
-        self.robots = [Robot(base) for _ in range(robots)]
+        self.time, self.clock, self.crossed, self.robots = 0, 0.0, 0.0, [Robot(base) for _ in range(robots)]
         self._rng, self._truth = rng, terrain.at(0.0)
         self._pending = np.full(shape, np.nan)
         self.ever = np.zeros(shape, dtype=bool)
@@ -118,8 +117,8 @@ class PersistentWorld(World):
             for robot in aloft:
                 self._fly(robot, part)
             if aloft:
-                _, cells, _ = self.beams.passed(now.astype(np.float64), np.array([robot.cell for robot in aloft]))
-                seen.ravel()[cells] = True
+                _, met, _ = self.beams.passed(now.astype(np.float64), np.array([robot.cell for robot in aloft]))
+                seen.ravel()[met] = True
                 self.crossed += part * sum(bool(now[robot.cell]) for robot in aloft)
         self.time += 1
         self._pending[seen] = np.nan
@@ -202,11 +201,11 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> PersistentWorl
     prior = np.where(terrain.known, SURE, 0.5).ravel()
     tick = values["tick"]
     if values["model"] == "markov":
-        kept = {"rate": values["rate"], "forgetting": values["forgetting"], "window": values["window"], "counted": values["counted"]}
+        kept = {key: values[key] for key in ("rate", "forgetting", "window", "counted")}
         map_: Any = MarkovMap(prior, sensor, seconds=tick, **kept)
     else:
-        learning = values["model"] == "decay"
-        map_ = DecayMap(prior, sensor, seconds=tick, period=values["period"], since=values["measured-from"], learning=learning)
+        kept = {"period": values["period"], "since": values["measured-from"], "surest": values["surest"], "occupied": values["occupied"]}
+        map_ = DecayMap(prior, sensor, seconds=tick, free=1.0 - values["occupied"], learning=values["model"] == "decay", **kept)
     beams = Beams.of(values["reach"] / EDGE, values["field"], values["beams"])
     return PersistentWorld(
         rng, terrain, middle_of(values), values["robots"], beams, map_, tick=tick, speed=values["speed"],
@@ -243,6 +242,8 @@ WORLDS.add(
             "forgetting": Setting(0.005, "markov: weight of a step in what is learnt", float, 0.0, 1.0),
             "window": Setting(3000.0, "markov: time in which transitions are counted, s", float, 1.0, 1e7),
             "counted": Setting("observed", "markov: transitions from reading to reading, or one a step", choices=("observed", "believed")),
+            "surest": Setting(0.97, "decay: largest probability that a reading leaves", float, 0.5, 1.0),
+            "occupied": Setting(0.7, "decay: probability from which a cell is told occupied; free below one less it", float, 0.5, 1.0),
             "period": Setting(300.0, "decay: period of a change at the start, s", float, 1e-3, 1e7),
             "measured-from": Setting("shift", "decay: periods count from the change before, or the reading", choices=("shift", "last")),
         },

@@ -92,7 +92,11 @@ def figures_of(log: pd.DataFrame) -> dict[str, float]:
     tail = log.iloc[-(len(log) // 3) :]
     row = {key: float(tail[key].mean()) for key in ("entropy", "divergence", "late", "missed")}
     below = log["clock"][log["entropy"] <= 1.1 * row["entropy"]]
-    whole = {"unobserved": float(log["unobserved"].iloc[-1]), "crossed": float(log["crossed"].iloc[-1]), "aloft": float(log["aloft"].mean())}
+    whole = {
+        "unobserved": float(log["unobserved"].iloc[-1]),
+        "crossed": float(log["crossed"].iloc[-1]),
+        "aloft": float(log["aloft"].mean()),
+    }
     return {**row, **whole, "converged": float(below.iloc[0]), "robots_lost": float(log["lost"].iloc[-1])}
 
 
@@ -139,11 +143,12 @@ def persistent_exploration(setting: StudySetting) -> Report:
     table = pd.DataFrame(observed)
     runs, loops = table[table["kind"] == "run"], table[table["kind"] == "loop"]
     rows, faults = means(runs, names, MEASURES), broken(observed)
+    looped = frame_table(f"{SELECTED} waypoints a round, means", means(loops, tuple(LOOPS), (*MEASURES[:5], "lost", "longer", "gap")))
     played = film_of(PersistentExploration(), setting.seed, steps=60, heuristic="greedy-assignment")
     return Report(
         "persistent-exploration", persistent_exploration.summary, frame_table("Means of runs", rows), tuple(rows), tuple(observed),
         thinned(faults), len(faults), (runs_figure(runs, names),), NOTES, findings=tuple(findings(runs, loops, names)),
-        further=(frame_table(f"{SELECTED} waypoints a round, means", means(loops, tuple(LOOPS), (*MEASURES[:5], "lost", "longer", "gap"))), times),
+        further=(looped, times),
         clips=(Clip(lambda: played, "three robots keep a map up to date: cells told rightly and surely"),), **done.progress(),
     )  # fmt: skip
 
@@ -152,7 +157,7 @@ def means(table: pd.DataFrame, methods: Sequence[str], measures: Sequence[str]) 
     """A row a method: mean and interval of each measure."""
     rows: list[dict[str, Any]] = []
     for name in methods:
-        own, row = table[table["method"] == name], {"run": name}
+        own, row = table[table["method"] == name], dict[str, Any](run=name)
         for key in measures:
             row[key], row[f"{key}{HALF}"] = mean_interval(own[key])
         rows.append(row)
@@ -220,10 +225,14 @@ def findings(runs: pd.DataFrame, loops: pd.DataFrame, names: Sequence[str]) -> l
     found.append(Finding.of_lead("Fig. 3.8: learnt period of static cells, longer by", "grows", *grown, "s"))
     spent = runs[runs["method"] == "endurance 900 s"]["aloft"] if "endurance 900 s" in names else runs["aloft"][:0]
     if len(spent):
-        found.append(Finding.of_near("Table 6.7: robots in the air, three times the endurance", "2.98 of 3", *mean_interval(spent / 2 - 1), 0.05))
+        found.append(
+            Finding.of_near("Table 6.7: robots in the air, three times the endurance", "2.98 of 3", *mean_interval(spent / 2 - 1), 0.05)
+        )
     for key, sign in (("entropy", 1), ("divergence", 1), ("late", 1)):
         lead, half = apart(loops, key, "greedy-assignment", "exact")
-        found.append(Finding.of_lead(f"greedy plans against exact ones, {key}, worse by", "within noise", sign * lead, half, "", "greedy is better"))
+        found.append(
+            Finding.of_lead(f"greedy plans against exact ones, {key}, worse by", "within noise", sign * lead, half, "", "greedy is better")
+        )
     return found
 
 
@@ -231,7 +240,12 @@ def runs_figure(runs: pd.DataFrame, names: Sequence[str]) -> Figure:
     """Entropy, divergence, response and time to converge of each run, with intervals."""
 
     def draw(figure: Any) -> None:
-        panels = {"entropy": "entropy, bits", "divergence": "divergence, bits", "late": "late, % of the period", "converged": "converged, s"}
+        panels = {
+            "entropy": "entropy, bits",
+            "divergence": "divergence, bits",
+            "late": "late, % of the period",
+            "converged": "converged, s",
+        }
         axes = figure.subplots(1, len(panels), sharey=True)
         for ax, (key, title) in zip(axes, panels.items(), strict=True):
             for k, name in enumerate(names):
