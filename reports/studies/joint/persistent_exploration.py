@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -29,8 +28,8 @@ PLACE: dict[str, Any] = {"rows": 25, "columns": 25, "robots": 2}
 
 SYSTEM: dict[str, Any] = {"heuristic": "greedy-assignment"}
 
-CHANGES: dict[str, Any] = {"shortest": 600.0, "longest": 600.0}
-"""As in chapter 3: every cell that changes does so every 300 s."""
+CHANGES: dict[str, Any] = {"shortest": 600.0, "longest": 600.0, "period": 100.0}
+"""As in chapter 3: every cell that changes does so every 300 s; the map begins with a guess of 100 s."""
 
 RUNS: dict[str, dict[str, Any]] = {
     "system": SYSTEM,
@@ -51,16 +50,11 @@ RUNS: dict[str, dict[str, Any]] = {
     "static": {**SYSTEM, "model": "static", **CHANGES},
 }
 """One parameter changed at a time, as in Tables 6.3 to 6.8, scaled; ``decay`` and ``static`` are the two maps of chapter 3."""
+SHORT = ("system", "pure greedy, 1", "one robot", "decay", "static")
 
-SHORT = ("system", "pure greedy, 0", "one robot", "decay", "static")
+LOOPS: dict[str, dict[str, Any]] = {"exact": {"solver": "cpsat"}, "greedy-assignment": SYSTEM}
 
-LOOPS: dict[str, dict[str, Any]] = {
-    "exact": {"solver": "cpsat"},
-    "greedy-assignment": SYSTEM,
-}
-
-SELECTED = 4
-"""Waypoints of a round in ``LOOPS``, each of which is solved to the optimum."""
+SELECTED = 4  # waypoints of a round in ``LOOPS``: each round is solved to the optimum
 
 MEASURES = ("entropy", "divergence", "late", "missed", "unobserved", "converged", "aloft", "crossed")
 
@@ -118,8 +112,8 @@ def explored(seed: int, names: Sequence[str], steps: int) -> list[dict[str, Any]
         map_ = mission.played.map
         if isinstance(map_, DecayMap) and map_.learning:
             change = np.isfinite(mission.played.terrain.period).ravel()
-            seen = mission.played.ever.ravel() & ~mission.played.terrain.known.ravel()
-            row["learnt"], row["learnt_static"] = (float(np.median(map_.period[seen & rows_])) for rows_ in (change, ~change))
+            seen = (mission.played.ever & ~mission.played.terrain.known).ravel()
+            row["learnt"], row["learnt_static"] = (float(np.median(map_.period[seen & part])) for part in (change, ~change))
         decided = log["seconds"][log["seconds"] > 0]
         rows.append({**row, "milliseconds": 1e3 * float(decided.mean()), "slowest": 1e3 * float(decided.max())})
     return rows
@@ -144,7 +138,7 @@ def persistent_exploration(setting: StudySetting) -> Report:
     runs, loops = table[table["kind"] == "run"], table[table["kind"] == "loop"]
     rows, faults = means(runs, names, MEASURES), broken(observed)
     looped = frame_table(f"{SELECTED} waypoints a round, means", means(loops, tuple(LOOPS), (*MEASURES[:5], "lost", "longer", "gap")))
-    played = film_of(PersistentExploration(), setting.seed, steps=60, heuristic="greedy-assignment")
+    played = film_of(PersistentExploration(), setting.seed, steps=40, **SYSTEM, **{**PLACE, "robots": 3})
     return Report(
         "persistent-exploration", persistent_exploration.summary, frame_table("Means of runs", rows), tuple(rows), tuple(observed),
         thinned(faults), len(faults), (runs_figure(runs, names),), NOTES, findings=tuple(findings(runs, loops, names)),
@@ -179,33 +173,33 @@ FRESH = "pure greedy plans with the newest map at every waypoint, and a map this
 
 SATURATED = "a place this small is seen in full anyway"
 
+GAPS = "cells of a block that change together hide each other; single ones leave gaps to look through"
+
 CLAIMS: tuple[tuple[str, str, str, str, str, int, str], ...] = (
-    ("Table 6.3: entropy", "below 60 %", "entropy", "system", "pure greedy, 0", -1, FRESH),
-    ("Table 6.3: divergence", "71 %", "divergence", "system", "pure greedy, 0", -1, FRESH),
-    ("Table 6.3: time to converge", "not longer by more than 7 %", "converged", "system", "pure greedy, 0", -1, FRESH),
-    ("Table 6.3: response", "shorter", "late", "system", "pure greedy, 0", -1, FRESH),
-    ("Table 6.3: cells not observed", "fewer", "unobserved", "system", "pure greedy, 0", -1, SATURATED),
-    ("Table 6.3: response of pure greedy, weight", "shorter", "late", "pure greedy, 1", "pure greedy, 0", -1, "units are lost"),
-    ("Table 6.4: entropy, six waypoints against one", "4 % less", "entropy", "system", "one waypoint", -1,
-     "a view that is selected alone is assigned to whoever is near, and its successor knows of it"),
-    ("Table 6.4: response, six waypoints against one", "shorter", "late", "system", "one waypoint", -1, SATURATED),
+    ("Table 6.3: entropy", "below 60 %", "entropy", "system", "pure greedy, 1", -1, FRESH),
+    ("Table 6.3: divergence", "71 %", "divergence", "system", "pure greedy, 1", -1, FRESH),
+    ("Table 6.3: time to converge", "22 % faster", "converged", "system", "pure greedy, 1", -1, FRESH),
+    ("Table 6.3: response", "shorter", "late", "system", "pure greedy, 1", -1, FRESH),
+    ("Table 6.3: cells not observed", "fewer", "unobserved", "system", "pure greedy, 1", -1, SATURATED),
+    ("Table 6.4: entropy, six waypoints against one", "4 % less", "entropy", "system", "one waypoint", -1, SATURATED),
     ("Table 6.4: entropy, two robots against one", "less", "entropy", "system", "one robot", -1, SATURATED),
     ("Table 6.4: divergence, two robots against one", "less", "divergence", "system", "one robot", -1, SATURATED),
     ("Table 6.4: time to converge, two robots against one", "shorter", "converged", "system", "one robot", -1, SATURATED),
     ("Table 6.5: entropy, advance = horizon", "more", "entropy", "advance 120 s", "system", 1, SATURATED),
     ("Table 6.6: entropy, misfit only against none", "30 % less", "entropy", "misfit only", "no misfit", -1, SATURATED),
-    ("Table 6.6: divergence, misfit only against none", "17 % less", "divergence", "misfit only", "no misfit", -1,
-     "all cells are looked at often here; bits of information then say better which is doubtful than misfits of learnt rates do"),
+    ("Table 6.6: divergence, misfit only against none", "17 % less", "divergence", "misfit only", "no misfit", -1, SATURATED),
     ("Table 6.7: entropy, 5/3 of the speed", "12.5 % less", "entropy", "speed 3.3 m/s", "system", -1, SATURATED),
     ("Table 6.7: divergence, three times the endurance", "4 % less", "divergence", "endurance 900 s", "system", -1, SATURATED),
     ("Table 6.8: entropy, 15 m against 12 m", "less", "entropy", "reach 15 m", "system", -1, SATURATED),
     ("Table 6.8: entropy, 12 beams against 36", "more", "entropy", "12 beams", "system", 1, SATURATED),
-    ("6.5: divergence, independent against clustered", "worse", "divergence", "independent", "system", 1, SATURATED),
+    ("6.5: divergence, independent against clustered", "worse", "divergence", "independent", "system", 1, GAPS),
     ("6.5: divergence, 60 % of blocks change against 40 %", "worse", "divergence", "60 % change", "system", 1, SATURATED),
     ("Fig. 3.7: entropy, static against learnt decay", "lower", "entropy", "static", "decay", -1, SATURATED),
     ("Fig. 3.7: divergence, static against learnt decay", "higher", "divergence", "static", "decay", 1, SATURATED),
 )  # fmt: skip
 """What is claimed: text, direction, measure, method, the other, sign, and the reason where it does not come out."""
+
+EARLY = "cells change four times in a run of 1,200 s, and the filter begins at 100 s"
 
 MAPS_LOST = "map, sensor noise, run length and seeds are lost, the source is in space and ours in the plane"
 
@@ -218,21 +212,18 @@ def findings(runs: pd.DataFrame, loops: pd.DataFrame, names: Sequence[str]) -> l
             lead, half = apart(runs, key, method, other)
             found.append(Finding.of_lead(f"{what}, {'above' if sign > 0 else 'below'} by", claim, sign * lead, half, "", why))
     learnt = runs[runs["method"] == "decay"]
-    share, half = mean_interval(learnt["learnt"] / 300.0 - 1.0)
-    early = "robots come by before a cell has changed often enough: periods start at their first guess, 300 s"
-    found.append(Finding.of_near("Fig. 3.8: learnt period of cells that change every 300 s", "near it", share, half, 0.25, early))
+    near = mean_interval(learnt["learnt"] / 300.0 - 1.0)
+    found.append(Finding.of_near("Fig. 3.8: learnt period of cells that change every 300 s", "near it", *near, 0.25, EARLY))
     grown = mean_interval(learnt["learnt_static"] - learnt["learnt"])
     found.append(Finding.of_lead("Fig. 3.8: learnt period of static cells, longer by", "grows", *grown, "s"))
-    spent = runs[runs["method"] == "endurance 900 s"]["aloft"] if "endurance 900 s" in names else runs["aloft"][:0]
-    if len(spent):
-        found.append(
-            Finding.of_near("Table 6.7: robots in the air, three times the endurance", "2.98 of 3", *mean_interval(spent / 2 - 1), 0.05)
-        )
-    for key, sign in (("entropy", 1), ("divergence", 1), ("late", 1)):
-        lead, half = apart(loops, key, "greedy-assignment", "exact")
-        found.append(
-            Finding.of_lead(f"greedy plans against exact ones, {key}, worse by", "within noise", sign * lead, half, "", "greedy is better")
-        )
+    if "endurance 900 s" in names:
+        aloft = mean_interval(runs[runs["method"] == "endurance 900 s"]["aloft"] / 2.0 - 1.0)
+        found.append(Finding.of_near("Table 6.7: robots in the air, three times the endurance", "2.98 of 3", *aloft, 0.05))
+    for key, most in (("entropy", 0.05), ("divergence", 0.1)):
+        pairs = loops.pivot_table(index="seed", columns="method", values=key)
+        share, half = mean_interval(pairs["greedy-assignment"] / pairs["exact"] - 1.0)
+        what = f"Table 6.3: {key}, greedy plans against exact ones"
+        found.append(Finding.of_near(what, "within noise", share, half, most, "exact plans are the better ones"))
     return found
 
 
@@ -250,7 +241,7 @@ def runs_figure(runs: pd.DataFrame, names: Sequence[str]) -> Figure:
         for ax, (key, title) in zip(axes, panels.items(), strict=True):
             for k, name in enumerate(names):
                 mean, half = mean_interval(runs[runs["method"] == name][key])
-                ax.barh(k, mean, 0.7, xerr=0.0 if math.isnan(half) else half, color=COLOURS[0 if name == "system" else 1], capsize=2.0)
+                ax.barh(k, mean, 0.7, xerr=np.nan_to_num(half), color=COLOURS[0 if name == "system" else 1], capsize=2.0)
             plain(ax, "")
             ax.set_xlabel(title, fontsize=9)
         axes[0].set_yticks(range(len(names)), names, fontsize=8)
