@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -124,7 +124,7 @@ class Mission(ABC):
             For a setting that does not exist, or a value out of range.
         """
 
-    def teams(self, observation: Any) -> Sequence[Any]:
+    def teams(self, observation: Any) -> Iterable[Any]:
         """The observation in parts, one for each group of agents that decides by itself; by default, one team of all."""
         return [observation]
 

@@ -1,0 +1,36 @@
+"""The study of persistent exploration, in its short form."""
+
+from __future__ import annotations
+
+import pytest
+
+from waybound.reports.studies.joint import persistent_exploration as study
+from waybound.reports.studies.page import page_of
+
+
+@pytest.mark.slow
+def test_the_short_study():
+    report = study.persistent_exploration(full=False, instances=2)
+    assert (report.num_faults, report.done, report.interrupted) == (0, report.asked, False)
+    loops = {row["method"]: row for row in report.observations if row["kind"] == "loop"}
+    assert list(loops) == list(study.LOOPS) and loops["exact"]["lost"] == loops["exact"]["longer"] == 0.0
+    assert all(0 <= row["gap"] <= 100 / 2.718281828 for row in loops.values())
+    html = page_of(study.persistent_exploration, study.persistent_exploration.setting(full=False), report).html()
+    assert "keep a map up to date" in html
+
+
+def test_one_parameter_changes_at_a_time():
+    for name, how in study.RUNS.items():
+        changed = {key for key in how if key not in ("heuristic", "policy")}
+        assert len(changed) <= 1 or name in ("decay", "static"), name
+    assert study.persistent_exploration.instances == 100
+
+
+def test_lost_robots_and_unproved_plans_are_faults():
+    row = {"seed": 1, "method": "exact", "robots_lost": 0.0, "unproved": 0.0}
+    assert study.broken([row]) == []
+    found = study.broken([{**row, "robots_lost": 1.0}, {**row, "unproved": 2.0}])
+    assert [fault.message for fault in found] == [
+        "seed 1, exact: 1 robots are lost",
+        "seed 1, exact: 2 steps have a plan that is not proved",
+    ]
