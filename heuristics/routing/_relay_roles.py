@@ -117,10 +117,9 @@ class RelayRoles:
                         relay.mode = RETURN
 
     def _next(self, robot: int, own: Member, o: CommunicationObservation, spare: int, frontier: bool) -> str:
-        cell, goal = o.robots[robot], self.goal_of_return(robot)
-        if own.mode == DONE or not o.battery[robot] or (own.mode == SEARCH and not frontier):
-            waits = own.mode == WAIT and not own.fed  # it may have landed with nothing left to spare
-            return WAIT if waits else DONE
+        cell = o.robots[robot]
+        if own.mode == DONE or (not o.battery[robot] and own.mode != WAIT):
+            return DONE
         if own.mode in (EXPLORE, MEET) and (spare <= self.margin or not frontier):
             own.mode = WAIT if own.feeder is not None and not own.fed else RETURN
         elif own.mode == EXPLORE:
@@ -134,8 +133,10 @@ class RelayRoles:
             if not own.fed and own.waited <= self.patience:
                 return WAIT
             own.mode = RETURN
-        if own.mode == RETURN and cell == goal:
-            return DONE if own.relay is None else SEARCH
+        if own.mode == RETURN and cell == self.goal_of_return(robot):
+            own.mode = DONE if own.relay is None else SEARCH
+        if own.mode == SEARCH and not frontier:  # nothing is left to explore, so that it tries to come home itself
+            own.relay, own.mode = None, RETURN
         return own.mode
 
 

@@ -141,7 +141,8 @@ class UnreliableCommunication(Mission):
                     taken.append(goal)
             else:
                 goal = own.met if own.mode == MEET else self.roles.goal_of_return(robot)
-            actions[robot] = next_step(steps_from(o.open[robot], goal, o.width), o.robots[robot], o.width)
+            if goal != o.robots[robot]:
+                actions[robot] = next_step(steps_from(o.open[robot], goal, o.width), o.robots[robot], o.width)
         return actions
 
     def _nearest(self, robot: int, width: int, taken: Sequence[int]) -> int:
