@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,7 +36,7 @@ class Member:
 
 
 class RelayRoles:
-    """The automaton of each robot of a team, with the text's thresholds (rule ``sacrifice``), the printed ones, or without roles (``home``).
+    """The automaton of each robot of a team, with thresholds of the text (``sacrifice``), the printed ones, or without roles (``home``).
 
     Of two that meet, the one of the lower number becomes the relay, which lands where its battery just lets it return to the base, and the
     other its sacrifice, which explores until it just comes back to the relay, hands its map over and ends there. New roles replace old
@@ -73,7 +74,7 @@ class RelayRoles:
         order = sorted(robots)
         for k in order:
             self.members[k].met, self.members[k].since, self.members[k].mode = cell, 0, EXPLORE
-        for low, high in zip(order[:-1], order[1:], strict=True) if self.kind == "chain" else zip(order[::2], order[1::2], strict=False):
+        for low, high in itertools.pairwise(order) if self.kind == "chain" else zip(order[::2], order[1::2], strict=False):
             first, second = self.members[low], self.members[high]
             first.feeder, first.fed, second.relay, second.relay_at = high, False, low, cell
             if self.kind == "overwritten":

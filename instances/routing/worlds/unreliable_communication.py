@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...generators import Draw, Flags
 from ...worlds import WORLDS, Setting, World, WorldKind
+from ._floors import blocks, read_floor, rooms
 
 OUTSIDE = 1
 """Rows and columns of wall around each map, so that every cell has eight neighbours."""
@@ -97,8 +97,8 @@ class CommunicationWorld(World):
         return self.rested > self.patience
 
     def metrics(self) -> dict[str, float]:
-        """``returned``: percent of the floor whose map is at the base; ``explored``: percent that any robot has seen; ``energy``: steps that
-        all batteries still hold; ``groups``: parts of the team without contact to each other; ``flying``: robots with any energy."""
+        """``returned``: percent of the floor whose map is at the base; ``explored``: percent that any robot has seen; ``energy``: steps
+        that all batteries still hold; ``groups``: parts of the team without contact to each other; ``flying``: robots with energy."""
         share = 100.0 / float(self.free.sum())
         return {
             "returned": share * float(self.returned.sum()), "explored": share * float(self._seen.any(axis=0).sum()),
@@ -175,51 +175,6 @@ def _lines(radius: float, width: int) -> tuple[NDArray[np.int64], NDArray[np.int
         line = _line(x, y, width)
         row[: len(line)] = line
     return lines, np.array([y * width + x for x, y in ends], dtype=np.int64)
-
-
-def rooms(rng: np.random.Generator, height: int, width: int, doors: float, pitch: int) -> Flags:
-    """Rooms of ``pitch`` cells, a wall included, all joined by doors of two cells; further walls have one with probability ``doors``."""
-    draw, door = Draw(rng), min(2, pitch - 1)
-    free = np.ones((height, width), dtype=bool)
-    free[pitch - 1 : height - 1 : pitch], free[:, pitch - 1 : width - 1 : pitch] = False, False
-    down, across = len(range(pitch - 1, height - 1, pitch)) + 1, len(range(pitch - 1, width - 1, pitch)) + 1
-    walls = [((r, c), (r + v, c + 1 - v)) for r in range(down) for c in range(across) for v in (0, 1) if r + v < down and c + 1 - v < across]
-    joined = {(r, c): (r, c) for r in range(down) for c in range(across)}
-    chances = draw.uniform(0.0, 1.0, len(walls))
-    for k in draw.permutation(len(walls)).tolist():
-        (r, c), other = walls[k]
-        a, b, place = joined[r, c], joined[other], draw.integer(0, pitch - 1 - door)
-        if a != b or chances[k] < doors:
-            joined = {room: a if part == b else part for room, part in joined.items()}
-            if other[0] > r:
-                free[(r + 1) * pitch - 1, c * pitch + place : c * pitch + place + door] = True
-            else:
-                free[r * pitch + place : r * pitch + place + door, (c + 1) * pitch - 1] = True
-    return free
-
-
-def blocks(rng: np.random.Generator, height: int, width: int) -> Flags:
-    """An open floor with a block of 2 to 6 cells a side for each 100 cells."""
-    free = np.ones((height, width), dtype=bool)
-    for row, column, h, w in Draw(rng).integers(0, 2**31 - 1, (height * width // 100, 4)).tolist():
-        free[row % height :, column % width :][: 2 + h % 5, : 2 + w % 5] = False
-    return free
-
-
-def read_floor(path: str) -> tuple[Flags, tuple[int, int]]:
-    """Free cells and base of a map: lines of ``#`` (wall), ``.`` (free) and one ``B`` (the base). Raises InputError."""
-    try:
-        lines = [line.rstrip() for line in Path(path).read_text(encoding="utf-8").split("\n")]
-    except (OSError, UnicodeDecodeError) as fault:
-        raise InputError(f"cannot be read as text: {fault}", "file", file=path) from None
-    bad = [(k + 1, sign) for k, line in enumerate(lines) for sign in line if sign not in "#.B"]
-    if bad:
-        raise InputError("an unknown sign of a map", "malformed", file=path, line=bad[0][0], expected="#, . or B", found=repr(bad[0][1]))
-    bases = [(k, column) for k, line in enumerate(lines) for column, sign in enumerate(line) if sign == "B"]
-    if len(bases) != 1:
-        raise InputError("the map has no single base", "missing", file=path, expected="one B", found=str(len(bases)))
-    longest = max(map(len, lines))
-    return np.array([[sign in ".B" for sign in line.ljust(longest, "#")] for line in lines]), bases[0]
 
 
 def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> CommunicationWorld:

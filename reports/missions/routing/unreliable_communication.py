@@ -49,7 +49,7 @@ class UnreliableCommunication(Mission):
     lasting: ClassVar[int] = 10_000
     settings: ClassVar[Mapping[str, Setting]] = {
         **WORLDS["unreliable-communication"].settings,
-        "rule": Setting("sacrifice", "when robots return: by the source's text, by its printed algorithm, or home without roles", choices=RULES),
+        "rule": Setting("sacrifice", "when robots return: by the text, by the printed algorithm, or home without roles", choices=RULES),
         "roles": Setting("overwritten", "whether new roles replace old ones, or a relay keeps its own relay", choices=KINDS),
         "paired": Setting(True, "whether robots take roles at the start, where all are in contact", bool),
         "period": Setting(60, "steps of exploration until a robot goes to the place of its last meeting", int, 1, 1_000_000),
@@ -209,6 +209,30 @@ def sharing(
     ]
     aim = f"reward - {weight}*total-cost" if weight else "reward"
     return RoutingProblem(places, Travel(EXPLICIT, matrix=steps), fleet, aim, name=name, problem="team-orienteering")
+
+
+def hindsight(world: CommunicationWorld, battery: int) -> RoutingProblem:
+    """A relaxation of the best plan of two robots that know the floor, see the cell where they are, and lose no link.
+
+    One flies a closed route from the base. The other ends where the first could hear it: within reach of a cell from which the base is not
+    farther than half a battery, though the first need not fly there.
+    """
+    from .grid_kernels import steps_from
+
+    home = steps_from(world.free, world.base, world.width)
+    cells = [world.base, *(int(cell) for cell in np.flatnonzero(world.free & (home <= battery)) if cell != world.base)]
+    steps = np.array([steps_from(world.free, cell, world.width)[cells] for cell in cells], dtype=np.float64)
+    relays = [cell for cell in cells if 2 * home[cell] <= battery]
+    ends = [k for k, cell in enumerate(cells) if any(world.linked(cell, relay) for relay in relays)]
+    matrix = np.zeros((len(cells) + 1, len(cells) + 1))
+    matrix[1:, 1:] = steps
+    matrix[0, 1:] = matrix[1:, 0] = steps[:, ends].min(axis=1)
+    depot = np.arange(len(matrix)) < 2
+    sites = Sites.of(
+        ["heard", "base", *map(str, cells[1:])], depot=depot, reward=np.where(depot, 0.0, 1.0), required=np.zeros(len(depot), dtype=bool)
+    )
+    fleet = [VehicleType(count=1, start=1, end=end, max_distance=battery, name=name) for end, name in ((1, "relay"), (0, "sacrifice"))]
+    return RoutingProblem(sites, Travel(EXPLICIT, matrix=matrix), fleet, "reward", name="hindsight", problem="team-orienteering")
 
 
 def _places(cells: Any, width: int) -> NDArray[np.float64]:
