@@ -174,9 +174,11 @@ class UnreliableCommunication(Mission):
         return {"shared_out": float(sum(len(d.problem.customers) for d in decisions if isinstance(d.problem, RoutingProblem)))}
 
     def scene(self, world: World) -> Scene:
-        """Cells that any robot has seen, those that the base knows marked; letters tell what robots do: see ``NOTES``."""
+        """Cells that any robot has seen, of large floors some, those that the base knows marked; letters tell what robots do: ``NOTES``."""
         assert isinstance(world, CommunicationWorld)
+        every = 1 + world.width // 50
         seen = np.flatnonzero(world.observe().seen.any(axis=0))
+        seen = seen[(seen % world.width % every == 1 % every) & (seen // world.width % every == 1 % every)]
         return Scene(
             (0.0, 1.0 - world.shape[0], float(world.width - 1), 0.0), _places(world.robots, world.width), world.sight,
             _places(seen, world.width), world.returned[seen], ("robots", "known at the base", "seen"),

@@ -109,7 +109,7 @@ def task(kind: str, seed: int, *rest: Any) -> list[dict[str, Any]]:
     "unreliable-communication",
     "exploration with relays and sacrifices against robots that fly home, and planning in the loop against hindsight",
     100,
-    short=3,
+    short=2,
     source="Skeele (2016), section 4.4, Fig. 4.4",
     claim="the roles bring 5 to 18 % more of the map to the base, never less; more so with more robots",
 )
