@@ -59,7 +59,7 @@ def test_an_animation_is_written(run, tmp_path, suffix):
         (
             ("mars",),
             "choose from fleet-energy, information-gathering, orchard, plume-exploration, room-exploration, search-and-track, tracking, "
-            "unreliable-communication",
+            "uncertain-graph, unreliable-communication",
         ),
         (("tracking", "--policy", "nothing"), "choose from force-vector, stay"),
         (("tracking", "--policy", "stay", "--solver", "highs"), "one of solver, heuristic and policy"),
