@@ -226,7 +226,7 @@ def gains_figure(rows: Sequence[dict[str, Any]]) -> Figure:
                 ax.plot(at, gain, color=colour, marker="o", markersize=3, label=method)
                 ax.fill_between(at, gain - half, gain + half, color=colour, alpha=0.15, linewidth=0)
             ax.axhline(0.0, color="#999999", linewidth=0.8)
-            ax.set_title(floor, fontsize=9)
+            ax.set_title(floor, fontsize=9, loc="right")
             ax.set_xlabel(key, fontsize=9)
             plain(ax, "gain, points" if (floor, key) == panels[0] else "")
         figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=5, frameon=False, fontsize=9)
