@@ -14,8 +14,8 @@ EXPERIMENTS = [study.name for study in STUDIES.values() if study.source]
 SLOW = {
     "local", "sequential-greedy", "tracking-force-vectors", "tracking-weights", "tracking-bottleneck", "bottleneck", "layers",
     "winner-takes-all", "information-gathering", "mixed-objective", "orchard-look-ahead", "risky-planners", "uncertain-rasters",
-    "uncertain-roadmaps", "plume-bounds", "plume-exploration", "fleet-energy", "search-and-track",
-    "hotspot-identification", "persistent-exploration", "observation-allocation",
+    "uncertain-roadmaps", "plume-bounds", "plume-exploration", "fleet-energy", "search-and-track", "hotspot-identification",
+    "persistent-exploration", "observation-allocation", "unreliable-communication",
 }  # fmt: skip
 
 EACH = [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in EXPERIMENTS]
