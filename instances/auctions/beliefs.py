@@ -109,11 +109,11 @@ def posterior(belief: Floats, sensors: Sensors, types: ArrayLike, targets: Array
         of_types, of_targets = _times(types, np.log(sensors.types)), _times(targets, np.log(sensors.targets))
         if joint:
             log = of_types[..., :, None] + of_targets[..., None, :]
-            return _normalised(belief * np.exp(log - log.max(axis=(-2, -1), keepdims=True)))
+            return _normalised(belief * np.exp(log - np.maximum(log.max(axis=(-2, -1), keepdims=True), -1e300)))
         type_, target = belief.sum(axis=1), belief.sum(axis=0)
         of_types = of_types + _times(targets, np.log((belief / type_[:, None]) @ sensors.targets))
         of_targets = of_targets + _times(types, np.log((belief / target).T @ sensors.types))
-    parts = [p * np.exp(log - log.max(axis=-1, keepdims=True)) for p, log in ((type_, of_types), (target, of_targets))]
+    parts = [p * np.exp(log - np.maximum(log.max(axis=-1, keepdims=True), -1e300)) for p, log in ((type_, of_types), (target, of_targets))]
     return _normalised(parts[0][..., :, None] * parts[1][..., None, :])
 
 

@@ -58,8 +58,8 @@ def test_an_animation_is_written(run, tmp_path, suffix):
     [
         (
             ("mars",),
-            "choose from fleet-energy, hotspot-identification, information-gathering, orchard, plume-exploration, room-exploration, "
-            "search-and-track, tracking",
+            "choose from explore-map-search, fleet-energy, hotspot-identification, information-gathering, orchard, plume-exploration, "
+            "room-exploration, search-and-track, tracking",
         ),
         (("tracking", "--policy", "nothing"), "choose from force-vector, stay"),
         (("tracking", "--policy", "stay", "--solver", "highs"), "one of solver, heuristic and policy"),

@@ -66,9 +66,8 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> ExplorationMap:
             doors.append((a, b))
     weigh = settings["explore"], settings["map"], settings["search"]
     alarm = np.array([[settings["detection"], 1 - settings["detection"]], [settings["false-alarm"], 1 - settings["false-alarm"]]])
-    gains = [
-        settings["decay"] ** np.arange(TIMES), expected_gains(np.full(3, 1 / 3), READINGS, TIMES), expected_gains(np.full(2, 0.5), alarm, TIMES)
-    ]  # fmt: skip
+    decaying = settings["decay"] ** np.arange(TIMES)
+    gains = [decaying, *(expected_gains(np.full(len(t), 1 / len(t)), t, TIMES) for t in (READINGS, alarm))]
     tables = [np.tile(weight * gain, (rooms, 1)) for weight, gain in zip(weigh, gains, strict=True)]
     tables[0][0] = np.append(tables[0][0][1:], 0.0)  # robots are in the base already
     return ExplorationMap(

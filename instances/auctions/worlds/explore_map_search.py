@@ -66,7 +66,7 @@ class TeamWorld(ExplorationWorld):
         seen = super().observe()
         return TeamObservation(
             seen.time, seen.building, seen.robots, seen.silent, seen.visits, seen.readings, seen.sensors, history, self.knows.copy(),
-            self.groups(), self.steps - self.time,
+            self.groups, self.steps - self.time,
         )  # fmt: skip
 
     def step(self, actions: Mapping[int, Any]) -> None:
@@ -80,10 +80,9 @@ class TeamWorld(ExplorationWorld):
         for room, action, value in row.tolist():
             self._value(visits, room, action, value)
         self._history.append(row)
-        groups = self.groups()
         self.knows[np.arange(len(before)), np.arange(len(before))] = self.time
-        for group in np.unique(groups):
-            self.knows[groups == group] = self.knows[groups == group].max(axis=0)
+        for group in np.unique(self.groups):
+            self.knows[self.groups == group] = self.knows[self.groups == group].max(axis=0)
 
     def _value(self, visits: Integers, room: int, action: int, value: int) -> None:
         """Add what an action gained, and learn what it read."""
@@ -111,7 +110,7 @@ class TeamWorld(ExplorationWorld):
             **super().metrics(), "utility": float(np.dot(self.rewards.weights, self.gains)), **gains,
             "types_known": float(self.beliefs.sum(axis=2)[rooms, self.types].mean()),
             "targets_known": float(self.beliefs.sum(axis=1)[rooms, np.where(self.targets, TARGET, 1 - TARGET)].mean()),
-            "groups": float(len(np.unique(self.groups())) - 1),
+            "groups": float(len(np.unique(self.groups)) - 1),
         }  # fmt: skip
 
 
@@ -147,8 +146,7 @@ def make(rng: np.random.Generator, settings: Mapping[str, Any]) -> TeamWorld:
             raise UsageError(f"{settings['file']} holds no map of rooms to explore", "foreign")
         building = read
     world = TeamWorld(building, sensors, rewards, steps, rng)
-    groups = world.groups()
-    lost = np.nonzero(groups != groups[-1])[0]
+    lost = np.nonzero(world.groups != world.groups[-1])[0]
     if len(lost):
         raise InputError(f"robot {lost[0] + 1} does not hear the base at the start", "contradiction", expected="contact of all")
     return world
@@ -159,9 +157,11 @@ WORLDS.add(
     WorldKind(
         "explore-map-search", "robots with a budget explore rooms, map and search them, and tell each other what they know where they meet",
         {
-            **{key: Setting(s.default, s.help, s.type, s.least, s.most) for key, s in buildings.SETTINGS.items() if key in OWN},
+            "rooms": Setting(22, "number of rooms", int, 1, 500),
+            "robots": Setting(2, "robots, which start at the base", int, 1, 50),
+            "silence": Setting(2, "steps in a row that a robot may be out of contact", int, 0, 1000),
             "file": Setting(None, "an exploration map with doors, starts, base, links and silence, in place of one that is drawn", str),
-            "range": Setting(1.0, "distance up to which rooms hear each other; rooms side by side are 1 apart", float, 0.0, 1e6),
+            "range": Setting(2.0, "distance up to which rooms hear each other; rooms side by side are 1 apart", float, 0.0, 1e6),
             "strict": Setting(False, "whether rooms just as far apart as the range do not", bool),
             "budget": Setting(100.0, "of each robot", float, 0.0, 1e6),
             "cost": Setting(1.0, "of each action, staying included", float, 1e-6, 1e6),

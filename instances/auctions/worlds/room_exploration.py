@@ -65,6 +65,7 @@ class ExplorationWorld(World):
         self.visits[building.starts] = 1
         self.readings: list[Reading] = []
         self._adjacent, self._linked = building.adjacent, building.linked
+        self.groups = self._groups()
 
     def observe(self) -> ExplorationObservation:
         return ExplorationObservation(
@@ -84,8 +85,8 @@ class ExplorationWorld(World):
             odds = np.cumsum(self.sensors[action - MAP][truth])
             value = min(int(np.searchsorted(odds, chances[robot], side="right")), len(odds) - 1)
             self.readings.append(Reading(robot, room, action, value))
-        groups = self.groups()
-        self.silent = np.where(groups[:-1] == groups[-1], 0, self.silent + 1)
+        self.groups = self._groups()
+        self.silent = np.where(self.groups[:-1] == self.groups[-1], 0, self.silent + 1)
         self.time += 1
 
     def metrics(self) -> dict[str, float]:
@@ -97,12 +98,13 @@ class ExplorationWorld(World):
             "readings": float(len(self.readings)), "silent": float(self.silent.max()),
         }  # fmt: skip
 
-    def groups(self) -> Integers:
+    def _groups(self) -> Integers:
         """Number of the group that each robot, and at last the base, belongs to; who is in one hears all of it, over others or not."""
-        from scipy.sparse.csgraph import connected_components
-
         rooms = np.append(self.robots, self.building.base)
-        return np.asarray(connected_components(self._linked[np.ix_(rooms, rooms)], directed=False)[1], dtype=np.int64)
+        heard = self._linked[np.ix_(rooms, rooms)]
+        while not np.array_equal(heard, more := heard @ heard):
+            heard = more
+        return np.asarray(heard.argmax(axis=1), dtype=np.int64)
 
     def _refuse(self, robot: Any, deed: Any) -> None:
         if not isinstance(robot, int) or not 0 <= robot < len(self.robots):

@@ -8,15 +8,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ....formulations.auctions.room_exploration import RoomExploration
 from ....formulations.problem import Problem
 from ....heuristics.auctions._exploration import explorers_and_relays
-from ....instances.auctions.beliefs import Floats, Integers, posterior
+from ....instances.auctions.beliefs import Floats, Integers, capacity, posterior
 from ....instances.auctions.generators.exploration_map import TIMES
 from ....instances.auctions.worlds.explore_map_search import TeamObservation, TeamWorld
 from ....instances.auctions.worlds.room_exploration import GO, MAP, SEARCH
 from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
 from ..mission import MISSIONS, Actions, Decision, Mission, Scene
-from .room_exploration import round_problem, rooms_scene, worth_now
+from .room_exploration import rooms_scene, round_problem, worth_now
 
 
 class ExploreMapSearch(Mission):
@@ -40,7 +41,7 @@ class ExploreMapSearch(Mission):
         **WORLDS["explore-map-search"].settings,
         "horizon": Setting(6, "steps that are planned at once, from contact to contact", int, 1, 1000),
         "replan": Setting(3, "steps after which a new plan is made as soon as all have contact", int, 1, 1000),
-        "update": Setting("joint", "of beliefs of type and target: one distribution, or the marginals in turn", choices=("joint", "marginal")),
+        "update": Setting("joint", "of beliefs: type and target as one, or the marginals in turn", choices=("joint", "marginal")),
     }  # fmt: skip
 
     def world(self, seed: int, **settings: Any) -> TeamWorld:
@@ -113,11 +114,27 @@ class ExploreMapSearch(Mission):
 
     def measures(self, decisions: Sequence[Decision], world: World) -> dict[str, float]:
         """``planned``: steps of the plan made in this step, 0 between plans."""
-        return {"planned": float(sum(d.problem.instance.steps for d in decisions if d.problem is not None))}
+        return {"planned": float(sum(d.problem.instance.steps for d in decisions if isinstance(d.problem, RoomExploration)))}
 
     def scene(self, world: World) -> Scene | None:
         assert isinstance(world, TeamWorld)
         return rooms_scene(world)
+
+
+def most_gain(world: TeamWorld) -> RoomExploration:
+    """A static problem whose optimum is no less than the utility of any team in a world at its start.
+
+    Each reading gains what its sensor can tell at most, whatever is believed. A robot may be without contact when the budget ends, but can
+    still come back in time, as the missions' plans and policies see to: the problem has as many more steps as robots may be silent.
+    """
+    building, rewards = world.building, world.rewards
+    steps = world.steps + building.silence
+    next_visits = world.visits[:, None] + np.arange(building.num_robots * steps)
+    tables = [np.asarray(rewards.explore(next_visits))]
+    for weight, readings in zip(rewards.weights[1:], (world.sensing.types, world.sensing.targets), strict=True):
+        most = np.log(len(readings)) if rewards.gain == "entropy" else capacity(readings)
+        tables.append(np.full(next_visits.shape, weight * most))
+    return round_problem(building, tables, world.robots, steps, "most gain")
 
 
 MISSIONS.add("explore-map-search", ExploreMapSearch)

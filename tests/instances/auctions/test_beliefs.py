@@ -162,7 +162,7 @@ def test_tables_as_text():
 def test_what_the_next_actions_gain():
     beliefs, visits = np.stack([ROOM, ROOM]), np.array([0, 2])
     visited, read, searched = Rewards((0.3, 0.3, 0.4), first=2.0).tables(beliefs, visits, SENSORS, 3)
-    assert visited.tolist() == pytest.approx([[0.6, 0.3, 0.15], [0.15, 0.075, 0.0375]])
+    assert visited == pytest.approx(np.array([[0.6, 0.3, 0.15], [0.15, 0.075, 0.0375]]))
     assert read[0, 0] == pytest.approx(0.112046, abs=1e-6) and searched.shape == (2, 3)
     unknown = Rewards((0.3, 0.3, 0.4), gain="entropy").tables(beliefs, visits, SENSORS, 3)
     assert unknown[1][0, 0] == pytest.approx(0.329584, abs=1e-6) and unknown[2][0, 0] == pytest.approx(0.277259, abs=1e-6)
