@@ -5,14 +5,14 @@ Source: Zhang (2015), section 5.3 and tables 5.1 and 5.2; rows of the latter are
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from ...generators import Draw, Floats, Generator, Setting, add_generator
+from ...generators import Draw, Generator, Setting, add_generator
+from ..beliefs import expected_gains
 from ..exploration_map import ExplorationMap
 
 READINGS = np.array([[0.5, 0.3, 0.2], [0.05, 0.9, 0.05], [0.1, 0.1, 0.8]])
@@ -34,28 +34,6 @@ SETTINGS = {
     "false-alarm": Setting(0.05, "probability that one is reported where there is none", least=0.0, most=1.0),
     "name": Setting(None, "name of the instance", type=str),
 }
-
-
-def expected_gains(prior: Floats, readings: Floats, times: int = TIMES) -> Floats:
-    """Information that each further observation of a state brings, in nats: mutual information with that many less that with one fewer.
-
-    ``prior`` has shape (states,), and ``readings``, the probability of each reading in each state, shape (states, readings). The gains,
-    shape (times,), do not increase (Cover and Thomas 2006, theorem 2.8.1, for observations that are independent given the state).
-    """
-
-    def entropy(p: Floats) -> float:
-        p = p[p > 0.0]
-        return -float((p * np.log(p)).sum())
-
-    information = [0.0]
-    for count in range(1, times + 1):
-        remaining = 0.0
-        for seen in itertools.product(range(readings.shape[1]), repeat=count):
-            joint = prior * np.prod(readings[:, seen], axis=1)
-            chance = float(joint.sum())
-            remaining += chance * entropy(joint / chance) if chance > 0.0 else 0.0
-        information.append(entropy(prior) - remaining)
-    return np.minimum.accumulate(np.maximum(np.diff(information), 0.0))
 
 
 def make(draw: Draw, settings: Mapping[str, Any]) -> ExplorationMap:
@@ -88,9 +66,8 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> ExplorationMap:
             doors.append((a, b))
     weigh = settings["explore"], settings["map"], settings["search"]
     alarm = np.array([[settings["detection"], 1 - settings["detection"]], [settings["false-alarm"], 1 - settings["false-alarm"]]])
-    gains = [
-        settings["decay"] ** np.arange(TIMES), expected_gains(np.full(3, 1 / 3), READINGS), expected_gains(np.full(2, 0.5), alarm)
-    ]  # fmt: skip
+    decaying = settings["decay"] ** np.arange(TIMES)
+    gains = [decaying, *(expected_gains(np.full(len(t), 1 / len(t)), t, TIMES) for t in (READINGS, alarm))]
     tables = [np.tile(weight * gain, (rooms, 1)) for weight, gain in zip(weigh, gains, strict=True)]
     tables[0][0] = np.append(tables[0][0][1:], 0.0)  # robots are in the base already
     return ExplorationMap(

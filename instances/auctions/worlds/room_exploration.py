@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...errors import InputError
-from ...generators import Draw, Flags, Floats, Integers
+from ...generators import Draw, Floats, Integers
 from ...worlds import WORLDS, Setting, World, WorldKind
 from ..exploration_map import ExplorationMap
 from ..generators import exploration_map as buildings
@@ -65,6 +65,7 @@ class ExplorationWorld(World):
         self.visits[building.starts] = 1
         self.readings: list[Reading] = []
         self._adjacent, self._linked = building.adjacent, building.linked
+        self.groups = self._groups()
 
     def observe(self) -> ExplorationObservation:
         return ExplorationObservation(
@@ -84,7 +85,8 @@ class ExplorationWorld(World):
             odds = np.cumsum(self.sensors[action - MAP][truth])
             value = min(int(np.searchsorted(odds, chances[robot], side="right")), len(odds) - 1)
             self.readings.append(Reading(robot, room, action, value))
-        self.silent = np.where(self._contact(), 0, self.silent + 1)
+        self.groups = self._groups()
+        self.silent = np.where(self.groups[:-1] == self.groups[-1], 0, self.silent + 1)
         self.time += 1
 
     def metrics(self) -> dict[str, float]:
@@ -96,13 +98,13 @@ class ExplorationWorld(World):
             "readings": float(len(self.readings)), "silent": float(self.silent.max()),
         }  # fmt: skip
 
-    def _contact(self) -> Flags:
-        linked: Flags = self._linked[self.building.base, self.robots]
-        while True:
-            more = linked | (self._linked[np.ix_(self.robots, self.robots)] & linked[None, :]).any(axis=1)
-            if (more == linked).all():
-                return linked
-            linked = more
+    def _groups(self) -> Integers:
+        """Number of the group that each robot, and at last the base, belongs to; who is in one hears all of it, over others or not."""
+        rooms = np.append(self.robots, self.building.base)
+        heard = self._linked[np.ix_(rooms, rooms)]
+        while not np.array_equal(heard, more := heard @ heard):
+            heard = more
+        return np.asarray(heard.argmax(axis=1), dtype=np.int64)
 
     def _refuse(self, robot: Any, deed: Any) -> None:
         if not isinstance(robot, int) or not 0 <= robot < len(self.robots):

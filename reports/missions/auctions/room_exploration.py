@@ -10,10 +10,11 @@ import numpy as np
 
 from ....formulations.auctions.room_exploration import RoomExploration
 from ....formulations.problem import Problem
-from ....heuristics.auctions._exploration import TARGET, Rewards, Sensors, after_target, after_type, explorers_and_relays, prior
+from ....heuristics.auctions._exploration import Worth, explorers_and_relays
+from ....instances.auctions.beliefs import TARGET, Floats, Integers, Rewards, Sensors, after_target, after_type, prior
 from ....instances.auctions.exploration_map import ExplorationMap
-from ....instances.auctions.generators.exploration_map import TIMES, expected_gains
-from ....instances.auctions.worlds.room_exploration import GO, MAP, TARGETS, ExplorationObservation, ExplorationWorld
+from ....instances.auctions.generators.exploration_map import TIMES
+from ....instances.auctions.worlds.room_exploration import GO, MAP, SEARCH, TARGETS, ExplorationObservation, ExplorationWorld
 from ....instances.errors import UsageError
 from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
 from ..mission import MISSIONS, Actions, Decision, Mission, Scene
@@ -54,6 +55,7 @@ class RoomsExplored(Mission):
             raise UsageError(f"explore, map and search must sum to 1, not to {sum(weights):g}")
         world = make_world(self.name, seed, **{key: self.values[key] for key in WORLDS[self.name].settings})
         assert isinstance(world, ExplorationWorld)
+        self._rewards = Rewards((weights[0], weights[1], weights[2]), decay=self.values["decay"])
         self._sensors = Sensors(world.sensors[0], self.values["detection"], self.values["false-alarm"])
         types = len(TARGETS)
         self._beliefs = [prior(np.full(types, 1.0 / types), TARGETS) for _ in range(world.building.num_rooms)]
@@ -67,15 +69,8 @@ class RoomsExplored(Mission):
         if o.time % steps:
             return None
         self._learn(o.readings)
-        gains = zip(*(self._gains(belief, int(visits)) for belief, visits in zip(self._beliefs, o.visits, strict=True)), strict=True)
-        exploring, mapping, searching = (np.array(rows) for rows in gains)
-        building = o.building
-        return RoomExploration(
-            ExplorationMap(
-                building.doors, exploring, mapping, searching, o.robots, building.base, building.heard, building.silence, steps,
-                positions=building.positions, name=f"rooms at step {o.time}",
-            )
-        )  # fmt: skip
+        tables = self._rewards.tables(np.array(self._beliefs), o.visits, self._sensors, TIMES)
+        return round_problem(o.building, tables, o.robots, steps, f"rooms at step {o.time}")
 
     def actions(self, observation: ExplorationObservation, problem: Problem | None, answer: Any) -> Actions:
         if problem is not None:
@@ -90,14 +85,7 @@ class RoomsExplored(Mission):
 
     def _by_rule(self, relays: bool, o: ExplorationObservation) -> Actions:
         self._learn(o.readings)
-        rewards = Rewards(tuple(self.values[key] for key in WEIGHTS), decay=self.values["decay"])
-
-        def worth(room: int, action: int, others: int) -> float:
-            if action == GO:
-                return rewards.explore(int(o.visits[room]) + others)
-            read = rewards.map if action == MAP else rewards.search
-            return 0.0 if others else read(self._beliefs[room], self._sensors)
-
+        worth = worth_now(self._rewards, np.array(self._beliefs), o.visits, self._sensors)
         building = o.building
         deeds, self._teams = explorers_and_relays(
             building.adjacent, building.linked, building.base, o.robots.tolist(), o.silent.tolist(), building.silence, worth, self._teams,
@@ -116,16 +104,9 @@ class RoomsExplored(Mission):
             "targets_known": float(beliefs.sum(axis=1)[rooms, np.where(world.targets, TARGET, 1 - TARGET)].mean()),
         }
 
-    def scene(self, world: World) -> Scene:
-        """Rooms and doors; each robot on its own side of its room; links of communication are not drawn."""
-        assert isinstance(world, ExplorationWorld) and world.building.positions is not None
-        places = np.asarray(world.building.positions, dtype=np.float64) * [1.0, -1.0]
-        side = 2.0 * np.pi * (np.arange(len(world.robots)) / len(world.robots) + 0.125)
-        robots = places[world.robots] + BESIDE * np.column_stack([np.cos(side), np.sin(side)])
-        low, high = places.min(axis=0) - 0.6, places.max(axis=0) + 0.6
-        area = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
-        doors = tuple((int(a), int(b)) for a, b in world.building.doors)
-        return Scene(area, robots, 0.08, places, world.visits > 0, ("robots", "rooms entered", "rooms not entered"), ways=doors)
+    def scene(self, world: World) -> Scene | None:
+        assert isinstance(world, ExplorationWorld)
+        return rooms_scene(world)
 
     # ------------------------------------------------------------------------------------------------------------------
 
@@ -136,13 +117,40 @@ class RoomsExplored(Mission):
             self._beliefs[room] = after_type(old, self._sensors, value) if action == MAP else after_target(old, self._sensors, value == 0)
         self._heard = len(readings)
 
-    def _gains(self, belief: Any, visits: int) -> tuple[Any, Any, Any]:
-        """Gains of the next visits and readings of a room."""
-        explore, map_, search = (self.values[key] for key in WEIGHTS)
-        return (
-            explore * self.values["decay"] ** (visits + np.arange(TIMES)), map_ * expected_gains(belief.sum(axis=1), self._sensors.types),
-            search * expected_gains(belief.sum(axis=0), self._sensors.targets),
-        )  # fmt: skip
+
+def round_problem(building: ExplorationMap, tables: Sequence[Floats], robots: Integers, steps: int, name: str) -> RoomExploration:
+    """The static problem of the next ``steps``, from the rooms of ``robots`` and tables of gains, one a kind, of shape (rooms, times)."""
+    return RoomExploration(
+        ExplorationMap(
+            building.doors, tables[0], tables[1], tables[2], robots, building.base, building.heard, building.silence, steps,
+            positions=building.positions, name=name,
+        )
+    )  # fmt: skip
+
+
+def worth_now(rewards: Rewards, beliefs: Floats, visits: Integers, sensors: Sensors) -> Worth:
+    """Worth of each robot's next action: a visit after those of others in the step, and a reading that no other takes."""
+    read = {MAP: rewards.map(beliefs, sensors).tolist(), SEARCH: rewards.search(beliefs, sensors).tolist()}
+
+    def worth(room: int, action: int, others: int) -> float:
+        if action == GO:
+            return float(rewards.explore(int(visits[room]) + others))
+        return 0.0 if others else float(read[action][room])
+
+    return worth
+
+
+def rooms_scene(world: ExplorationWorld) -> Scene | None:
+    """Rooms and doors; each robot on its own side of its room; links of communication are not drawn. None if rooms have no places."""
+    if world.building.positions is None:
+        return None
+    places = np.asarray(world.building.positions, dtype=np.float64) * [1.0, -1.0]
+    side = 2.0 * np.pi * (np.arange(len(world.robots)) / len(world.robots) + 0.125)
+    robots = places[world.robots] + BESIDE * np.column_stack([np.cos(side), np.sin(side)])
+    low, high = places.min(axis=0) - 0.6, places.max(axis=0) + 0.6
+    area = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+    doors = tuple((int(a), int(b)) for a, b in world.building.doors)
+    return Scene(area, robots, 0.08, places, world.visits > 0, ("robots", "rooms entered", "rooms not entered"), ways=doors)
 
 
 MISSIONS.add("room-exploration", RoomsExplored)

@@ -7,7 +7,7 @@ import pytest
 
 import waybound as wb
 from waybound.formulations.auctions.room_exploration import RoomExploration
-from waybound.heuristics.auctions._exploration import after_type
+from waybound.instances.auctions.beliefs import after_type
 from waybound.reports.missions.animation import Film
 from waybound.reports.missions.auctions.room_exploration import RoomsExplored
 from waybound.reports.ratios.judged_runs import run_heuristic
