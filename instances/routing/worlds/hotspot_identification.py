@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -166,7 +167,10 @@ def bumps(draw: Draw, shape: tuple[int, int], count: int, spread: tuple[float, f
 def read_field(path: str) -> Floats:
     """A table of intensities, numbers with commas, a line a row of cells, the northernmost first. Raises InputError."""
     try:
-        return np.asarray(np.loadtxt(path, delimiter=",", ndmin=2)[::-1])
+        rows = Path(path).read_text(encoding="utf-8").splitlines()
+        if not any(row.strip() for row in rows):
+            raise ValueError("it is empty")
+        return np.loadtxt(rows, delimiter=",", ndmin=2, comments=None)[::-1]
     except (OSError, ValueError) as fault:
         raise InputError(f"cannot be read as a table of numbers: {fault}", "file", file=path) from None
 

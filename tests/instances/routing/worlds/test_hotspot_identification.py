@@ -132,6 +132,10 @@ def test_a_field_of_ones_own(tmp_path):
     path.write_text("1,2,3\n4,5\n")
     with pytest.raises(InputError, match="cannot be read as a table"):
         read_field(str(path))
+    for text in ("", "###\n###\n"):
+        path.write_text(text)
+        with pytest.raises(InputError, match="cannot be read as a table of numbers"):
+            read_field(str(path))
     path.write_text("1,-2,3\n4,5,6\n")
     with pytest.raises(InputError, match="finite intensities of at least 0"):
         make_world("hotspot-identification", 1, file=str(path), altitudes="10")
