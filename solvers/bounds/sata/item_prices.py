@@ -11,9 +11,10 @@ which is what the checker makes of the prices, of p the fractional credit of eac
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
 from ....formulations.stop import NEVER, Stop
@@ -37,7 +38,7 @@ ROUND = 50
 FIRST_WEIGHT = 3.0
 """Length of the first steps of the choices, in parts of that which is as long as the prices' in their own units."""
 
-FALL, PATIENCE = 0.3, 0.5
+FALL, PATIENCE = 0.5, 0.5
 """A restart comes once the gap has fallen by that factor, or after that share of all steps."""
 
 NEGLIGIBLE = 2.0**-60
@@ -47,10 +48,10 @@ NEGLIGIBLE = 2.0**-60
 class PriceGame:
     """The two sides of the relaxation, their steps, and the best that they have come to.
 
-    The primal-dual hybrid gradient method: prices go to their proximal point, which is a closed form, choices follow the worths
-    extrapolated; steps are as long as the diagonal preconditioners of Pock and Chambolle (2011) allow; restarts to the mean, with the sides'
-    steps weighed anew, as in PDLP (Applegate et al. 2021). ``prices`` are the best so far, ``bound`` what they prove, ``value`` that of the
-    best fractional choices, all in the units of the problem but for the power of two ``unit``.
+    The primal-dual hybrid gradient method: prices go to their proximal point, a closed form, and choices follow their worths, extrapolated.
+    Steps are as long as the diagonal preconditioners of Pock and Chambolle (2011) allow. Restarts, at the mean where that is better, weigh
+    the sides' steps anew, as in PDLP (Applegate et al. 2021). ``prices`` are the best so far, ``bound`` is what they prove and ``value`` what
+    the best fractional choices are worth, all in parts of ``unit``, a power of two.
 
     Source: Chambolle and Pock (2011) for linear couplings, Hamedani and Aybat (2021) for this one; docs/saddle.md#prices-of-items.
     """
@@ -82,6 +83,8 @@ class PriceGame:
         self._groups, self._balance = groups, FIRST_WEIGHT
         self._chosen, self._prices = (self._limits / np.maximum(count, 1))[groups], np.zeros(self._m)
         self._thresholds, self._worth = np.zeros(len(count)), self._worths(self._prices)
+        self._started, self._means = (self._chosen.copy(), self._prices.copy()), (np.zeros(self._n), np.zeros(self._m))
+        self._since, self._last_gap = 0, np.inf
         self.steps, self.value, self.bound, self.prices = 0, 0.0, np.inf, self._prices
         self._look(self._chosen, self._prices)
 
@@ -89,25 +92,21 @@ class PriceGame:
         """Play until the gap is ``GAP``, ``stop`` is reached, or ``most`` steps are made."""
         from .price_kernels import steps
 
-        last_gap, since = np.inf, 0
-        started, means = (self._chosen.copy(), self._prices.copy()), (np.zeros(self._n), np.zeros(self._m))
         while not self.closed() and self.steps < most and not stop.reached():
             lengths = self._item_step / self._balance, self._group_step * self._balance
-            made = steps(
-                stop.flag, *self._arrays, *lengths, self._chosen, self._prices, self._worth, *means, self._thresholds, since, ROUND
+            self._since += steps(
+                stop.flag, *self._arrays, *lengths, self._chosen, self._prices, self._worth, *self._means, self._thresholds, self._since,
+                ROUND,
             )  # fmt: skip
-            self.steps += made
-            since += made
-            if made == 0:
-                break
-            here, mean = self._look(self._chosen, self._prices), self._look(*means)
-            if min(here, mean) < FALL * last_gap or since > max(PATIENCE * self.steps, ROUND):
-                last_gap, since = min(here, mean), 0
+            self.steps += ROUND
+            here, mean = self._look(self._chosen, self._prices), self._look(*self._means)
+            if min(here, mean) < FALL * self._last_gap or self._since > PATIENCE * self.steps:
+                self._last_gap, self._since = min(here, mean), 0
                 if mean < here:
-                    self._chosen[:], self._prices[:] = means
+                    self._chosen[:], self._prices[:] = self._means
                     self._worth = self._worths(self._prices)
-                self._weigh(*started)
-                started = self._chosen.copy(), self._prices.copy()
+                self._weigh(*self._started)
+                self._started = self._chosen.copy(), self._prices.copy()
 
     def closed(self) -> bool:
         """Whether the prices prove as much as the relaxation can, but for ``GAP``."""
@@ -140,8 +139,15 @@ class PriceGame:
             self._balance = float(np.sqrt(self._balance * far / wide))
 
 
-def _starts(counts: Floats) -> np.ndarray:
+def _starts(counts: NDArray[np.integer[Any]]) -> NDArray[np.int32]:
     return np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+
+
+def evidence_of(problem: SubmodularSelection, game: PriceGame) -> Evidence:
+    """The evidence of the best prices of a game, and what it proves."""
+    reached = "the value of the linear relaxation" if game.closed() else "a bound on the linear relaxation"
+    evidence = Evidence("item-prices", f"prices of items, {reached}", np.inf, {"prices": (game.prices * game.unit).tolist()})
+    return replace(evidence, value=verified_bound(problem, evidence))
 
 
 def item_prices_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
@@ -151,11 +157,7 @@ def item_prices_bound(problem: Problem, stop: Stop = NEVER, linear: LinearProgra
     selection: SubmodularSelection = problem  # type: ignore[assignment]
     game = PriceGame(selection)
     game.run(stop)
-    reached = "the value of the linear relaxation" if game.closed() else "a bound on the linear relaxation"
-    evidence = Evidence(
-        "item-prices", f"prices of items, {reached}", game.bound * game.unit, {"prices": (game.prices * game.unit).tolist()}
-    )
-    return replace(evidence, value=verified_bound(problem, evidence))
+    return evidence_of(selection, game)
 
 
 def _lacks(problem: SubmodularSelection) -> frozenset[str]:

@@ -64,7 +64,10 @@ def _threshold(first, last, order, aims, limit, theta):  # type: ignore[no-untyp
     "i8(i8[::1], i4[::1], i4[::1], f8[::1], i4[::1], i4[::1], f8[::1], i4[::1], i4[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], "
     "f8[::1], f8[::1], f8[::1], f8[::1], i8, i8)"
 )
-def steps(flag, starts, items, weights, item_starts, elements, falling, first, order, limits, item_step, group_step, chosen, prices, worth, mean_chosen, mean_prices, thresholds, done, count):  # type: ignore[no-untyped-def] # pragma: no cover - compiled # fmt: skip
+def steps(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    flag, starts, items, weights, item_starts, elements, falling, first, order, limits, item_step, group_step,
+    chosen, prices, worth, mean_chosen, mean_prices, thresholds, done, count,
+):  # fmt: skip
     """``count`` steps, fewer where the ``flag`` of a ``Stop`` is set; returns the steps made. Arrays from ``chosen`` on change in place.
 
     ``starts``, ``items`` and ``weights`` are the CSR form of elements x items, ``item_starts``, ``elements`` and ``falling`` that of
