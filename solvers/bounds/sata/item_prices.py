@@ -49,9 +49,9 @@ class PriceGame:
     """The two sides of the relaxation, their steps, and the best that they have come to.
 
     The primal-dual hybrid gradient method: prices go to their proximal point, a closed form, and choices follow their worths, extrapolated.
-    Steps are as long as the diagonal preconditioners of Pock and Chambolle (2011) allow. Restarts, at the mean where that is better, weigh
-    the sides' steps anew, as in PDLP (Applegate et al. 2021). ``prices`` are the best so far, ``bound`` is what they prove and ``value`` what
-    the best fractional choices are worth, all in parts of ``unit``, a power of two.
+    Steps are as long as the diagonal preconditioners of Pock and Chambolle (2011) allow. Restarts, at the mean where that is better,
+    weigh the sides' steps anew, as in PDLP (Applegate et al. 2021). ``prices`` are the best so far, ``bound`` is what they prove and
+    ``value`` what the best fractional choices are worth, all in parts of ``unit``, a power of two.
 
     Source: Chambolle and Pock (2011) for linear couplings, Hamedani and Aybat (2021) for this one; docs/saddle.md#prices-of-items.
     """
