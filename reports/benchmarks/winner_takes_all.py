@@ -73,11 +73,11 @@ def measure(graph: SensingGraph, limit: float) -> Measured:
 
 
 def by_highs(graph: SensingGraph, method: str, limit: float) -> str:
-    """HiGHS on the compiled relaxation: CPU seconds and what it takes for the optimum, or that it was given up."""
+    """HiGHS on the compiled relaxation: CPU seconds and what it takes for the optimum, or how it ended without one."""
     program = replace(wb.WinnerTakesAllSATA(graph).compile("strong-linearisation").relaxed().program, name="unknown")
     seconds, result = solved(program, "highs", limit, solver=method)
     if result.status != "optimal":
-        return f"{method} given up after {seconds:.1f} s"
+        return f"{method} no optimum after {seconds:.1f} s: {result.status}, limit {result.limit}, {result.message or 'no message'}"
     return f"{method} {seconds:.2f} s, optimum {result.objective:.4f}"
 
 
