@@ -1,4 +1,4 @@
-"""Bound ``item-prices``: the facility-location relaxation by a primal-dual method, for problems too large for LP codes.
+"""Bound ``item-prices``: the facility-location relaxation of a large problem by a primal-dual method, without a linear program.
 
 Choices x of elements and prices p of items play
 
