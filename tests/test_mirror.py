@@ -36,6 +36,7 @@ KERNELS = {
     "solvers/bounds/routing/subset_row_kernels": "solvers/bounds/routing/subset_rows",
     "solvers/bounds/routing/state_space_kernels": "solvers/bounds/routing/state_space",
     "solvers/bounds/sata/gain_kernels": "solvers/bounds/sata/growing_sets",
+    "solvers/bounds/sata/price_kernels": "solvers/bounds/sata/item_prices",
     "solvers/engines/auctions/assignment_steps/auction_kernels": "solvers/engines/auctions/assignment_steps/auction",
     "solvers/engines/auctions/assignment_steps/price_kernels": "solvers/engines/auctions/assignment_steps/recovered_prices",
     "solvers/engines/routing/ruin_recreate_steps/near_kernels": "solvers/engines/routing/ruin_recreate_steps/arrays",
