@@ -5,58 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...generators import Draw
-from ...number_arrays import Floats
 from ...worlds import WORLDS, Setting, World, WorldKind
-
-if TYPE_CHECKING:
-    from scipy import sparse
-
-Flags = NDArray[np.bool_]
-Whole = NDArray[np.int64]
-
-ROUND = tuple((dx, dy) for dx in (-2, -1, 0, 1, 2) for dy in (-2, -1, 0, 1, 2) if math.gcd(dx, dy) == 1)
-"""The sixteen directions in which fire spreads from a cell."""
+from ..spreading_fire import Fire, Flags, Floats, Whole, spreading_fire
 
 CLOSE = 1e-9
 """Share of the map's size up to which two places are one: positions are sums of steps."""
 
 
 @dataclass(frozen=True, eq=False)
-class Fire:
-    """Rasters of a fire, of shape (rows, columns): the step at which each cell catches fire (``inf``: never), and how intensely it burns then.
-
-    Raises InputError if they differ in shape, or hold what is no time or intensity.
-    """
-
-    arrival: Floats
-    intensity: Floats
-
-    def __post_init__(self) -> None:
-        if self.arrival.ndim != 2 or self.arrival.shape != self.intensity.shape or min(self.arrival.shape) < 2:
-            found = f"{self.arrival.shape} and {self.intensity.shape}"
-            raise InputError("arrival times and intensities are no two rasters alike", "malformed", expected="two of rows x columns", found=found)
-        if np.isnan(self.arrival).any() or not (np.isfinite(self.intensity) & (self.intensity >= 0)).all():
-            raise InputError("a raster holds what is no time, or no intensity", "out-of-range", expected="times, and intensities of 0 or more")
-
-    def front(self, time: float) -> Flags:
-        """Burning cells with one beside them that does not burn yet; shape (rows, columns)."""
-        from scipy import ndimage
-
-        burnt = self.arrival <= time
-        return np.asarray(burnt & ~ndimage.binary_erosion(burnt, border_value=1))
-
-
-@dataclass(frozen=True, eq=False)
 class Hotspots:
-    """Targets on the front: ``ids``, ``places`` of shape (hotspots, 2), and in steps ``waits`` since each was last tracked and the ``worst`` so far."""
+    """Targets on the front: ``ids``, ``places`` of shape (hotspots, 2), in steps ``waits`` since each was tracked, and the ``worst``."""
 
     ids: Whole = field(default_factory=lambda: np.zeros(0, np.int64))
     places: Floats = field(default_factory=lambda: np.zeros((0, 2)))
@@ -72,7 +35,7 @@ class Hotspots:
         return Hotspots(self.ids, self.places, np.where(tracked, 0.0, waits), np.maximum(self.worst, waits))
 
     def moved(self, centres: Floats, within: float, next_id: int) -> Hotspots:
-        """New centres with the identity of the nearest hotspot closer than ``within``, each given once, near ones first; the others are new."""
+        """New centres with the identity of the nearest hotspot closer than ``within``, each given once, near ones first; others are new."""
         apart = np.sqrt(((centres[:, None, :] - self.places[None, :, :]) ** 2).sum(axis=2))
         source = np.full(len(centres), -1)
         for flat in np.argsort(apart, axis=None, kind="stable").tolist():
@@ -144,20 +107,21 @@ class HotspotRules:
 
 
 class FireWorld(World):
-    """One aircraft over a fire. In a step it flies in a straight line, at most ``speed`` cells; then the fire spreads, and hotspots are found.
+    """One aircraft over a fire. In a step it flies straight, at most ``speed`` cells; then the fire spreads, and hotspots are found.
 
-    ``start`` is a place (column, row) on the map, ``begin`` the step of the fire at which it comes; ``still`` keeps the front of that moment.
-    The fire takes no notice of the aircraft. Raises InputError if there is no front then, or ``start`` is not on the map.
+    ``start`` is a place (column, row) on the map, ``begin`` the step of the fire at which it comes; ``still`` keeps the front as it is
+    then. The fire takes no notice of the aircraft. Raises InputError if there is no front then, or ``start`` is not on the map.
 
     Source: Skeele (2016), sections 3.2 and 3.3; docs/missions/fire-monitoring.md.
     """
 
     def __init__(
-        self, fire: Fire, start: tuple[float, float], speed: float = 2.0, begin: int = 60, still: bool = False, rules: HotspotRules | None = None
+        self, fire: Fire, start: tuple[float, float], speed: float = 2.0, begin: int = 60, still: bool = False,
+        rules: HotspotRules | None = None,
     ) -> None:  # fmt: skip
         self.fire, self.speed, self.begin, self.still, self.rules = fire, speed, begin, still, rules or HotspotRules()
         self.size = np.array(fire.arrival.shape[::-1], dtype=np.float64) - 1.0
-        self.place = self._on_map(np.array(start, dtype=np.float64), "the aircraft starts")
+        self.place = self._on_map(start, "the aircraft starts")
         if not 0 < speed < math.inf:
             raise InputError("the aircraft does not move", "out-of-range", expected="a finite speed above 0", found=f"{speed:g}")
         if not fire.front(begin).any():
@@ -175,7 +139,7 @@ class FireWorld(World):
         for robot in actions:
             if robot != 0:
                 raise InputError("there is no such aircraft", "unknown-name", expected="0", found=str(robot)[:40])
-        to = self._on_map(np.asarray(actions.get(0, self.place), dtype=np.float64), "the aircraft is sent")
+        to = self._on_map(actions.get(0, self.place), "the aircraft is sent")
         length = float(np.hypot(*(to - self.place)))
         if length > self.speed + CLOSE * self.size.max():
             raise InputError("the aircraft is sent too far", "out-of-range", expected=f"at most {self.speed:g} cells", found=f"{length:g}")
@@ -237,57 +201,16 @@ class FireWorld(World):
         front = np.argwhere(self.fire.front(self._now))[:, ::-1].astype(np.float64)
         self._observation = FireObservation(self.time, self.place, self.speed, self.hotspots, burnt, front)
 
-    def _on_map(self, place: Floats, what: str) -> Floats:
+    def _on_map(self, given: Any, what: str) -> Floats:
+        try:
+            place = np.array(given, dtype=np.float64)
+        except (TypeError, ValueError):
+            place = np.full(1, np.nan)
         if place.shape != (2,) or not (np.isfinite(place) & (place >= 0) & (place <= self.size)).all():
-            raise InputError(f"{what} off the map", "out-of-range", expected=f"(0, 0) to {tuple(self.size.tolist())}", found=str(place.tolist())[:60])
+            raise InputError(
+                f"{what} off the map", "out-of-range", expected=f"(0, 0) to {tuple(self.size.tolist())}", found=str(given)[:60]
+            )
         return place
-
-
-@lru_cache(maxsize=8)
-def grid_moves(rows: int, columns: int, offsets: tuple[tuple[int, int], ...]) -> tuple[Whole, Whole, Floats]:
-    """Moves between cells, numbered row by row: tails in ascending order, heads, and the displacement (columns, rows) of each."""
-    row, column = np.divmod(np.arange(rows * columns), columns)
-    steps = np.array(offsets)
-    to_row, to_column = row[:, None] + steps[:, 1], column[:, None] + steps[:, 0]
-    tail, which = np.nonzero((to_row >= 0) & (to_row < rows) & (to_column >= 0) & (to_column < columns))
-    return tail, to_row[tail, which] * columns + to_column[tail, which], steps[which].astype(np.float64)
-
-
-def move_graph(rows: int, columns: int, tail: Whole, head: Whole, weights: Floats) -> sparse.csr_matrix:
-    """The moves of ``grid_moves`` with their weights, as ``scipy.sparse.csgraph`` takes them."""
-    from scipy import sparse
-
-    count = rows * columns
-    return sparse.csr_matrix((weights, head, np.searchsorted(tail, np.arange(count + 1))), shape=(count, count))
-
-
-def spreading_fire(rng: np.random.Generator, size: int, spread: float, elongation: float, roughness: float, patch: float) -> tuple[Fire, Floats]:
-    """A fire driven by wind, and the wind's direction, a unit vector.
-
-    From every cell it spreads as an ellipse with the cell in its rear focus: fastest with the wind, by ``spread`` cells a step times the
-    cell's fuel, and (1 + e) / (1 - e) times slower against it, e being the eccentricity ``elongation`` (0: no wind). The fuel is lognormal:
-    the exponential of noise of deviation ``roughness``, smooth over ``patch`` cells. Arrival times are shortest paths over sixteen
-    directions. The intensity is that of Byram (1959) up to a constant: fuel times the rate of spread of the move that brought the fire.
-    """
-    from scipy import ndimage
-    from scipy.sparse import csgraph
-
-    angle = 2.0 * math.pi * float(rng.random())
-    wind = np.array([math.cos(angle), math.sin(angle)])
-    noise = ndimage.gaussian_filter(Draw(rng).normal(0.0, 1.0, size * size).reshape(size, size), patch)
-    fuel = np.exp(roughness * (noise - noise.mean()) / max(float(noise.std()), 1e-300)).ravel()
-    tail, head, way = grid_moves(size, size, ROUND)
-    length = np.hypot(*way.T)
-    rate = spread * (1.0 - elongation) / (1.0 - elongation * (way @ wind) / length) * (fuel[tail] + fuel[head]) / 2.0
-    origin = np.rint((size - 1) * (0.5 - 0.25 * wind * (elongation > 0))).astype(int)
-    graph = move_graph(size, size, tail, head, length / rate)
-    arrival, before = csgraph.dijkstra(graph, indices=int(origin[1] * size + origin[0]), return_predecessors=True)
-    rates = move_graph(size, size, tail, head, rate)
-    cells = np.arange(size * size)
-    reached = before >= 0
-    intensity = np.zeros(size * size)
-    intensity[reached] = fuel[reached] * np.asarray(rates[before[reached], cells[reached]]).ravel()
-    return Fire(arrival.reshape(size, size), intensity.reshape(size, size)), wind
 
 
 def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> FireWorld:

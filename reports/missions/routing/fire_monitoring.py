@@ -14,15 +14,14 @@ from ....formulations.routing.problem import RoutingProblem
 from ....instances.errors import UsageError
 from ....instances.number_arrays import Floats
 from ....instances.routing.instance import Sites, VehicleType
+from ....instances.routing.spreading_fire import Whole
 from ....instances.routing.travel import EXPLICIT, Travel
-from ....instances.routing.worlds.fire_monitoring import FireObservation, FireWorld, Flags, Hotspots, Whole, grid_moves, move_graph
+from ....instances.routing.worlds.fire_monitoring import FireObservation, FireWorld, Hotspots
 from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
 from ..mission import MISSIONS, Actions, Decision, Mission, Scene
+from ._fire_paths import advanced, cells_of, cheapest_paths, corners
 
-SIDES = tuple((dx, dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if (dx, dy) != (0, 0))
-"""The eight directions in which a path leaves a cell."""
-
-LABELS = 300_000
+LABELS = 50_000
 """Partial patrols that the exact policy may keep; it looks less far ahead where they do not suffice."""
 
 
@@ -61,9 +60,9 @@ def least_possible(spots: Hotspots, place: Floats, speed: float, radius: float, 
 class FireMonitoring(Mission):
     """Keep J small, the sum over hotspots of the longest wait.
 
-    The policies are the source's weighted greedy and the perimeter circling that it is compared with, and the exact patrol of a few hotspots
-    that stay where they are. With a solver or heuristic, weighted greedy becomes a tour: of all open tours the one of most waiting time less
-    ``alpha`` times path cost, and the aircraft flies to its first hotspot.
+    The policies are the source's weighted greedy, the circling of the perimeter that it is compared with, and the exact patrol of a few
+    hotspots that stay where they are. With a solver or heuristic, weighted greedy becomes a tour: of all open tours that of most waiting
+    time less ``alpha`` times path cost, and the aircraft flies to its first hotspot.
 
     Notes
     -----
@@ -98,7 +97,9 @@ class FireMonitoring(Mission):
         if not hasattr(self, "values"):
             self.values = setting_values(self.name, self.settings, {})
         if self.values["closest"] > self.values["farthest"]:
-            raise UsageError(f"closest must be at most farthest, not {self.values['closest']:g} and {self.values['farthest']:g}", "contradiction")
+            raise UsageError(
+                f"closest must be at most farthest, not {self.values['closest']:g} and {self.values['farthest']:g}", "contradiction"
+            )
         self.played = world
         self._target: int | None = None
         self._heading = np.array([1.0, 0.0])
@@ -113,7 +114,7 @@ class FireMonitoring(Mission):
         if not len(o.hotspots) or self._keeps(o):
             return None
         count = len(o.hotspots)
-        costs = self._paths(o, np.vstack([o.place, o.hotspots.places]))[0][:, self._cells(o, o.hotspots.places)]
+        costs = self._paths(o, np.vstack([o.place, o.hotspots.places]))[0][:, cells_of(o.burnt, o.hotspots.places)]
         matrix = np.zeros((count + 2, count + 2))
         matrix[: count + 1, 1 : count + 1] = costs
         np.fill_diagonal(matrix, 0.0)
@@ -166,10 +167,10 @@ class FireMonitoring(Mission):
             return {}
         costs, before = self._paths(o, o.place[None, :])
         if choose or self._target not in o.hotspots.ids:
-            scores = weighted_scores(o.hotspots.waits, costs[0, self._cells(o, o.hotspots.places)], self.values["alpha"])
+            scores = weighted_scores(o.hotspots.waits, costs[0, cells_of(o.burnt, o.hotspots.places)], self.values["alpha"])
             self._target = int(o.hotspots.ids[scores.argmax()])
         place = o.hotspots.places[o.hotspots.ids == self._target][0]
-        return {0: advanced(o.place, self._way(o, before[0], o.place, place), o.speed)[0]}
+        return {0: advanced(o.place, corners(o.burnt, before[0], o.place, place), o.speed)[0]}
 
     def _circle(self, o: FireObservation) -> Actions:
         if not len(o.front):
@@ -190,7 +191,7 @@ class FireMonitoring(Mission):
                 self._patrolled, self._patrol = o.hotspots, self.patrol(o, self.values["look-ahead"])[1]
             place = o.hotspots.places[self._patrol.pop(0)] if self._patrol else o.place
             before = self._paths(o, o.place[None, :])[1][0]
-            self._leg = self._way(o, before, o.place, place)
+            self._leg = corners(o.burnt, before, o.place, place)
         to, self._leg = advanced(o.place, self._leg, o.speed)
         return {0: to}
 
@@ -203,56 +204,20 @@ class FireMonitoring(Mission):
 
         sources = np.vstack([o.hotspots.places, o.place])
         costs, before = self._paths(o, sources)
-        scores = weighted_scores(o.hotspots.waits, costs[-1, self._cells(o, o.hotspots.places)], self.values["alpha"])
+        scores = weighted_scores(o.hotspots.waits, costs[-1, cells_of(o.burnt, o.hotspots.places)], self.values["alpha"])
         chosen = np.sort(np.argsort(-scores, kind="stable")[: self.values["patrolled"]])
         rows = [*chosen.tolist(), len(o.hotspots)]
-        ways = [[[sources[row], *self._way(o, before[row], sources[row], o.hotspots.places[k])] for k in chosen] for row in rows]
+        ways = [[[sources[row], *corners(o.burnt, before[row], sources[row], o.hotspots.places[k])] for k in chosen] for row in rows]
         lengths = np.array([[sum(math.dist(a, b) for a, b in pairwise(way)) for way in own] for own in ways])
-        spots = Hotspots(*(own[chosen] for own in (o.hotspots.ids, o.hotspots.places, o.hotspots.waits, o.hotspots.worst)))
+        waits, worst = (own[chosen] for own in _whole(o.hotspots))
         while True:
-            total, visits = least_worst_waits(_steps(lengths, o.speed), *_whole(spots), horizon, LABELS)
+            total, visits = least_worst_waits(_steps(lengths, o.speed), waits, worst, horizon, LABELS)
             if total >= 0:
                 return int(total), chosen[visits].tolist()
             horizon //= 2
 
     def _paths(self, o: FireObservation, places: Floats) -> tuple[Floats, Whole]:
-        """Cost of the cheapest paths from ``places`` to all cells, and the cell before each; shape (places, cells). They are Dijkstra's."""
-        from scipy import ndimage
-        from scipy.sparse import csgraph
-
-        rows, columns = o.burnt.shape
-        blurred = ndimage.gaussian_filter(o.burnt.astype(np.float64), self.values["blur"])
-        cost = (1.0 + self.values["near"] * blurred + self.values["inside"] * o.burnt).ravel()
-        tail, head, way = grid_moves(rows, columns, SIDES)
-        graph = move_graph(rows, columns, tail, head, np.hypot(*way.T) * (cost[tail] + cost[head]) / 2.0)
-        costs, before = csgraph.dijkstra(graph, indices=self._cells(o, places), return_predecessors=True)
-        return costs, before
-
-    def _cells(self, o: FireObservation, places: Floats) -> Whole:
-        """The cell of each place, by its number."""
-        column, row = np.rint(places.T).astype(np.int64)
-        return np.asarray(row * o.burnt.shape[1] + column)
-
-    def _way(self, o: FireObservation, before: Whole, origin: Floats, place: Floats) -> list[Floats]:
-        """Corners from ``origin`` on: centres of the cells between, and ``place`` itself."""
-        start, cell = self._cells(o, np.vstack([origin, place])).tolist()
-        way = [place]
-        while cell != start and before[cell] != start:
-            cell = int(before[cell])
-            way.append(np.array([cell % o.burnt.shape[1], cell // o.burnt.shape[1]], dtype=np.float64))
-        return way[::-1]
-
-
-def advanced(place: Floats, way: Sequence[Floats], speed: float) -> tuple[Floats, list[Floats]]:
-    """The place after a step along the corners of ``way``, and the corners that are left."""
-    left, rest = speed * (1.0 + 1e-9), list(way)
-    while rest:
-        off = rest[0] - place
-        length = float(np.hypot(*off))
-        if length > left:
-            return place + off * (left / length), rest
-        place, left = rest.pop(0), left - length
-    return place, rest
+        return cheapest_paths(o.burnt, places, self.values["blur"], self.values["near"], self.values["inside"])
 
 
 def _steps(lengths: Floats, speed: float) -> Whole:
