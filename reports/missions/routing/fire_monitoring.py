@@ -150,7 +150,8 @@ class FireMonitoring(Mission):
         """The hotspots, marked, and the front; a link leads to the target."""
         assert isinstance(world, FireWorld)
         o = world.observe()
-        points = np.vstack([o.hotspots.places, o.front])
+        apart = ((o.front[:, None, :] - o.hotspots.places) ** 2).sum(axis=2).min(axis=1, initial=np.inf)
+        points = np.vstack([o.hotspots.places, o.front[apart > 2.0]])  # hotspots are not hidden by front cells
         links = [(0, k) for k, own in enumerate(o.hotspots.ids.tolist()) if own == self._target]
         labels = ("aircraft", "hotspots", "front")
         area = (0.0, 0.0, float(world.size[0]), float(world.size[1]))

@@ -42,14 +42,14 @@ EVERY = 5
 NOTES = (
     "J is the sum over live hotspots of the longest that each has waited, in steps; its mean over a run, then over fires",
     "intervals are of confidence 95 % over fires; all methods meet the same ones, since a fire takes no notice of the aircraft",
-    "still fronts: J after 120 steps (60 in the short form); hotspots must be reached; the best patrol along cheapest paths is proved",
+    "still fronts: J after 120 steps (40 in the short form); hotspots must be reached; the best patrol along cheapest paths is proved",
     "straight: the optimum of flights that may cross the fire at no cost, a bound for every policy",
 )
 
 
 def monitored(seed: int, full: bool) -> list[dict[str, Any]]:
     """All runs over one fire: a task for ``spread``."""
-    steps, horizon = (200, 120) if full else (60, 60)
+    steps, horizon = (200, 120) if full else (40, 40)
     plays: list[tuple[str, str, dict[str, Any]]] = [
         (f"{beta:g}", method, {**how, "threshold": beta}) for beta in THRESHOLDS for method, how in PAIR.items()
     ]

@@ -17,7 +17,7 @@ def test_the_short_study():
     assert (report.num_faults, report.done, report.interrupted) == (0, 2, False)
     moving = [row for row in report.observations if row["kind"] == "0.25"]
     assert [row["method"] for row in moving] == [*study.PAIR] * 2
-    assert all(len(row["curve"]) == 60 // study.EVERY for row in moving)
+    assert all(len(row["curve"]) == 40 // study.EVERY for row in moving)
     bounds = [row for row in report.observations if row["kind"] == "bound"]
     assert all(0 < row["straight"] <= row["patrol"] for row in bounds)
     html = page_of(study.fire_monitoring, study.fire_monitoring.setting(full=False), report).html()
