@@ -15,7 +15,7 @@ SLOW = {
     "local", "sequential-greedy", "tracking-force-vectors", "tracking-weights", "tracking-bottleneck", "bottleneck", "layers",
     "winner-takes-all", "information-gathering", "mixed-objective", "orchard-look-ahead", "risky-planners", "uncertain-rasters",
     "uncertain-roadmaps", "plume-bounds", "plume-exploration", "fleet-energy", "search-and-track", "hotspot-identification",
-    "persistent-exploration", "observation-allocation", "unreliable-communication", "explore-map-search",
+    "persistent-exploration", "observation-allocation", "unreliable-communication", "explore-map-search", "fire-monitoring",
 }  # fmt: skip
 
 EACH = [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in EXPERIMENTS]

@@ -1,0 +1,43 @@
+"""The study of fire monitoring, in its short form."""
+
+from __future__ import annotations
+
+import math
+
+import pandas as pd
+import pytest
+
+from waybound.reports.studies.page import page_of
+from waybound.reports.studies.routing import fire_monitoring as study
+
+
+@pytest.mark.slow
+def test_the_short_study():
+    report = study.fire_monitoring(full=False)
+    assert (report.num_faults, report.done, report.interrupted) == (0, 2, False)
+    moving = [row for row in report.observations if row["kind"] == "0.25"]
+    assert [row["method"] for row in moving] == [*study.PAIR] * 2
+    assert all(len(row["curve"]) == 40 // study.EVERY for row in moving)
+    bounds = [row for row in report.observations if row["kind"] == "bound"]
+    assert all(0 < row["straight"] <= row["patrol"] for row in bounds)
+    html = page_of(study.fire_monitoring, study.fire_monitoring.setting(full=False), report).html()
+    assert "weighted greedy returns to the hotspots" in html
+
+
+def test_the_thresholds_are_the_sources():
+    assert study.THRESHOLDS == (0.25, 0.35, 0.45) and study.fire_monitoring.instances == 100
+
+
+def made_up(final, straight=90.0):
+    rows = [
+        {"kind": "still", "method": method, "seed": 1, "final": value}
+        for method, value in zip(("exact patrol", "weighted-greedy"), final, strict=True)
+    ]
+    return pd.DataFrame([*rows, {"kind": "bound", "method": "best", "seed": 1, "patrol": 100.0, "straight": straight}])
+
+
+def test_broken_bounds_are_faults():
+    tables = [made_up((100.0, 120.0)), made_up((101.0, 120.0)), made_up((100.0, 80.0)), made_up((100.0, 95.0))]
+    assert [[fault.kind for fault in study.broken_bounds(table)] for table in tables] == [[], ["answer"], ["bound"], []]
+    lost = study.still_means(made_up((100.0, 120.0)))
+    assert lost[1]["above the best patrol"] == pytest.approx(20.0) and math.isnan(lost[1]["above the best patrol_half"])
