@@ -58,7 +58,7 @@ def test_an_animation_is_written(run, tmp_path, suffix):
     [
         (
             ("mars",),
-            "plume-exploration, room-exploration, search-and-track, tracking",
+            "choose from explore-map-search, fire-monitoring, fleet-energy, hotspot-identification, information-gathering, orchard",
         ),
         (("tracking", "--policy", "nothing"), "choose from force-vector, stay"),
         (("tracking", "--policy", "stay", "--solver", "highs"), "one of solver, heuristic and policy"),
