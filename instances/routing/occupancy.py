@@ -188,6 +188,7 @@ class Beams:
             walls = np.arange(math.ceil(reach) + 1) + 0.5
             met = np.concatenate([walls / abs(part) for part in toward if abs(part) > 1e-12])
             met = np.unique(np.append(met[met < reach], reach))
+            met = met[np.append(True, np.diff(met) > 1e-9 * reach)]  # a corner is met once
             rows.append(np.rint((met[:-1, None] + met[1:, None]) / 2.0 * toward).astype(np.int64))
         longest = max(map(len, rows))
         steps, there = np.zeros((len(rows), longest, 2), dtype=np.int64), np.zeros((len(rows), longest), dtype=bool)

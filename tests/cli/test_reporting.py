@@ -38,7 +38,7 @@ def test_without_a_study_all_are_listed(json_of, run):
 
 def test_an_unknown_study_is_refused_with_the_names_of_the_others(refused):
     told = refused("ratio", "greed")
-    assert "greedy-cardinality" in told and "winner-takes-all" in told
+    assert "choose from auction, " in told and "worked-example" in told
 
 
 @pytest.mark.parametrize(

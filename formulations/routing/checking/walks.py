@@ -20,6 +20,9 @@ from .walk_networks import BITS, FAR, Ints, Levels, Network, Row, network_of, wh
 QUICK = 30_000_000
 """Moves and comparisons after which walks are gone through backwards, too, before anything else is tried; some 0.3 s."""
 
+QUICK_ROOM = 1_000_000
+"""Labels at a time there."""
+
 FEW = 6
 """Customers who are remembered at each one on walks that go backwards."""
 
@@ -188,7 +191,8 @@ class Walks:
         """Status, least cost and visits, as of ``least_walk``."""
         from .walk_kernels import least_walk
 
-        room = min(self.room, WORDS // (1 + len(network.start) + network.listed.shape[1] // BITS + network.turned.shape[1]))
+        most = self.room if work > QUICK else min(self.room, QUICK_ROOM)
+        room = min(most, WORDS // (1 + len(network.start) + network.listed.shape[1] // BITS + network.turned.shape[1]))
         work = min(work, self.work)
         status, found, length, looked = least_walk(self.stop.flag, network, rest, limit, wanted, careful, seen, room, work)
         self.work -= looked

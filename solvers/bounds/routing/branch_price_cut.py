@@ -78,6 +78,12 @@ at whatever costs less."""
 FOLLOWED = (12, 8, 4, 2)
 """How many are remembered at each customer where the checker cannot follow with more; then neither can it at the next node."""
 
+ATTEMPT = 0.3
+"""Share of the time that is left in which the checker is to follow, before it is given fewer."""
+
+EARLY = 0.8
+"""Share of the time; a first linear program that ends when less is left is proved at once, as others may not end."""
+
 LEAST_GAIN = 1e-6
 """Least gain of a branching in a product of two gains, as a part of the largest cost of a move."""
 
@@ -119,6 +125,7 @@ class Tree(ProofTree[_Node]):
         super().__init__(problem, _Node(None), target, stop, share)
         self.routing, self.partition, self.customers, self.seed = problem, partition, partition.customers, seed
         self.answer, self.on_answer, self.on_step, self.gap, self.whole = answer, on_answer, on_step, gap, stop
+        self.time = stop.seconds_left
         costs = partition.cost
         self.grain = grain(np.append(costs[np.isfinite(costs)], partition.constant))
         self.columns = ColumnGeneration(problem, partition, stop, self._enough, seed, most)
@@ -239,8 +246,14 @@ class Tree(ProofTree[_Node]):
         columns = self.columns
         columns.stop = self.stop
         best, bounds, rows = Solved("stopped"), list[float](), not node.first
+
+        def early(solved: Solved) -> None:
+            late = self.whole.seconds_left < EARLY * self.time
+            if node is self.root and node.evidence is None and late:
+                self._prove(node, solved)
+
         while True:
-            solved = columns.solve(part, node.prices)
+            solved = columns.solve(part, node.prices, early)
             if solved.status == "flooded" and columns.weaken():
                 continue
             if solved.status != "done" or solved.lacking > WHOLE:
@@ -396,8 +409,8 @@ class Tree(ProofTree[_Node]):
         """Prove a node by the prices of its best bound, with as many remembered as the checker can follow."""
         evidence = self._evidence(solved, more)
         while True:
-            self._prove_by(node, self._remembering(evidence, self.remembered))
             fewer = [k for k in FOLLOWED if k < self.remembered]
+            self._prove_by(node, self._remembering(evidence, self.remembered), ATTEMPT if fewer else 1.0)
             if node.evidence is not None or not fewer or self.whole.reached():
                 return
             self.remembered = fewer[0]
@@ -412,9 +425,9 @@ class Tree(ProofTree[_Node]):
         nearest = [[sites[k] for k in np.argsort(far[here, sites], kind="stable")[: most + 1]] for here, sites in enumerate(lists)]
         return replace(evidence, data={**evidence.data, "remembered": nearest})
 
-    def _prove_by(self, node: _Node, evidence: Evidence) -> None:
-        """Prove a node in what is left of all the time."""
-        stop, self.stop = self.stop, self.whole
+    def _prove_by(self, node: _Node, evidence: Evidence, share: float = 1.0) -> None:
+        """Prove a node in a share of what is left of all the time."""
+        stop, self.stop = self.stop, self.whole.within(share * self.whole.seconds_left)
         self.prove(node, self.restricted(node), [evidence])
         self.stop = stop
 

@@ -185,9 +185,9 @@ class ColumnGeneration:
 
     # -- the linear program of a node --------------------------------------------------------------------------------
 
-    def solve(self, part: Part, centre: Prices | None) -> Solved:
+    def solve(self, part: Part, centre: Prices | None, on_done: Callable[[Solved], None] = lambda solved: None) -> Solved:
         """The linear program of a node, which begins at the prices ``centre``, with all routes and memories that it takes; where no routes
-        make up a solution, prices that prove it, and an infinite bound."""
+        make up a solution, prices that prove it, and an infinite bound. ``on_done`` hears of each solution before more are remembered."""
         best, remembered = Solved("stopped"), self.near
         while True:
             solved = self._generated(self.master, part, centre)
@@ -211,6 +211,7 @@ class ColumnGeneration:
                 self.master = self._new_master([cut for cut in self.master.cuts if not isinstance(cut, MoveRow)])
                 continue
             best, remembered = solved if solved.bound >= best.bound else best, self.near.copy()
+            on_done(solved)
             if not self._remember(solved):
                 return solved
             centre = solved.prices

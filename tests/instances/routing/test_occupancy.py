@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from waybound.instances.errors import InputError
@@ -128,6 +128,7 @@ def test_beams_for_cells_of_two_metres():
     assert o.beams_needed(60, 15, 2) == pytest.approx(7.848, abs=1e-3)
 
 
+@example(1.0, 180.0, 2)  # through corners
 @given(st.floats(1, 8), st.floats(10, 360), st.integers(1, 20))
 def test_beams_pass_cells_that_touch_and_lie_within_reach(reach, field, count):
     beams = o.Beams.of(reach, field, count)
