@@ -196,10 +196,10 @@ class FireMonitoring(Mission):
         to, self._leg = advanced(o.place, self._leg, o.speed)
         return {0: to}
 
-    def patrol(self, o: FireObservation, horizon: int) -> tuple[int, list[int]]:
+    def patrol(self, o: FireObservation, horizon: int) -> tuple[int, list[int], int]:
         """The least J after ``horizon`` steps if the hotspots stay, along cheapest paths, and the hotspots to fly to in turn.
 
-        Halves the horizon until the plan can be made. Each leg ends with a step.
+        Halves the horizon until the plan can be made, and returns what is left of it. Each leg ends with a step.
         """
         from .patrol_kernels import least_worst_waits
 
@@ -214,7 +214,7 @@ class FireMonitoring(Mission):
         while True:
             total, visits = least_worst_waits(_steps(lengths, o.speed), waits, worst, horizon, LABELS)
             if total >= 0:
-                return int(total), chosen[visits].tolist()
+                return int(total), chosen[visits].tolist(), horizon
             horizon //= 2
 
     def _paths(self, o: FireObservation, places: Floats) -> tuple[Floats, Whole]:

@@ -93,7 +93,7 @@ class SearchAndTrack(Mission):
         return WinnerTakesAllSATA(graph)
 
     def worth(self, o: SearchObservation) -> Floats:
-        """What each robot gains from each component if it takes each component's mean as its goal; shape (robots, goals, components)."""
+        """Gains of each robot from each component if it takes each component's mean as its goal; shape (robots, goals, components)."""
         goals, count = _within(o), len(o.mixture.weights)
         apart = np.sqrt(((o.robots[:, None, :] - goals) ** 2).sum(axis=2))
         if self.values["objective"] == "reduction":

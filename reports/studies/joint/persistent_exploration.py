@@ -17,7 +17,7 @@ from ...missions.mission import Decision
 from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, film_of, frame_table, mean_interval, times_apart
+from ..frames import apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import spread
 from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
 
@@ -149,13 +149,7 @@ def persistent_exploration(setting: StudySetting) -> Report:
 
 def means(table: pd.DataFrame, methods: Sequence[str], measures: Sequence[str]) -> list[dict[str, Any]]:
     """A row a method: mean and interval of each measure."""
-    rows: list[dict[str, Any]] = []
-    for name in methods:
-        own, row = table[table["method"] == name], dict[str, Any](run=name)
-        for key in measures:
-            row[key], row[f"{key}{HALF}"] = mean_interval(own[key])
-        rows.append(row)
-    return rows
+    return [{"run": name, **intervals(table[table["method"] == name], measures)} for name in methods]
 
 
 def broken(rows: Sequence[dict[str, Any]]) -> list[Fault]:
@@ -197,7 +191,7 @@ CLAIMS: tuple[tuple[str, str, str, str, str, int, str], ...] = (
     ("Fig. 3.7: entropy, static against learnt decay", "lower", "entropy", "static", "decay", -1, SATURATED),
     ("Fig. 3.7: divergence, static against learnt decay", "higher", "divergence", "static", "decay", 1, SATURATED),
 )  # fmt: skip
-"""What is claimed: text, direction, measure, method, the other, sign, and the reason where it does not come out."""
+"""Claims: text, direction, measure, method, the other, sign, and the reason where it does not come out."""
 
 EARLY = "cells change four times in a run of 1,200 s, and the filter begins at 100 s"
 

@@ -16,7 +16,7 @@ from ...missions.routing.hotspot_identification import HotspotIdentification, pi
 from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, film_of, frame_table, mean_interval, times_apart
+from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import spread
 from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
 
@@ -165,15 +165,7 @@ def hotspot_identification(setting: StudySetting) -> Report:
 
 def means(table: pd.DataFrame, methods: Mapping[str, Any], keys: Sequence[str]) -> list[dict[str, Any]]:
     """A row a method: mean and interval of each measure."""
-    rows: list[dict[str, Any]] = []
-    for name in methods:
-        own = table[table["method"] == name]
-        row: dict[str, Any] = {"method": name}
-        for key in keys:
-            if not own[key].isna().all():
-                row[key], row[f"{key}{HALF}"] = mean_interval(own[key].dropna())
-        rows.append(row)
-    return rows
+    return [{"method": name, **intervals(table[table["method"] == name], keys)} for name in methods]
 
 
 def broken_bounds(rows: Sequence[dict[str, Any]]) -> list[Fault]:
