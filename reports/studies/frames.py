@@ -98,7 +98,7 @@ def intervals(own: pd.DataFrame, keys: Iterable[str]) -> dict[str, float]:
 
 
 def apart(alike: pd.DataFrame, key: str, method: str, other: str, worlds: str | list[str] = "seed") -> tuple[float, float]:
-    """By how much a method lies above another in the mean over the same worlds, and half the width of its interval."""
+    """How far a method lies above another in the mean over the same worlds, and half the width of its interval."""
     pairs = alike.pivot_table(index=worlds, columns="method", values=key)
     return mean_interval((pairs[method] - pairs[other]).dropna())
 
