@@ -179,12 +179,14 @@ class Rewards:
     gain: str = "mutual-information"
 
     def __post_init__(self) -> None:
-        if len(self.weights) != 3 or min(self.weights) < 0 or abs(sum(self.weights) - 1) > 1e-9:
+        if len(self.weights) != 3 or not min(self.weights) >= 0 or not abs(sum(self.weights) - 1) <= 1e-9:
             raise InputError(
                 "weights of exploring, mapping and searching must not be negative, and sum to 1", "out-of-range", found=str(self.weights)
             )
-        if not 0 < self.decay < 1 or not self.first >= 0 or self.gain not in ("mutual-information", "entropy"):
-            raise InputError("first must be at least 0, decay between 0 and 1, gain mutual-information or entropy", "out-of-range")
+        if not 0 < self.decay < 1 or not 0 <= self.first < np.inf or self.gain not in ("mutual-information", "entropy"):
+            raise InputError(
+                "first must be finite and at least 0, decay between 0 and 1, gain mutual-information or entropy", "out-of-range"
+            )
 
     def explore(self, visits: Any) -> Any:
         """Worth of entering a room that was visited so many times; for arrays as for numbers."""
@@ -207,7 +209,7 @@ class Rewards:
         return entropy(states) if self.gain == "entropy" else mutual_information(states, readings)
 
     def tables(self, beliefs: Floats, visits: Integers, sensors: Sensors, times: int) -> list[Floats]:
-        """What the next visits, readings of the type and searches of each room are expected to gain; each of shape (rooms, times).
+        """Expected gains of the next visits, readings of the type and searches of each room; each of shape (rooms, times).
 
         With ``gain="entropy"``, what is expected to be unknown still.
         """

@@ -69,7 +69,7 @@ class Arms:
             raise InputError("altitudes must be positive, finite, and given once each", "out-of-range", found=said)
         if not 0.0 < noise < math.inf:
             raise InputError("the noise of a measurement must be positive and finite", "out-of-range", found=f"{noise:g}")
-        rows, columns = shape
+        self.shape = rows, columns = shape
         numbers = np.arange(rows * columns).reshape(rows, columns)
         layers, places, first = [], [], 0
         for height in sorted(altitudes):

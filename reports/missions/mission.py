@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 from ...formulations.problem import Problem
 from ...formulations.solution import Solution
 from ...instances.registry import Registry
-from ...instances.worlds import Setting, World
+from ...instances.worlds import WORLDS, Setting, World, make_world, setting_values
+
+W = TypeVar("W", bound=World)
 
 Actions = Mapping[int, Any]
 """Action of each agent by its number; agents that are not named do nothing."""
@@ -113,6 +115,7 @@ class Mission(ABC):
     settings: ClassVar[Mapping[str, Setting]] = {}
     headline: ClassVar[str]
     lasting: ClassVar[int] = 100
+    values: dict[str, Any]
 
     @abstractmethod
     def world(self, seed: int, **settings: Any) -> World:
@@ -123,6 +126,13 @@ class Mission(ABC):
         UsageError
             For a setting that does not exist, or a value out of range.
         """
+
+    def made(self, kind: type[W], seed: int, settings: Mapping[str, Any]) -> W:
+        """The world of the mission's name, by the seed and its part of ``settings``; ``values`` are these and the defaults of others."""
+        self.values = setting_values(self.name, self.settings, settings)
+        world = make_world(self.name, seed, **{key: self.values[key] for key in WORLDS[self.name].settings})
+        assert isinstance(world, kind)
+        return world
 
     def teams(self, observation: Any) -> Iterable[Any]:
         """The observation in parts, one for each group of agents that decides by itself; by default, one team of all."""

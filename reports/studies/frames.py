@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -91,8 +91,14 @@ def mean_interval(values: ArrayLike) -> tuple[float, float]:
     return mean, float(stats.t.ppf((1.0 + LEVEL) / 2.0, len(own) - 1) * own.std(ddof=1) / math.sqrt(len(own)))
 
 
+def intervals(own: pd.DataFrame, keys: Iterable[str]) -> dict[str, float]:
+    """``mean_interval`` of each of these columns without NaN, ``key`` and ``key_half``; nothing of a column without numbers."""
+    pairs = {key: mean_interval(own[key].dropna()) for key in keys if not own[key].isna().all()}
+    return {name: value for key, pair in pairs.items() for name, value in zip((key, f"{key}{HALF}"), pair, strict=True)}
+
+
 def apart(alike: pd.DataFrame, key: str, method: str, other: str, worlds: str | list[str] = "seed") -> tuple[float, float]:
-    """By how much a method lies above another in the mean over the same worlds, and half the width of its interval."""
+    """How far a method lies above another in the mean over the same worlds, and half the width of its interval."""
     pairs = alike.pivot_table(index=worlds, columns="method", values=key)
     return mean_interval((pairs[method] - pairs[other]).dropna())
 

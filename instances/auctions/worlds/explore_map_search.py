@@ -102,7 +102,7 @@ class TeamWorld(ExplorationWorld):
         return self.time >= self.steps
 
     def metrics(self) -> dict[str, float]:
-        """Those of room exploration; ``utility``: the weighted sum of ``exploring``, ``mapping`` and ``searching``, what actions gained;
+        """Metrics of room exploration; ``utility``: the weighted sum of ``exploring``, ``mapping`` and ``searching``, what actions gained;
         ``types_known`` and ``targets_known``: mean probability that all readings give to what is true; ``groups`` out of contact."""
         rooms = np.arange(len(self.beliefs))
         gains = dict(zip(("exploring", "mapping", "searching"), self.gains.tolist(), strict=True))

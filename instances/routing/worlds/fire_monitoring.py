@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
-from ...worlds import WORLDS, Setting, World, WorldKind
+from ...worlds import WORLDS, Setting, World, WorldKind, setting_values
 from ..spreading_fire import Fire, Flags, Floats, Whole, spreading_fire
 
 CLOSE = 1e-9
@@ -83,7 +83,7 @@ def cluster_centres(points: Floats, count: int, seeds: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class FireObservation:
-    """What is known: the fire so far, the hotspots, and where the aircraft is."""
+    """Knowledge of the aircraft: the fire so far, the hotspots, and where the aircraft is."""
 
     time: int
     place: Floats
@@ -95,7 +95,7 @@ class FireObservation:
 
 @dataclass(frozen=True)
 class HotspotRules:
-    """How a front becomes hotspots: the settings of the same names, ``threshold`` between 0 and 1, ``within`` and ``radius`` in cells."""
+    """How a front becomes hotspots: the settings of the same names and ranges, ``within`` and ``radius`` in cells."""
 
     threshold: float = 0.25
     normalised: str = "front"
@@ -104,6 +104,9 @@ class HotspotRules:
     within: float = 6.0
     radius: float = 4.0
     keep_dead: bool = False
+
+    def __post_init__(self) -> None:
+        setting_values("fire-monitoring", WORLDS["fire-monitoring"].settings, vars(self))
 
 
 class FireWorld(World):
@@ -195,8 +198,7 @@ class FireWorld(World):
             self.dead += float(before.worst[~np.isin(before.ids, self.hotspots.ids)].sum())
         old = np.isin(self.hotspots.ids, before.ids)
         aged = self.hotspots.aged(self.tracked)  # new ones have waited for nothing yet
-        zero = np.zeros(len(old))
-        self.hotspots = Hotspots(aged.ids, aged.places, np.where(old, aged.waits, zero), np.where(old, aged.worst, zero))
+        self.hotspots = Hotspots(aged.ids, aged.places, old * aged.waits, old * aged.worst)
         burnt = self.fire.arrival <= self._now
         front = np.argwhere(self.fire.front(self._now))[:, ::-1].astype(np.float64)
         self._observation = FireObservation(self.time, self.place, self.speed, self.hotspots, burnt, front)

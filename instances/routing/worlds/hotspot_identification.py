@@ -23,7 +23,7 @@ MOST_CELLS = 3600
 """Beyond it the covariance of all cells takes hundreds of megabytes."""
 
 LEAST_NOISE = 1e-9
-"""Of the variance of the prior: with less, the factor of all measurements is lost to rounding."""
+"""Share of the variance of the prior: with less, the factor of all measurements is lost to rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +67,8 @@ class HotspotWorld(World):
     Raises
     ------
     InputError
-        If the field has a negative or unknown intensity or nothing but 0, or more than 3,600 cells; if the noise is lost to rounding
-        beside the prior, or the budget does not suffice for one picture.
+        If the field has a negative or unknown intensity or nothing but 0, or more than 3,600 cells, or is not that of the arms; if the
+        noise is lost to rounding beside the prior, the start is not on the field, or the budget does not suffice for one picture.
 
     Notes
     -----
@@ -83,6 +83,13 @@ class HotspotWorld(World):
             raise InputError("a field needs finite intensities of at least 0, and one above", "out-of-range", found=f"{field.min():g}")
         if field.size > MOST_CELLS:
             raise InputError("the field has too many cells", "out-of-range", expected=f"at most {MOST_CELLS}", found=str(field.size))
+        if field.shape != arms.shape:
+            raise InputError("the arms are those of another field", "wrong-shape", expected=str(field.shape), found=str(arms.shape))
+        if not (0.0 <= start[0] <= field.shape[1] and 0.0 <= start[1] <= field.shape[0]):
+            raise InputError("the robot starts outside the field", "out-of-range", found=str(start))
+        if not (sensing_time > 0.0 and budget < math.inf and pixels >= 1):
+            found = f"{sensing_time:g}, {budget:g} and {pixels}"
+            raise InputError("a picture must take time, the budget be finite, and a pixel be measured", "out-of-range", found=found)
         least = LEAST_NOISE * kernel.deviation**2
         if arms.layers[0].noise < least:
             message = "the noise is too small beside the deviation of the prior"
@@ -126,7 +133,7 @@ class HotspotWorld(World):
         self.belief = self.belief.given(places, _bilinear(self.field, places) + noise, layer.noise)
 
     def _pixels(self, arm: int, side: int) -> Floats:
-        """Where the pixels of a picture are measured; shape (pixels, 2)."""
+        """Places at which the pixels of a picture are measured; shape (pixels, 2)."""
         steps = side * ((np.arange(self.pixels) + 0.5) / self.pixels - 0.5)
         x, y = np.meshgrid(self.arms.places[arm, 0] + steps, self.arms.places[arm, 1] + steps)
         return np.column_stack([x.ravel(), y.ravel()])

@@ -80,10 +80,8 @@ class PersistentWorld(World):
         if not (0 <= base[0] < shape[0] and 0 <= base[1] < shape[1]) or not terrain.known[base] or terrain.occupied[base]:
             raise InputError("the robots' base is outside the map, or in no free cell", "out-of-range", found=str(base))
         if robots < 1 or not endurance >= 2.0 * EDGE / speed:
-            message = "robots reach no cell beside the base and return"
-            raise InputError(
-                message, "out-of-range", expected=f"1 robot, and {2 * EDGE / speed:g} s of flight", found=f"{robots}, {endurance:g} s"
-            )
+            message, least = "robots reach no cell beside the base and return", f"1 robot, and {2 * EDGE / speed:g} s of flight"
+            raise InputError(message, "out-of-range", expected=least, found=f"{robots}, {endurance:g} s")
         self.terrain, self.base, self.beams, self.map = terrain, base, beams, map_
         self.tick, self.seconds, self.endurance, self.charge = tick, EDGE / speed, endurance, charge
         self.time, self.clock, self.crossed, self.robots = 0, 0.0, 0.0, [Robot(base) for _ in range(robots)]

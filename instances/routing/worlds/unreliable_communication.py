@@ -47,7 +47,9 @@ class CommunicationWorld(World):
     ``free`` are the cells of the floor, ``base`` one of them, where all robots begin; those that cannot be reached from it count as walls.
     ``patience`` is the number of steps without any flight after which it is over.
 
-    Raises InputError if the base is no free cell. Source: Skeele (2016), sections 4.2 and 4.4; docs/missions/unreliable-communication.md.
+    Raises InputError if the base is no free cell, or a number is out of range.
+
+    Source: Skeele (2016), sections 4.2 and 4.4; docs/missions/unreliable-communication.md.
     """
 
     def __init__(
@@ -64,6 +66,9 @@ class CommunicationWorld(World):
         if robots < 1 or battery < 2:
             message = "no robot can leave the base and return"
             raise InputError(message, "out-of-range", expected="1 robot and 2 steps at least", found=f"{robots} and {battery}")
+        if not (0 <= sight < math.inf and reach >= 0 and 0 <= loss <= 1):
+            message, found = "robots cannot see or hear like this", f"sight {sight:g}, reach {reach:g}, loss {loss:g}"
+            raise InputError(message, "out-of-range", expected="no negative range, and a loss from 0 to 1", found=found)
         self.shape, at = floor.shape, (base[0] + OUTSIDE, base[1] + OUTSIDE)
         parts = label(floor)[0]
         self.free: Flags = (parts == parts[at]).ravel()

@@ -15,7 +15,7 @@ from ....instances.auctions.beliefs import Floats, Integers, capacity, posterior
 from ....instances.auctions.generators.exploration_map import TIMES
 from ....instances.auctions.worlds.explore_map_search import TeamObservation, TeamWorld
 from ....instances.auctions.worlds.room_exploration import GO, MAP, SEARCH
-from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
+from ....instances.worlds import WORLDS, Setting, World, setting_values
 from ..mission import MISSIONS, Actions, Decision, Mission, Scene
 from .room_exploration import rooms_scene, round_problem, worth_now
 
@@ -45,10 +45,7 @@ class ExploreMapSearch(Mission):
     }  # fmt: skip
 
     def world(self, seed: int, **settings: Any) -> TeamWorld:
-        self.values = setting_values(self.name, self.settings, settings)
-        world = make_world(self.name, seed, **{key: self.values[key] for key in WORLDS[self.name].settings})
-        assert isinstance(world, TeamWorld)
-        return self.begin(world)
+        return self.begin(self.made(TeamWorld, seed, settings))
 
     def begin(self, world: TeamWorld) -> TeamWorld:
         """Play in a world that was made elsewhere; the settings are those of ``world``, or the defaults."""

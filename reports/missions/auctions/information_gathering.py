@@ -19,7 +19,7 @@ from ....heuristics.auctions._gathering import URGENCIES, expected_contents, rec
 from ....heuristics.heuristic import HEURISTICS, Context
 from ....instances.auctions.robot_tasks import RobotTasks
 from ....instances.auctions.worlds.information_gathering import EXCESS, GatheringObservation, GatheringWorld, Move
-from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
+from ....instances.worlds import WORLDS, Setting, World
 from ....solvers.linear_programs import LinearPrograms
 from ..mission import MISSIONS, Actions, Mission, Scene
 
@@ -54,9 +54,7 @@ class InformationGathering(Mission):
     }
 
     def world(self, seed: int, **settings: Any) -> GatheringWorld:
-        self.values = setting_values(self.name, self.settings, settings)
-        world = make_world("information-gathering", seed, **{key: self.values[key] for key in WORLDS["information-gathering"].settings})
-        assert isinstance(world, GatheringWorld)
+        world = self.made(GatheringWorld, seed, settings)
         self._parts: tuple[tuple[int, ...], ...] | None = None
         self._tours = [Tour() for _ in range(world.rules.robots)]
         return world

@@ -18,7 +18,7 @@ from ....instances.auctions.joint_assignment import JointAssignmentInstance
 from ....instances.auctions.orchard_jobs import OrchardJobs
 from ....instances.auctions.orchard_rules import Trip
 from ....instances.auctions.worlds.orchard import HAULING, OrchardObservation, OrchardWorld
-from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
+from ....instances.worlds import WORLDS, Setting, World
 from ..mission import MISSIONS, Actions, Decision, Mission, Scene
 from .orchard_days.policies import CHOOSING, COSTS, DELIVERIES, costs, trips
 
@@ -58,10 +58,7 @@ class Orchard(Mission):
     }
 
     def world(self, seed: int, **settings: Any) -> OrchardWorld:
-        self.values = setting_values(self.name, self.settings, settings)
-        world = make_world("orchard", seed, **{key: self.values[key] for key in WORLDS["orchard"].settings})
-        assert isinstance(world, OrchardWorld)
-        return world
+        return self.made(OrchardWorld, seed, settings)
 
     def problem(self, observation: OrchardObservation) -> Problem | None:
         o = observation

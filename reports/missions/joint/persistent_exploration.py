@@ -56,6 +56,8 @@ class PersistentExploration(Mission):
             raise UsageError(
                 f"advance must lie from tick to horizon, {v['tick']:g} to {v['horizon']:g}, not {v['advance']:g}", "out-of-range"
             )
+        if abs(v["advance"] / v["tick"] - round(v["advance"] / v["tick"])) > 1e-9:
+            raise UsageError(f"advance must be a multiple of tick, {v['tick']:g}, not {v['advance']:g}", "out-of-range")
         world = make_world(self.name, seed, **{key: v[key] for key in WORLDS[self.name].settings})
         assert isinstance(world, PersistentWorld)
         self.played, self._stops = world, dict[int, list[tuple[Cell, float]]]()
@@ -65,7 +67,7 @@ class PersistentExploration(Mission):
     def teams(self, observation: MapObservation) -> Iterator[Round]:
         """Rounds of selection (algorithm 3), each after the one before has been shared out, until no plan can be extended."""
         v = self.values
-        if observation.time % max(1, round(v["advance"] / v["tick"])):
+        if observation.time % round(v["advance"] / v["tick"]):
             return
         self._horizon = h = Horizon(observation, self.played, v, self._stops)
         plans = h.plans

@@ -15,7 +15,7 @@ from ....heuristics.risk._graph_policies import DStarLite, Greedy, Hindsight, Le
 from ....heuristics.risk.rags import COMPARISONS, RULES, RiskAware
 from ....instances.risk.uncertain_graph import UncertainGraph
 from ....instances.risk.worlds.uncertain_graph import ROBOT, UncertainGraphObservation, UncertainGraphWorld
-from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
+from ....instances.worlds import WORLDS, Setting, World
 from ....solvers.engines.risk.non_dominated_paths import DOMINANCE, NonDominated, non_dominated_paths
 from ...plots.risk.uncertain_path import places
 from ..mission import MISSIONS, Actions, Mission, Scene
@@ -48,9 +48,7 @@ class UncertainGraphMission(Mission):
     }
 
     def world(self, seed: int, **settings: Any) -> UncertainGraphWorld:
-        self.values = setting_values(self.name, self.settings, settings)
-        world = make_world("uncertain-graph", seed, **{key: self.values[key] for key in WORLDS["uncertain-graph"].settings})
-        assert isinstance(world, UncertainGraphWorld)
+        world = self.made(UncertainGraphWorld, seed, settings)
         self._world = world
         self._walks: dict[str, Policy] = {}
         return world

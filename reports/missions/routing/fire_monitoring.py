@@ -17,7 +17,7 @@ from ....instances.routing.instance import Sites, VehicleType
 from ....instances.routing.spreading_fire import Whole
 from ....instances.routing.travel import EXPLICIT, Travel
 from ....instances.routing.worlds.fire_monitoring import FireObservation, FireWorld, Hotspots
-from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
+from ....instances.worlds import WORLDS, Setting, World, setting_values
 from ..mission import MISSIONS, Actions, Decision, Mission, Scene
 from ._fire_paths import advanced, cells_of, cheapest_paths, corners
 
@@ -87,10 +87,7 @@ class FireMonitoring(Mission):
     }
 
     def world(self, seed: int, **settings: Any) -> FireWorld:
-        self.values = setting_values(self.name, self.settings, settings)
-        world = make_world(self.name, seed, **{key: self.values[key] for key in WORLDS[self.name].settings})
-        assert isinstance(world, FireWorld)
-        return self.begin(world)
+        return self.begin(self.made(FireWorld, seed, settings))
 
     def begin(self, world: FireWorld) -> FireWorld:
         """Play in a world that was made elsewhere; the settings of what decides are those of ``world``, or the defaults."""
@@ -196,10 +193,10 @@ class FireMonitoring(Mission):
         to, self._leg = advanced(o.place, self._leg, o.speed)
         return {0: to}
 
-    def patrol(self, o: FireObservation, horizon: int) -> tuple[int, list[int]]:
+    def patrol(self, o: FireObservation, horizon: int) -> tuple[int, list[int], int]:
         """The least J after ``horizon`` steps if the hotspots stay, along cheapest paths, and the hotspots to fly to in turn.
 
-        Halves the horizon until the plan can be made. Each leg ends with a step.
+        Halves the horizon until the plan can be made, and returns what is left of it. Each leg ends with a step.
         """
         from .patrol_kernels import least_worst_waits
 
@@ -214,7 +211,7 @@ class FireMonitoring(Mission):
         while True:
             total, visits = least_worst_waits(_steps(lengths, o.speed), waits, worst, horizon, LABELS)
             if total >= 0:
-                return int(total), chosen[visits].tolist()
+                return int(total), chosen[visits].tolist(), horizon
             horizon //= 2
 
     def _paths(self, o: FireObservation, places: Floats) -> tuple[Floats, Whole]:

@@ -15,7 +15,7 @@ from ....instances.routing.aerial_pictures import Arms
 from ....instances.routing.instance import Sites, VehicleType
 from ....instances.routing.travel import EXPLICIT, Travel
 from ....instances.routing.worlds.hotspot_identification import HotspotObservation, HotspotWorld
-from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
+from ....instances.worlds import WORLDS, Setting, World
 from ..mission import MISSIONS, Actions, Decision, Mission, Scene
 
 Floats = NDArray[np.float64]
@@ -115,9 +115,7 @@ class HotspotIdentification(Mission):
     }  # fmt: skip
 
     def world(self, seed: int, **settings: Any) -> HotspotWorld:
-        self.values = setting_values(self.name, self.settings, settings)
-        world = make_world(self.name, seed, **{key: self.values[key] for key in WORLDS[self.name].settings})
-        assert isinstance(world, HotspotWorld)
+        world = self.made(HotspotWorld, seed, settings)
         self.played = world
         self._sweep: list[int] | None = None
         self._planned: list[int] = []

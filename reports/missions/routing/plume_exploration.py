@@ -50,7 +50,7 @@ class DepthFirst:
         return max(self.levels.values())
 
     def go(self, observation: PlumeObservation) -> dict[int, Cell]:
-        """Where robots at a cell fly next."""
+        """The cells to which robots at a cell fly next."""
         waiting = [(robot, cell) for robot, cell in enumerate(observation.robots) if not observation.remaining[robot]]
         for _, cell in waiting:
             if cell not in self.children:

@@ -14,7 +14,7 @@ from ....formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from ....instances.sata.phd_filter import Mixture
 from ....instances.sata.sensing_graph import SensingGraph
 from ....instances.sata.worlds.search_and_track import SearchObservation, SearchWorld
-from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
+from ....instances.worlds import WORLDS, Setting, World, setting_values
 from ..mission import MISSIONS, Actions, Decision, Mission, Scene
 
 Floats = NDArray[np.float64]
@@ -54,10 +54,7 @@ class SearchAndTrack(Mission):
     }
 
     def world(self, seed: int, **settings: Any) -> SearchWorld:
-        self.values = setting_values(self.name, self.settings, settings)
-        world = make_world(self.name, seed, **{key: self.values[key] for key in WORLDS[self.name].settings})
-        assert isinstance(world, SearchWorld)
-        return self.begin(world)
+        return self.begin(self.made(SearchWorld, seed, settings))
 
     def begin(self, world: SearchWorld) -> SearchWorld:
         """Play in a world that was made elsewhere; the settings are those of ``world``, or the defaults."""
@@ -93,7 +90,7 @@ class SearchAndTrack(Mission):
         return WinnerTakesAllSATA(graph)
 
     def worth(self, o: SearchObservation) -> Floats:
-        """What each robot gains from each component if it takes each component's mean as its goal; shape (robots, goals, components)."""
+        """Gains of each robot from each component if it takes each component's mean as its goal; shape (robots, goals, components)."""
         goals, count = _within(o), len(o.mixture.weights)
         apart = np.sqrt(((o.robots[:, None, :] - goals) ** 2).sum(axis=2))
         if self.values["objective"] == "reduction":

@@ -19,7 +19,7 @@ from ...missions.auctions.explore_map_search import ExploreMapSearch, most_gain
 from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, film_of, frame_table, mean_interval, times_apart
+from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import spread
 from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
 
@@ -56,7 +56,7 @@ LOOPS: dict[str, dict[str, Any]] = {
     "relays": {"policy": "relays"},
     "alone": {"policy": "alone"},
 }
-"""What decides in small buildings."""
+"""Deciders in small buildings."""
 
 EVERY = 10
 """Steps between the utilities that are kept of a run."""
@@ -81,6 +81,8 @@ def swept(seed: int, sweep: str, level: Any, policy: str) -> list[dict[str, Any]
         settings[sweep] = level
     mission = ExploreMapSearch()
     log = run(mission, policy=policy, seed=seed, **settings)
+    if log.attrs["limit"] == "interrupt":
+        raise KeyboardInterrupt
     last = log.iloc[-1]
     kept = {key: float(last[key]) for key in KEPT[:-2]}
     at = {f"at{step}": float(log["utility"].iloc[step - 1]) for step in range(EVERY, len(log) + 1, EVERY)}
@@ -164,13 +166,10 @@ def explore_map_search(setting: StudySetting) -> Report:
 
 def means(runs: pd.DataFrame, by: list[str], keys: Sequence[str]) -> list[dict[str, Any]]:
     """Means of ``keys`` with their intervals, a row for each value of the columns ``by``."""
-    rows: list[dict[str, Any]] = []
-    for names, own in runs.groupby(by, sort=False) if len(runs) else ():
-        row: dict[str, Any] = {**dict(zip(by, map(str, names), strict=True)), "runs": len(own)}
-        for key in keys:
-            row[key], row[f"{key}{HALF}"] = mean_interval(own[key])
-        rows.append(row)
-    return rows
+    return [
+        {**dict(zip(by, map(str, names), strict=True)), "runs": len(own), **intervals(own, keys)}
+        for names, own in (runs.groupby(by, sort=False) if len(runs) else ())
+    ]
 
 
 def broken(rows: Iterable[Mapping[str, Any]]) -> list[Fault]:

@@ -17,7 +17,7 @@ from ...missions.mission import Decision
 from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, film_of, frame_table, mean_interval, times_apart
+from ..frames import apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import spread
 from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
 
@@ -71,14 +71,15 @@ class Examined(PersistentExploration):
     """The mission with rewards and longest routes of its plans, and those of the best plans for the same problems."""
 
     def measures(self, decisions: Sequence[Decision], world: World) -> dict[str, float]:
-        sums = np.zeros(4)
+        sums = np.zeros(5)
         for d in decisions:
             if isinstance(d.problem, RoutingProblem) and d.solution is not None:
                 own = d.solution
                 proved = own if own.status == "optimal" else solve(d.problem, Request(solver="cpsat", time_limit=60.0, bound_time=0.0))
                 assert isinstance(proved.objective, list) and isinstance(own.objective, list)
-                sums += [*own.objective, *proved.objective]
-        return {**super().measures(decisions, world), **dict(zip(("collected", "longest", "best", "shortest"), sums.tolist(), strict=True))}
+                sums += [*own.objective, *proved.objective, proved.status != "optimal"]
+        names = ("collected", "longest", "best", "shortest", "unproved")
+        return {**super().measures(decisions, world), **dict(zip(names, sums.tolist(), strict=True))}
 
 
 def figures_of(log: pd.DataFrame) -> dict[str, float]:
@@ -108,7 +109,8 @@ def explored(seed: int, names: Sequence[str], steps: int) -> list[dict[str, Any]
             row["lost"] = 100.0 * (1.0 - log["collected"].sum() / log["best"].sum())
             row["longer"] = 100.0 * (log["longest"].sum() / log["shortest"].sum() - 1.0)
             row["gap"] = float(log["selection_gap"].mean())
-            row["unproved"] = float((log["status"] != "optimal")[log["problems"] > 0].sum()) if name == "exact" else 0.0
+            own = (log["status"] != "optimal")[log["problems"] > 0] if name == "exact" else log["unproved"]
+            row["unproved"] = float(own.sum())
         map_ = mission.played.map
         if isinstance(map_, DecayMap) and map_.learning:
             change = np.isfinite(mission.played.terrain.period).ravel()
@@ -149,17 +151,11 @@ def persistent_exploration(setting: StudySetting) -> Report:
 
 def means(table: pd.DataFrame, methods: Sequence[str], measures: Sequence[str]) -> list[dict[str, Any]]:
     """A row a method: mean and interval of each measure."""
-    rows: list[dict[str, Any]] = []
-    for name in methods:
-        own, row = table[table["method"] == name], dict[str, Any](run=name)
-        for key in measures:
-            row[key], row[f"{key}{HALF}"] = mean_interval(own[key])
-        rows.append(row)
-    return rows
+    return [{"run": name, **intervals(table[table["method"] == name], measures)} for name in methods]
 
 
 def broken(rows: Sequence[dict[str, Any]]) -> list[Fault]:
-    """Robots that did not come home, and plans of the exact loop that are not proved."""
+    """Robots that did not come home, and plans of the exact loop, or that greedy ones are held against, that are not proved."""
     told = {"robots_lost": "{:g} robots are lost", "unproved": "{:g} steps have a plan that is not proved"}
     return [
         Fault("answer", f"seed {row['seed']}, {row['method']}: {text.format(row[key])}", None, row["method"])
@@ -197,7 +193,7 @@ CLAIMS: tuple[tuple[str, str, str, str, str, int, str], ...] = (
     ("Fig. 3.7: entropy, static against learnt decay", "lower", "entropy", "static", "decay", -1, SATURATED),
     ("Fig. 3.7: divergence, static against learnt decay", "higher", "divergence", "static", "decay", 1, SATURATED),
 )  # fmt: skip
-"""What is claimed: text, direction, measure, method, the other, sign, and the reason where it does not come out."""
+"""Claims: text, direction, measure, method, the other, sign, and the reason where it does not come out."""
 
 EARLY = "cells change four times in a run of 1,200 s, and the filter begins at 100 s"
 

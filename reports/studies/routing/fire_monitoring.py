@@ -5,6 +5,7 @@ Fires spread and are met by all methods alike; and fronts that stand still, of f
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ from ...missions.routing.fire_monitoring import FireMonitoring, least_possible
 from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, film_of, frame_table, mean_interval, times_apart
+from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import spread
 from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
 
@@ -30,7 +31,7 @@ LOOPS: dict[str, dict[str, Any]] = {
     "tour, highs": {"solver": "highs", "decide": "on-arrival"},
     "tour, pure-greedy": {"heuristic": "pure-greedy", "decide": "on-arrival"},
 }
-"""What decides besides circling, on moving fires at beta 0.35 and over fronts that stand still."""
+"""Deciders besides circling, on moving fires at beta 0.35 and over fronts that stand still."""
 
 STILL: dict[str, Any] = {"still": True, "hotspots": 5, "radius": 0.0}
 
@@ -76,12 +77,13 @@ def monitored(seed: int, full: bool) -> list[dict[str, Any]]:
 
 
 def optimum(seed: int, steps: int) -> dict[str, float]:
-    """J of the best patrol of the front of this seed that stands still, along cheapest paths and straight."""
+    """J of the best patrol of the front of this seed that stands still, along cheapest paths and straight; NaN where it took too long."""
     mission = FireMonitoring()
     world = mission.world(seed, **STILL)
     o = world.observe()
     straight = least_possible(o.hotspots, o.place, o.speed, STILL["radius"], steps)
-    return {"patrol": float(mission.patrol(o, steps)[0]), "straight": float(straight)}
+    total, _, planned = mission.patrol(o, steps)
+    return {"patrol": float(total) if planned == steps else math.nan, "straight": float(straight) if straight >= 0 else math.nan}
 
 
 @study(
@@ -116,8 +118,7 @@ def means(table: pd.DataFrame) -> list[dict[str, Any]]:
     moving = table[~table["kind"].isin(["still", "bound"])]
     for (kind, method), own in moving.groupby(["kind", "method"], sort=False):
         row: dict[str, Any] = {"beta or setting": kind, "decided by": method, "runs": len(own)}
-        for name in ("waits", "final", "hotspots", "over_fire"):
-            row[name], row[f"{name}{HALF}"] = mean_interval(own[name])
+        row |= intervals(own, ("waits", "final", "hotspots", "over_fire"))
         if kind == "loop":
             row["lost"], row[f"lost{HALF}"] = apart(moving[moving["kind"] == "loop"], "waits", str(method), "exact patrol")
         rows.append(row)
@@ -135,13 +136,11 @@ def against_best(table: pd.DataFrame) -> pd.DataFrame:
 
 def still_means(table: pd.DataFrame) -> list[dict[str, Any]]:
     """Each method over fronts that stand still."""
-    still, rows = against_best(table), []
-    for method, own in still.groupby("method", sort=False):
-        row: dict[str, Any] = {"decided by": method, "runs": len(own)}
-        for name, shown in (("final", "J"), ("patrol", "above the best patrol"), ("straight", "above straight")):
-            row[shown], row[f"{shown}{HALF}"] = mean_interval(own[name])
-        rows.append(row)
-    return rows
+    shown = {"final": "J", "patrol": "above the best patrol", "straight": "above straight"}
+    still = against_best(table).rename(columns=shown)
+    return [
+        {"decided by": method, "runs": len(own), **intervals(own, shown.values())} for method, own in still.groupby("method", sort=False)
+    ]
 
 
 def broken_bounds(table: pd.DataFrame) -> list[Fault]:
@@ -184,7 +183,7 @@ def findings(table: pd.DataFrame) -> list[Finding]:
         why = "the exact patrol holds hotspots for fixed, and they move"
         lead, half = apart(loops, "waits", method, "exact patrol")
         found.append(Finding.of_lead(f"moving fires: J of {method} above the exact patrol", "not in the source", lead, half, "steps", why))
-        lead, half = mean_interval(still[still["method"] == method]["patrol"])
+        lead, half = mean_interval(still[still["method"] == method]["patrol"].dropna())
         found.append(Finding.of_lead(f"still fronts: J of {method} above the best patrol", "not in the source", lead, half, "%"))
     return found
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from ....instances.routing.occupancy import RangeSensor, divergence, entropy
 from ....instances.routing.occupancy_maps import MarkovMap, cell_worth
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, frame_table, mean_interval
+from ..frames import apart, frame_table, intervals, mean_interval
 from ..processes import spread
 from ..study import Figure, Report, StudySetting, study
 
@@ -113,18 +113,11 @@ def observation_allocation(setting: StudySetting) -> Report:
     done = spread(task, tasks, setting.jobs, setting.told, lambda one: f"seed {one[0]}")
     observed = done.rows
     table = pd.DataFrame(observed)
-    rows = [{"run": name, **_means(table[table["method"] == name])} for name in names]
+    rows = [{"run": name, **intervals(table[table["method"] == name], MEASURES)} for name in names]
     return Report(
         "observation-allocation", observation_allocation.summary, frame_table("Means of runs", rows), tuple(rows), tuple(observed),
         figures=(allocation_figure(table, names),), notes=NOTES, findings=tuple(findings(table, names)), **done.progress(),
     )  # fmt: skip
-
-
-def _means(own: pd.DataFrame) -> Mapping[str, float]:
-    row: dict[str, float] = {}
-    for key in MEASURES:
-        row[key], row[f"{key}{HALF}"] = mean_interval(own[key])
-    return row
 
 
 UNTOLD = "the source's sensor and counts are lost"

@@ -16,7 +16,7 @@ from ...missions.routing.plume_exploration import PlumeExploration, covering, la
 from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, film_of, frame_table, mean_interval, times_apart
+from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import spread
 from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
 from .plume_bounds import longest_time, proved_ratio, shortest_time
@@ -37,7 +37,7 @@ LOOPS: dict[str, dict[str, Any]] = {
     "depth-first": {"policy": "depth-first"},
     "lawn-mower": {"policy": "lawn-mower"},
 }
-"""What decides on small plumes; the lawn mower is told a rectangle around the plume."""
+"""Deciders on small plumes; the lawn mower is told a rectangle around the plume."""
 
 LOOPED = "Small plumes: means, percent above the shortest exploration in hindsight, and points lost against exact plans"
 
@@ -140,8 +140,7 @@ def loop_means(loops: pd.DataFrame) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for method in LOOPS if len(loops) else ():
         own, row = loops[loops["method"] == method], {"decided by": method, "runs": int((loops["method"] == method).sum())}
-        for name in ("time", "above"):
-            row[name], row[f"{name}{HALF}"] = mean_interval(own[name])
+        row |= intervals(own, ("time", "above"))
         row["lost"], row[f"lost{HALF}"] = apart(loops, "above", method, "exact")
         rows.append(row)
     return rows

@@ -17,7 +17,7 @@ from ...missions.routing.unreliable_communication import UnreliableCommunication
 from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, film_of, frame_table, mean_interval, times_apart
+from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import spread
 from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
 
@@ -38,7 +38,7 @@ METHODS: dict[str, dict[str, Any]] = {
     "for ever": {"patience": 0},
     "printed": {"rule": "printed"},
 }
-"""When robots return: without roles; by the text; the same without ways to meetings; and with radios that bridge the last steps; with
+"""Rules of return: without roles; by the text; the same without ways to meetings; and with radios that bridge the last steps; with
 relays that wait for ever; by the printed algorithm."""
 
 LABELS = {
@@ -53,7 +53,7 @@ LOOPS: dict[str, dict[str, Any]] = {
     "nearest-frontier": {"policy": "nearest-frontier"},
     "home": {"policy": "nearest-frontier", "rule": "home"},
 }
-"""What decides in mazes; the last one without roles."""
+"""Deciders in mazes; the last one without roles."""
 
 MAZE: dict[str, Any] = {"map": "rooms", "room": 2, "width": 13, "height": 9, "robots": 2, "battery": 20, "sight": 0, "reach": 3}
 
@@ -141,8 +141,7 @@ def means(sweeps: pd.DataFrame) -> list[dict[str, Any]]:
         for method in METHODS:
             part = own[own["method"] == method]
             row: dict[str, Any] = {"floor": floor, "robots": robots, "battery": battery, "method": method, "runs": len(part)}
-            for name in ("returned", "explored"):
-                row[name], row[f"{name}{HALF}"] = mean_interval(part[name])
+            row |= intervals(part, ("returned", "explored"))
             row["gain"], row[f"gain{HALF}"] = apart(own, "returned", method, "home")
             rows.append({**row, "gain_percent": 100.0 * row["gain"] / (row["returned"] - row["gain"])})
     return rows
@@ -153,8 +152,7 @@ def loop_means(loops: pd.DataFrame) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for method in LOOPS if len(loops) else ():
         own, row = loops[loops["method"] == method], {"decided by": method, "runs": int((loops["method"] == method).sum())}
-        for name in ("cells", "share"):
-            row[name], row[f"{name}{HALF}"] = mean_interval(own[name])
+        row |= intervals(own, ("cells", "share"))
         row["lost"], row[f"lost{HALF}"] = apart(loops, "share", "exact", method)
         rows.append(row)
     return rows

@@ -15,7 +15,7 @@ from ...missions.running import run
 from ...missions.sata.search_and_track import SearchAndTrack
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, film_of, frame_table, mean_interval, times_apart
+from ..frames import apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import spread
 from ..study import Clip, Figure, Report, StudySetting, study
 
@@ -128,15 +128,7 @@ def search_and_track(setting: StudySetting) -> Report:
 
 def means(table: pd.DataFrame, methods: Sequence[str] | dict[str, Any]) -> list[dict[str, Any]]:
     """A row a method: mean and interval of each measure."""
-    rows: list[dict[str, Any]] = []
-    for name in methods:
-        own = table[table["method"] == name]
-        row: dict[str, Any] = {"method": name}
-        for key in (*MEASURES, "lost"):
-            if not own[key].isna().all():
-                row[key], row[f"{key}{HALF}"] = mean_interval(own[key].dropna())
-        rows.append(row)
-    return rows
+    return [{"method": name, **intervals(table[table["method"] == name], (*MEASURES, "lost"))} for name in methods]
 
 
 PUSHED = "what is pushed out is out of sight, and stays a track where there is no target"
@@ -160,7 +152,7 @@ CLAIMS: tuple[tuple[str, str, str, str, str, int, str], ...] = (
     ("targets found, largest-Gaussian against lawn mower", "fewer targets", "found", "largest, exact", "10 % clutter", -1,
      "it flies to where targets were said to be, and leaves out what holds none"),
 )  # fmt: skip
-"""What is claimed: text, direction, measure, method, the other, sign, and the reason where it does not come out."""
+"""Claims: text, direction, measure, method, the other, sign, and the reason where it does not come out."""
 
 
 def findings(flights: pd.DataFrame, loops: pd.DataFrame) -> list[Finding]:

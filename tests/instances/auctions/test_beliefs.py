@@ -91,7 +91,7 @@ def test_tables_that_are_no_probabilities_are_refused():
     for make in (
         lambda: Sensors(TABLE.T, 0.9, 0.05), lambda: Sensors([[0.5, 0.3], [0.05, 0.9]], 0.9, 0.1), lambda: Sensors(TABLE, 1.2, 0.1),
         lambda: prior([0.5, 0.6], [0, 1]), lambda: prior([0.5, 0.5], [0, 2]), lambda: Rewards((0.5, 0.5, 0.5)),
-        lambda: Rewards((1, 0, 0), decay=1.0),
+        lambda: Rewards((1, 0, 0), decay=1.0), lambda: Rewards((np.nan, 0.5, 0.5)), lambda: Rewards((1, 0, 0), first=np.inf),
     ):  # fmt: skip
         with pytest.raises(InputError):
             make()

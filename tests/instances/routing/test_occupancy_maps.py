@@ -31,7 +31,7 @@ def test_rates_of_cells_that_change_are_learnt():
     map_ = watched(MarkovMap(np.full(3, 0.5), SENSOR, seconds=10.0), 20, 2000)
     change = (map_.rates[0, 1] + map_.rates[1, 0]) / 2
     assert change[0] == pytest.approx(1 / 20, rel=0.3)
-    assert change[1] < 0.01 or map_.p[1] > 0.99
+    assert map_.rates[1, 0, 1] < 0.01 and map_.p[1] > 0.99  # how often it would become occupied cannot be seen
     assert map_.settled[0] == pytest.approx(0.5, abs=0.15)
     assert map_.p[2] == pytest.approx(0.5)
     assert ((map_.rates >= 0) & (map_.rates <= 1)).all()

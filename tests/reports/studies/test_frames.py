@@ -10,7 +10,7 @@ import pytest
 from scipy import stats
 
 import waybound
-from waybound.reports.studies.frames import apart, by_method, frame_table, mean_interval, play
+from waybound.reports.studies.frames import apart, by_method, frame_table, intervals, mean_interval, play
 
 
 def test_intervals_are_students():
@@ -29,6 +29,11 @@ def test_they_hold_the_mean_as_often_as_they_say():
 def test_one_value_has_none():
     assert mean_interval([3.0])[0] == 3.0
     assert math.isnan(mean_interval([3.0])[1])
+
+
+def test_columns_have_means_without_what_is_missing_and_nothing_where_all_is():
+    own = pd.DataFrame({"x": [1.0, math.nan, 3.0], "y": [math.nan] * 3})
+    assert intervals(own, ("x", "y")) == {"x": 2.0, "x_half": mean_interval([1.0, 3.0])[1]}
 
 
 def test_methods_are_compared_in_the_same_worlds():

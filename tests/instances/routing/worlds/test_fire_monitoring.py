@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from waybound.instances.errors import InputError
+from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.spreading_fire import Fire
 from waybound.instances.routing.worlds.fire_monitoring import (
     FireWorld,
@@ -121,6 +121,14 @@ TEN = np.arange(100.0).reshape(10, 10)
 def test_worlds_that_cannot_be(arrival, intensity, start, more, says):
     with pytest.raises(InputError, match=says):
         FireWorld(Fire(arrival, intensity), start, **{"begin": 50, **more})
+
+
+@pytest.mark.parametrize(
+    "rule", [{"threshold": np.nan}, {"normalised": "both"}, {"within": -1.0}, {"hotspots": 0}, {"seeding": "none"}, {"radius": np.nan}]
+)
+def test_rules_that_find_no_hotspots_are_refused(rule):
+    with pytest.raises(UsageError, match=next(iter(rule))):
+        HotspotRules(**rule)
 
 
 @pytest.mark.parametrize(

@@ -97,6 +97,11 @@ def test_orders_that_cannot_be_followed_change_nothing(actions, message, code):
         ({"noise": 1e-10}, "the noise is too small beside the deviation of the prior; expected at least 2.5e-08"),
         ({"field": np.ones((61, 60))}, "too many cells; expected at most 3600; found 3660"),
         ({"noise": -1.0}, "noise of a measurement must be positive"),
+        ({"start": (-1.0, 0.0)}, "starts outside the field"),
+        ({"start": (0.0, np.nan)}, "starts outside the field"),
+        ({"budget": np.nan}, "budget be finite"),
+        ({"sensing_time": -1.0}, "must take time"),
+        ({"pixels": 0}, "a pixel be measured"),
     ],
 )
 def test_what_cannot_be_flown_is_refused_at_once(how, message):

@@ -135,6 +135,9 @@ def test_orders_that_cannot_be_followed_change_nothing(robot, by, message, code)
         ((CORRIDOR, (0, -1), 1, 9), "base is no free cell", "out-of-range"),
         ((CORRIDOR, (0, 0), 0, 9), "no robot can leave", "out-of-range"),
         ((CORRIDOR, (0, 0), 1, 1), "no robot can leave", "out-of-range"),
+        ((CORRIDOR, (0, 0), 1, 9, -1.0), "see or hear", "out-of-range"),
+        ((CORRIDOR, (0, 0), 1, 9, 1.0, math.nan), "see or hear", "out-of-range"),
+        ((CORRIDOR, (0, 0), 1, 9, 1.0, 1.0, -0.1), "see or hear", "out-of-range"),
     ],
 )
 def test_what_cannot_be_explored_is_refused_at_once(how, message, code):

@@ -108,6 +108,7 @@ def test_without_lanes_robots_begin_around_the_base():
         ({"utility": "chi-square", "model": "decay"}, UsageError, "needs model=markov"),
         ({"advance": 200.0}, UsageError, "advance must lie from tick to horizon"),
         ({"advance": 5.0}, UsageError, "advance must lie from tick to horizon"),
+        ({"advance": 15.0}, UsageError, "advance must be a multiple of tick"),
         ({"endurance": 2.0, "spacing": 5}, InputError, "no view is within reach"),
         ({"endurance": 0.5}, InputError, "robots reach no cell"),
         ({"safe": 0.0, "lanes": 0, "spacing": 1}, InputError, "no view is within reach"),

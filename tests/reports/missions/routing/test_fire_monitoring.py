@@ -81,7 +81,8 @@ def test_the_exact_patrol_is_as_planned_and_nobody_beats_the_bound(seed):
     world = mission.world(seed, **STILL)
     o = world.observe()
     bound = least_possible(o.hotspots, o.place, o.speed, 0.0, 20)
-    planned, _ = mission.patrol(o, 20)
+    planned, _, steps = mission.patrol(o, 20)
+    assert steps == 20
     assert bound <= planned
     ends = {}
     for policy in ("exact", "weighted-greedy", "circling"):
@@ -112,7 +113,7 @@ def test_five_hotspots_on_an_arc_are_patrolled_no_worse_than_by_shuttling():
 
 
 def test_a_tour_takes_what_is_worth_its_way():
-    """Of hotspots in a row the near one has waited, the far one not; a tour by an exact solver is the best of all."""
+    """An exact tour is no worse than a greedy one, and the aircraft flies along it."""
     mission = FireMonitoring()
     world = mission.world(2, size=40, begin=30)
     for _ in range(12):

@@ -7,6 +7,7 @@ import math
 import pandas as pd
 import pytest
 
+from waybound.reports.missions.routing import fire_monitoring as mission
 from waybound.reports.studies.page import page_of
 from waybound.reports.studies.routing import fire_monitoring as study
 
@@ -26,6 +27,11 @@ def test_the_short_study():
 
 def test_the_thresholds_are_the_sources():
     assert study.THRESHOLDS == (0.25, 0.35, 0.45) and study.fire_monitoring.instances == 100
+
+
+def test_a_patrol_or_bound_that_takes_too_long_is_told_as_none(monkeypatch):
+    monkeypatch.setattr(mission, "LABELS", 3)
+    assert all(math.isnan(value) for value in study.optimum(1, 40).values())
 
 
 def made_up(final, straight=90.0):
