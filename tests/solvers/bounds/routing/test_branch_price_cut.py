@@ -80,7 +80,20 @@ def test_a_checker_that_cannot_follow_is_given_fewer_who_are_remembered(monkeypa
     monkeypatch.setattr(proof_tree, "verified_bound", checked)
     evidence = branch_price_cut_bound(problem, Stop(60.0))
     assert evidence is not None and math.isfinite(verified_bound(problem, evidence))
-    assert told[0] == 8 and max(told[told.index(4) :]) == 4
+    assert told[0] == 8 and told.index(4) <= 2 and max(told[told.index(4) :]) == 4  # with digits cut short, and whole
+
+
+def test_a_ray_that_proves_nothing_takes_no_memory_from_other_proofs(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = plane(1, 16, 40.0)
+    partition = branch_price_cut.set_partition(problem, Stop(HANG))
+    assert partition is not None
+    tree = branch_price_cut.Tree(problem, partition, None, Stop(HANG), 1)
+    solved, before = tree.columns.solve(tree._part(tree.root), None), tree.remembered
+    monkeypatch.setattr(proof_tree, "verified_bound", lambda problem, evidence: -math.inf)
+    tree._prove(tree.root, replace(solved, bound=math.inf))
+    assert tree.remembered == before
+    tree._prove(tree.root, solved)
+    assert tree.remembered == branch_price_cut.FOLLOWED[-1]
 
 
 @pytest.mark.share(3)
