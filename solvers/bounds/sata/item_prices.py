@@ -64,7 +64,7 @@ class PriceGame:
         self._limits = np.minimum(partition.limits, count).astype(np.float64)
         element, item, weight = weights.edges()
         weight = np.where(self._limits[groups[element]] > 0.0, weight, 0.0)
-        self.unit = float(np.ldexp(1.0, int(np.frexp(weight.max(initial=0.0))[1])))
+        self.unit = float(np.ldexp(1.0, int(np.frexp(weight.max(initial=0.0))[1]) - 1))
         weight = weight / self.unit
         kept = weight > NEGLIGIBLE
         self._element, self._item, self._weight = element[kept], item[kept], weight[kept]
