@@ -164,11 +164,13 @@ class ProofTree(ABC, Generic[N]):
         path = node.decisions()
         return self.problem.restricted(path) if path else self.problem
 
-    def prove(self, node: N, problem: Problem, found: Iterable[Evidence]) -> None:
-        """Keep the evidence that proves most of ``problem``, that of the node."""
+    def prove(self, node: N, problem: Problem, found: Iterable[Evidence]) -> float:
+        """Keep the evidence that proves most of ``problem``, that of the node; returns the most that any of it proves."""
+        most = -math.inf
         for evidence in found:
             for given in _shortened(evidence):
                 bound = self._verified(problem, given)
+                most = max(most, bound)
                 if bound > node.own:
                     node.own, node.evidence = bound, given
                 if self.reached(bound) or given is evidence:
@@ -178,6 +180,7 @@ class ProofTree(ABC, Generic[N]):
         if node.evidence is not None:
             self.numbers += _size(node.evidence.data)
         node.bound = max(node.bound, node.own)
+        return most
 
     def _verified(self, problem: Problem, evidence: Evidence) -> float:
         try:

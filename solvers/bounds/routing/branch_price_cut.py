@@ -408,12 +408,17 @@ class Tree(ProofTree[_Node]):
     def _prove(self, node: _Node, solved: Solved, more: float | None = None) -> None:
         """Prove a node by the prices of its best bound, with as many remembered as the checker can follow."""
         evidence = self._evidence(solved, more)
-        while True:
-            fewer = [k for k in FOLLOWED if k < self.remembered]
-            self._prove_by(node, self._remembering(evidence, self.remembered), ATTEMPT if fewer else 1.0)
-            if node.evidence is not None or not fewer or self.whole.reached():
+        first = min(self.remembered, max(map(len, evidence.data["remembered"])) - 1)
+        fewer = [k for k in FOLLOWED if k < first]
+        for most in (first, *fewer):
+            share = ATTEMPT if fewer and most > fewer[-1] else 1.0
+            if self._prove_by(node, self._remembering(evidence, most), share) > -math.inf:
+                self.remembered = self.remembered if most == first else most
                 return
-            self.remembered = fewer[0]
+            if self.whole.reached():
+                return
+        if "ray" not in evidence.data:  # which may also fail because it proves nothing
+            self.remembered = min(self.remembered, FOLLOWED[-1])
 
     def _remembering(self, evidence: Evidence, most: int) -> Evidence:
         """The same prices with at most so many remembered at each customer beside himself, the nearest."""
@@ -425,11 +430,12 @@ class Tree(ProofTree[_Node]):
         nearest = [[sites[k] for k in np.argsort(far[here, sites], kind="stable")[: most + 1]] for here, sites in enumerate(lists)]
         return replace(evidence, data={**evidence.data, "remembered": nearest})
 
-    def _prove_by(self, node: _Node, evidence: Evidence, share: float = 1.0) -> None:
-        """Prove a node in a share of what is left of all the time."""
+    def _prove_by(self, node: _Node, evidence: Evidence, share: float = 1.0) -> float:
+        """Prove a node in a share of what is left of all the time; returns what the evidence proves."""
         stop, self.stop = self.stop, self.whole.within(share * self.whole.seconds_left)
-        self.prove(node, self.restricted(node), [evidence])
+        bound = self.prove(node, self.restricted(node), [evidence])
         self.stop = stop
+        return bound
 
     def _evidence(self, solved: Solved, more: float | None) -> Evidence:
         """The prices, and what they are said to prove of the cheapest route, and of those that make a needed move and cost ``more``."""

@@ -42,7 +42,8 @@ FALL, PATIENCE = 0.5, 0.5
 """A restart comes once the gap has fallen by that factor, or after that share of all steps."""
 
 NEGLIGIBLE = 2.0**-60
-"""Part of the largest weight below which a weight is left out; the bound is at least the largest weight, and the checker counts all."""
+"""Part of the largest weight below which a weight is left out; the bound is at least the largest weight, and the checker counts all.
+Weights of elements that no answer may choose, in groups of limit 0, are left out first."""
 
 
 class PriceGame:
@@ -59,8 +60,11 @@ class PriceGame:
     def __init__(self, problem: SubmodularSelection) -> None:
         weights, partition = problem.function.as_item_weights(), problem.constraint.as_partition(problem.num_elements)
         assert weights is not None and partition is not None
+        groups, count = np.asarray(partition.groups), np.bincount(partition.groups, minlength=len(partition.limits))
+        self._limits = np.minimum(partition.limits, count).astype(np.float64)
         element, item, weight = weights.edges()
-        self.unit = float(np.ldexp(1.0, int(np.frexp(weight.max(initial=0.0))[1])))
+        weight = np.where(self._limits[groups[element]] > 0.0, weight, 0.0)
+        self.unit = float(np.ldexp(1.0, int(np.frexp(weight.max(initial=0.0))[1]) - 1))
         weight = weight / self.unit
         kept = weight > NEGLIGIBLE
         self._element, self._item, self._weight = element[kept], item[kept], weight[kept]
@@ -68,8 +72,6 @@ class PriceGame:
         falling = np.lexsort((-self._weight, self._item))
         of_item = np.bincount(self._item, minlength=self._m)
         self._falling = self._element[falling], self._weight[falling], np.repeat(_starts(of_item)[:-1], of_item)
-        groups, count = np.asarray(partition.groups), np.bincount(partition.groups, minlength=len(partition.limits))
-        self._limits = np.minimum(partition.limits, count).astype(np.float64)
         self._arrays = (
             _starts(np.bincount(self._element, minlength=self._n)), self._item.astype(np.int32), self._weight, _starts(of_item),
             self._falling[0].astype(np.int32), self._falling[1], _starts(count), np.argsort(groups, kind="stable").astype(np.int32),

@@ -70,6 +70,12 @@ def assert_no_more_is_proved(problem: RoutingProblem, name: str, stop: Stop) -> 
         assert sign * verified_bound(problem, evidence) <= (math.inf if best is None else sign * best[0] + 1e-9 * abs(best[0]))
 
 
+def tree_of(problem: RoutingProblem) -> branch_price_cut.Tree:
+    partition = branch_price_cut.set_partition(problem, Stop(HANG))
+    assert partition is not None
+    return branch_price_cut.Tree(problem, partition, None, Stop(HANG), 1)
+
+
 def test_a_checker_that_cannot_follow_is_given_fewer_who_are_remembered(monkeypatch: pytest.MonkeyPatch) -> None:
     problem, told = plane(1, 16, 40.0), list[int]()
 
@@ -78,9 +84,20 @@ def test_a_checker_that_cannot_follow_is_given_fewer_who_are_remembered(monkeypa
         return verified_bound(problem, evidence) if told[-1] <= 4 else -math.inf
 
     monkeypatch.setattr(proof_tree, "verified_bound", checked)
-    evidence = branch_price_cut_bound(problem, Stop(60.0))
-    assert evidence is not None and math.isfinite(verified_bound(problem, evidence))
-    assert told[0] == 8 and max(told[told.index(4) :]) == 4
+    tree = tree_of(problem)
+    assert tree.look(tree.root) and tree.root.evidence is not None and tree.remembered == 4
+    assert tree.root.own == verified_bound(problem, tree.root.evidence) > -math.inf
+    assert told[0] == 8 and told.index(4) <= 2 and max(told[told.index(4) :]) == 4  # with digits cut short, and whole
+
+
+def test_a_ray_that_proves_nothing_takes_no_memory_from_other_proofs(monkeypatch: pytest.MonkeyPatch) -> None:
+    tree = tree_of(plane(1, 16, 40.0))
+    solved, before = tree.columns.solve(tree._part(tree.root), None), tree.remembered
+    monkeypatch.setattr(proof_tree, "verified_bound", lambda problem, evidence: -math.inf)
+    tree._prove(tree.root, replace(solved, bound=math.inf))
+    assert tree.remembered == before
+    tree._prove(tree.root, solved)
+    assert tree.remembered == branch_price_cut.FOLLOWED[-1]
 
 
 @pytest.mark.share(3)

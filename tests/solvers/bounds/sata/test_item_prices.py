@@ -64,6 +64,22 @@ def test_weights_of_all_sizes_and_robots_that_see_nothing_are_taken() -> None:
     assert nothing.closed() and nothing.bound == 0.0
 
 
+@pytest.mark.parametrize("weight", [1.1e308, 1.0, 5e-324])
+def test_the_largest_and_the_smallest_weights_are_taken(weight: float) -> None:
+    function = wb.FacilityLocation(np.array([0, 1]), np.array([0]), np.array([weight]), 1)
+    evidence = item_prices_bound(wb.SubmodularSelection(function, wb.Cardinality(1)), Stop(HANG))
+    assert evidence is not None and weight <= evidence.value <= weight * (1 + 2 * GAP) + 5e-324
+
+
+def test_what_the_limits_rule_out_weighs_nothing() -> None:
+    function = wb.FacilityLocation(np.array([0, 2, 4, 6, 8]), np.array([0, 1] * 4), np.array([1e30, 1e25, 3, 1, 2, 2, 1, 3.5]), 2)
+    problem = wb.SubmodularSelection(function, wb.PartitionMatroid.of([0, 1, 1, 1], [0, 1]))
+    game = PriceGame(problem)
+    game.run(Stop(HANG), most=20_000)
+    evidence = item_prices_bound(problem, Stop(HANG))
+    assert game.closed() and evidence is not None and evidence.value == pytest.approx(4.5, rel=2 * GAP) and optimum(problem) == 4.5
+
+
 def test_the_general_search_finds_them_in_place_of_a_linear_program() -> None:
     problem = wb.WinnerTakesAllSATA(expander(SMALL // 4 + 100))
     assert not BOUNDS["item-prices"].missing(problem)
