@@ -11,6 +11,9 @@ from ..tables.table import Column
 REPRODUCED, SIGN, NOT, UNDECIDED, LOST = "reproduced", "sign reproduced", "not reproduced", "undecided", "cannot be compared"
 """Verdicts of a finding: the published number; its direction alone; neither; an interval that holds both signs; nothing to compare with."""
 
+LISTED = 120
+"""Letters of a list of points; a longer one is counted."""
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -62,7 +65,9 @@ class Finding:
         unclear = [label for label, lead, half in points if not abs(lead) > half]
         verdict = NOT if against else UNDECIDED if unclear else SIGN
         told = f"{len(points) - len(against) - len(unclear)} of {len(points)} points; {ours}"
-        where = f"{'not' if against else 'open'} at {', '.join(against or unclear)}"
+        listed = ", ".join(against or unclear)
+        listed = listed if len(listed) <= LISTED else f"{len(against or unclear)} of {len(points)} points"
+        where = f"{'not' if against else 'open'} at {listed}"
         return cls(what, claim, told, verdict, "" if verdict == SIGN else f"{where}: {why}" if why and against else where)
 
     @classmethod

@@ -41,6 +41,8 @@ def test_points_against_a_claim_are_named():
     points = [("a", 1.0, 0.1), ("b", -1.0, 0.1), ("c", 0.0, 0.1)]
     against = Finding.of_points("n", "more", points, "leads", "reason")
     assert (against.verdict, against.why, against.ours) == (NOT, "not at b: reason", "1 of 3 points; leads")
+    many = Finding.of_points("gain", "above", [(f"a point of a long name, {k}", 0.0, 1.0) for k in range(9)], "leads")
+    assert many.why == "open at 9 of 9 points"
     assert Finding.of_points("n", "more", [points[0], points[2]], "").verdict == UNDECIDED
     assert Finding.of_points("n", "more", points[:1], "").verdict == SIGN
 
