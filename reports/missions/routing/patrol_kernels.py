@@ -72,6 +72,11 @@ def least_worst_waits(times, waits, worst, horizon, most):  # type: ignore[no-un
     for place in range(count):
         waited[0, place], longest[0, place] = waits[place], worst[place]
         best += max(worst[place], waits[place] + horizon)
+    fewest = times.copy()  # by way of others, as the cheapest path is not always the shortest
+    for way in range(count):
+        for here in range(count + 1):
+            for place in range(count):
+                fewest[here, place] = min(fewest[here, place], fewest[here, way] + fewest[way, place])
     facts[0, 0], facts[0, 1], facts[0, 2] = count, -1, -1
     heads[0] = tails[0] = 0
     for alpha in (0.0, 0.5, 1.0, 2.0):
@@ -94,12 +99,12 @@ def least_worst_waits(times, waits, worst, horizon, most):  # type: ignore[no-un
                         wait, worse = 0, max(worse, wait)
                     waited[used, other], longest[used, other] = wait, worse
                     ends += max(worse, min(left, 1) if other == place else wait + left)
-                    least += _at_least(place, left, other, times, wait, worse)
+                    least += _at_least(place, left, other, fewest, wait, worse)
                 if least >= best:
                     continue
                 chain, before = kept[time + takes, place], -1
-                while chain >= 0 and not _dominates(chain, used, place, left, times, waited, longest):
-                    if _dominates(used, chain, place, left, times, waited, longest):
+                while chain >= 0 and not _dominates(chain, used, place, left, fewest, waited, longest):
+                    if _dominates(used, chain, place, left, fewest, waited, longest):
                         facts[chain, 3] = 1
                         if before < 0:
                             kept[time + takes, place] = facts[chain, 4]

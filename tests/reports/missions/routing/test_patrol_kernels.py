@@ -48,6 +48,16 @@ def test_no_sequence_of_visits_is_better(seed, count, side, horizon):
     assert judged(times, waits, worst, horizon, visits.tolist()) == total
 
 
+@given(st.integers(0, 10**6), st.integers(2, 3), st.integers(3, 9))
+def test_a_way_round_may_be_shorter_than_the_cheapest_path(seed, count, horizon):
+    rng = np.random.default_rng(seed)
+    times, waits = rng.choice([1, 2, 3, 9], (count + 1, count)), rng.integers(0, 12, count)
+    worst = waits + rng.integers(0, 2, count)
+    times[:count][np.eye(count, dtype=bool)] = 1
+    total, visits = least_worst_waits(times, waits, worst, horizon, 10**6)
+    assert total == least(times, waits, worst, horizon) == judged(times, waits, worst, horizon, visits.tolist())
+
+
 @given(st.integers(0, 10**6), st.integers(2, 5))
 def test_more_time_is_never_better_and_faster_flights_never_worse(seed, count):
     times, waits, worst = case(seed, count, 12)
