@@ -29,7 +29,8 @@ PLACE: dict[str, Any] = {"rows": 25, "columns": 25, "robots": 2}
 SYSTEM: dict[str, Any] = {"heuristic": "greedy-assignment"}
 
 CHANGES: dict[str, Any] = {"shortest": 600.0, "longest": 600.0, "period": 100.0}
-"""As in chapter 3: every cell that changes does so every 300 s; the map begins with a guess of 100 s."""
+"""Settings of the runs after Mitchell (2020), chapter 3. A cell that changes does so every 300 s. The robots are not told: their estimate
+of this time begins at 100 s, and they correct it from what they see."""
 
 RUNS: dict[str, dict[str, Any]] = {
     "system": SYSTEM,
