@@ -34,6 +34,11 @@ class Done:
         return {"done": finished, "asked": len(self.results), "interrupted": self.interrupted}
 
 
+def called(function: Callable[..., Any], *arguments: Any) -> Any:
+    """``function`` of its arguments: a function for ``spread`` where tasks begin with one of their own."""
+    return function(*arguments)
+
+
 def spread(function: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], jobs: int, progress: Told, what: Callable[[Any], str]) -> Done:
     """``function(*task)`` for every task, in ``jobs`` processes (1: this one); after Ctrl-C the results so far.
 

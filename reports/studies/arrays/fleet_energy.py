@@ -22,7 +22,7 @@ from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, NOT, SIGN, UNDECIDED, Finding
 from ..frames import HALF, apart, film_of, frame_table, mean_interval, times_apart
-from ..processes import spread
+from ..processes import called, spread
 from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
 
 if TYPE_CHECKING:
@@ -112,15 +112,6 @@ def claimed(seed: int, name: str) -> list[dict[str, Any]]:
     ]
 
 
-TASKS = {"schedule": small, "loop": looped, "claim": claimed}
-
-
-def task(part: str, *rest: Any) -> list[dict[str, Any]]:
-    """One part of the study, in a process that has its name alone."""
-    rows: list[dict[str, Any]] = TASKS[part](*rest)  # type: ignore[operator]
-    return rows
-
-
 @study(
     "fleet-energy",
     "which jobs a fleet with small batteries sustains, and exchanges one by one beside the fewest",
@@ -133,9 +124,9 @@ def fleet_energy(setting: StudySetting) -> Report:
     """See ``Study.run``."""
     import pandas as pd
 
-    tasks: list[tuple[Any, ...]] = [(part, seed) for part in ("schedule", "loop") for seed in setting.seeds]
-    tasks += [("claim", seed, name) for name in PLAYS for seed in setting.seeds]
-    done = spread(task, tasks, setting.jobs, setting.told, lambda t: " ".join(map(str, t)))
+    tasks: list[tuple[Any, ...]] = [(part, seed) for part in (small, looped) for seed in setting.seeds]
+    tasks += [(claimed, seed, name) for name in PLAYS for seed in setting.seeds]
+    done = spread(called, tasks, setting.jobs, setting.told, lambda t: " ".join([t[0].__name__, *map(str, t[1:])]))
     played_rows, times = times_apart(done.rows)
     runs = pd.DataFrame(played_rows)
     broken = broken_schedules(played_rows)

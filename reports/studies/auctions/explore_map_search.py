@@ -20,7 +20,7 @@ from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
-from ..processes import spread
+from ..processes import called, spread
 from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
 
 if TYPE_CHECKING:
@@ -119,11 +119,6 @@ def looped(seed: int, budget: int) -> list[dict[str, Any]]:
     return rows
 
 
-def task(kind: str, seed: int, *rest: Any) -> list[dict[str, Any]]:
-    """One part of the study, in a process that has its name alone."""
-    return swept(seed, *rest) if kind == "sweep" else looped(seed, *rest)
-
-
 @study(
     "explore-map-search",
     "teams that explore, map and search rooms: weights, relays, team size, silence, and planning in the loop against a bound",
@@ -146,9 +141,9 @@ def explore_map_search(setting: StudySetting) -> Report:
     tasks = [
         one
         for seed in setting.seeds
-        for one in ([("loop", seed, BUDGETS[setting.full])] if seed in looped_too else []) + [("sweep", seed, *rest) for rest in each]
+        for one in ([(looped, seed, BUDGETS[setting.full])] if seed in looped_too else []) + [(swept, seed, *rest) for rest in each]
     ]
-    done = spread(task, tasks, setting.jobs, setting.told, lambda t: f"seed {t[1]}: {t[0]} {' '.join(map(str, t[2:]))}")
+    done = spread(called, tasks, setting.jobs, setting.told, lambda t: f"seed {t[1]}: {t[0].__name__} {' '.join(map(str, t[2:]))}")
     played, times = times_apart(done.rows)
     sweeps, loops = (pd.DataFrame([row for row in played if key in row]) for key in ("sweep", "method"))
     rows, faults = means(sweeps, ["sweep", "level", "policy"], KEPT), broken(played)

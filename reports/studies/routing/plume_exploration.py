@@ -17,7 +17,7 @@ from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
-from ..processes import spread
+from ..processes import called, spread
 from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
 from .plume_bounds import longest_time, proved_ratio, shortest_time
 
@@ -91,11 +91,6 @@ def looped(seed: int) -> list[dict[str, Any]]:
     return [{**row, **known, "above": 100.0 * (float(row["time"]) / best.objective - 1.0)} for row in rows]
 
 
-def task(kind: str, seed: int, *rest: Any) -> list[dict[str, Any]]:
-    """One part of the study, in a process that has its name alone."""
-    return swept(seed, *rest) if kind == "sweep" else looped(seed)
-
-
 @study(
     "plume-exploration",
     "depth-first exploration of drifting plumes: times, bounds, and planning in the loop against hindsight",
@@ -109,8 +104,8 @@ def plume_exploration(setting: StudySetting) -> Report:
     import pandas as pd
 
     levels = [(key, level) for key, own in SWEEPS.items() for level in own[:: 1 if setting.full else 2]]
-    tasks = [("loop", seed) for seed in setting.seeds] + [("sweep", seed, *one) for seed in setting.seeds for one in levels]
-    done = spread(task, tasks, setting.jobs, setting.told, lambda t: f"seed {t[1]}: {t[2:] or 'loops'}")
+    tasks = [(looped, seed) for seed in setting.seeds] + [(swept, seed, *one) for seed in setting.seeds for one in levels]
+    done = spread(called, tasks, setting.jobs, setting.told, lambda t: f"seed {t[1]}: {t[2:] or 'loops'}")
     played_rows, times = times_apart(done.rows)
     loops = pd.DataFrame([row for row in played_rows if "method" in row])
     sweeps = pd.DataFrame([row for row in played_rows if "sweep" in row])

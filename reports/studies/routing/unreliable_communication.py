@@ -18,7 +18,7 @@ from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
-from ..processes import spread
+from ..processes import called, spread
 from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
 
 if TYPE_CHECKING:
@@ -100,11 +100,6 @@ def looped(seed: int) -> list[dict[str, Any]]:
     return [{**row, "cells": own, "most": most, "share": 100.0 * own / most} for row, own in zip(rows, cells, strict=True)]
 
 
-def task(kind: str, seed: int, *rest: Any) -> list[dict[str, Any]]:
-    """One part of the study, in a process that has its name alone."""
-    return swept(seed, *rest) if kind == "sweep" else looped(seed)
-
-
 @study(
     "unreliable-communication",
     "exploration with relays and sacrifices against robots that fly home, and planning in the loop against hindsight",
@@ -118,8 +113,8 @@ def unreliable_communication(setting: StudySetting) -> Report:
     import pandas as pd
 
     points = [(floor, *point) for floor in FLOORS for point in (POINTS if setting.full else POINTS[:3:2])]
-    tasks = [("loop", seed) for seed in setting.seeds] + [("sweep", seed, *one) for seed in setting.seeds for one in points]
-    done = spread(task, tasks, setting.jobs, setting.told, lambda t: f"seed {t[1]}: {t[2:] or 'loops'}")
+    tasks = [(looped, seed) for seed in setting.seeds] + [(swept, seed, *one) for seed in setting.seeds for one in points]
+    done = spread(called, tasks, setting.jobs, setting.told, lambda t: f"seed {t[1]}: {t[2:] or 'loops'}")
     played, times = times_apart(done.rows)
     loops = pd.DataFrame([row for row in played if "loop" in row])
     sweeps = pd.DataFrame([row for row in played if "floor" in row])
