@@ -81,8 +81,9 @@ FOLLOWED = (12, 8, 4, 2)
 ATTEMPT = 0.3
 """Share of the time that is left in which the checker is to follow, before it is given fewer."""
 
-EARLY = 0.8
-"""Share of the time; a first linear program that ends when less is left is proved at once, as others may not end."""
+EARLY, LONG = 0.8, 10_000_000
+"""Share of the time, and number of labels: a first linear program that ends when less time is left, or after more labels, is proved at once,
+as others may not end."""
 
 LEAST_GAIN = 1e-6
 """Least gain of a branching in a product of two gains, as a part of the largest cost of a move."""
@@ -131,6 +132,7 @@ class Tree(ProofTree[_Node]):
         self.columns = ColumnGeneration(problem, partition, stop, self._enough, seed, most)
         self.cost, self.unit = self.columns.cost, self.columns.unit
         self.fixing, self.rounds, self.choosing, self.remembered = True, 0, CHOICES, len(partition.row)
+        self.looked_again = False
         self.most_listed = (most or {}).get("enumeration", ROUTES) if self.columns.shares.listing else 0
         self.branched: list[MoveRow] = []
         ids = problem.sites.ids
@@ -242,15 +244,18 @@ class Tree(ProofTree[_Node]):
     def _solved(self, node: _Node, part: Part) -> tuple[Solved, tuple[Flags, float] | None]:
         """The linear program of a node with its cuts, or its end before them with moves that no better answer makes."""
         if part.fewest > part.most:
-            return Solved("enough", math.inf, Prices(np.zeros(len(part.cost)), np.zeros(part.cost.shape[1]), {})), None
+            none = Prices(np.zeros(len(part.cost)), np.zeros(part.cost.shape[1]), {})
+            return Solved("enough", math.inf, none, near=self.columns.near), None
         columns = self.columns
         columns.stop = self.stop
         best, bounds, rows = Solved("stopped"), list[float](), not node.first
 
         def early(solved: Solved) -> None:
             late = self.whole.seconds_left < EARLY * self.time
-            if node is self.root and node.evidence is None and late:
+            if node is self.root and node.evidence is None and (late or columns.labels > LONG):
                 self._prove(node, solved)
+            if node is self.root and late:
+                self._look_again(solved.bound)
 
         while True:
             solved = columns.solve(part, node.prices, early)
@@ -386,9 +391,10 @@ class Tree(ProofTree[_Node]):
         return judged
 
     def _look_again(self, bound: float) -> None:
-        """Look for a better answer where the one at hand is far from a bound."""
-        if self.answer is None or self.target - bound * self.unit <= DOUBTFUL * abs(self.target):
+        """Look for a better answer, once, where the one at hand is far from a bound."""
+        if self.looked_again or self.answer is None or self.target - bound * self.unit <= DOUBTFUL * abs(self.target):
             return
+        self.looked_again = True
         seconds = 2.0 * OPENING * self.whole.seconds_left
         answer = first_answer(self.routing, seconds, self.seed + 1, self.stop, ruins=AGAIN * RUINS)
         if answer is not None:
@@ -443,7 +449,7 @@ class Tree(ProofTree[_Node]):
         assert prices is not None
         remembered: list[list[int]] = [[] for _ in self.routing.sites.ids]
         for node, site in enumerate(sites.tolist(), start=1):
-            remembered[site] = sites[np.nonzero(self.columns.near[node, 1:])[0]].tolist()
+            remembered[site] = sites[np.nonzero(solved.near[node, 1:])[0]].tolist()
         data: dict[str, Any] = {"visits": by_site(self.routing, prices.visits[1:] * self.unit), "remembered": remembered}
         rows, loads, needed = list[dict[str, Any]](), list[dict[str, Any]](), list[dict[str, Any]]()
         for cut, price in prices.cuts.items():

@@ -83,7 +83,8 @@ class Solved:
     ``flooded`` by labels.
 
     ``bound`` and ``prices`` are the best Lagrangian bound by the labels here, ``least`` the least reduced cost of each type there;
-    ``routes`` are those that the linear program uses, and ``values`` how much of each; ``lacking`` is how many visits no route makes.
+    ``routes`` are those that the linear program uses, and ``values`` how much of each; ``lacking`` is how many visits no route makes, and
+    ``near``, shape (nodes, nodes), who was remembered where.
     """
 
     status: str
@@ -93,6 +94,7 @@ class Solved:
     routes: Pool = field(default_factory=Pool)
     values: Floats = field(default_factory=lambda: np.zeros(0))
     lacking: float = 0.0
+    near: Flags = field(default_factory=lambda: np.zeros((0, 0), dtype=bool))
 
 
 class ColumnGeneration:
@@ -188,11 +190,12 @@ class ColumnGeneration:
     def solve(self, part: Part, centre: Prices | None, on_done: Callable[[Solved], None] = lambda solved: None) -> Solved:
         """The linear program of a node, which begins at the prices ``centre``, with all routes and memories that it takes; where no routes
         make up a solution, prices that prove it, and an infinite bound. ``on_done`` hears of each solution before more are remembered."""
-        best, remembered = Solved("stopped"), self.near
+        best = Solved("stopped")
         while True:
             solved = self._generated(self.master, part, centre)
+            solved.near = self.near.copy()
             if solved.status == "flooded" and best.prices is not None:  # too many are remembered
-                self.near, self.most_memory = remembered, 0
+                self.near, self.most_memory = best.near.copy(), 0
                 self.given_up += 1
             if solved.status != "done":
                 return solved if solved.status == "enough" or best.prices is None else best
@@ -202,7 +205,7 @@ class ColumnGeneration:
                     self.phase_one = self._master(np.zeros(self.usable.shape), np.ones(1 + int(self.partition.row.max())))
                 ray = self._generated(self.phase_one, replace(part, cost=zero), None)
                 if ray.bound > WHOLE:
-                    return Solved("enough", math.inf, ray.prices)
+                    return Solved("enough", math.inf, ray.prices, near=solved.near)
                 if ray.status == "stopped":
                     return best
                 if ray.status in ("full", "flooded") or self.dear > 1e6:
@@ -210,7 +213,7 @@ class ColumnGeneration:
                 self.dear *= 10.0
                 self.master = self._new_master([cut for cut in self.master.cuts if not isinstance(cut, MoveRow)])
                 continue
-            best, remembered = solved if solved.bound >= best.bound else best, self.near.copy()
+            best = solved if solved.bound >= best.bound else best
             on_done(solved)
             if not self._remember(solved):
                 return solved
