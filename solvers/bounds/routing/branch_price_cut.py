@@ -82,8 +82,8 @@ ATTEMPT = 0.3
 """Share of the time that is left in which the checker is to follow, before it is given fewer."""
 
 EARLY, LONG = 0.8, 10_000_000
-"""Share of the time, and number of labels: a first linear program that ends when less time is left, or after more labels, is proved at once,
-as others may not end."""
+"""Share of the time, and number of labels: a first linear program that ends when less time is left, or after more labels, is proved at
+once, as others may not end."""
 
 LEAST_GAIN = 1e-6
 """Least gain of a branching in a product of two gains, as a part of the largest cost of a move."""

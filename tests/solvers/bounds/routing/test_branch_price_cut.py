@@ -90,6 +90,16 @@ def test_a_checker_that_cannot_follow_is_given_fewer_who_are_remembered(monkeypa
     assert told[0] == 8 and told.index(4) <= 2 and max(told[told.index(4) :]) == 4  # with digits cut short, and whole
 
 
+def test_a_first_linear_program_of_many_labels_is_proved_before_another_is_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    tree = tree_of(plane(3, 14, 30.0))
+    monkeypatch.setattr(branch_price_cut, "LONG", 0)
+    monkeypatch.setattr(tree.columns, "_remember", lambda solved: bool(tree.columns.near.fill(True)) or tree.whole.ask() is None)
+    tree.look(tree.root)
+    evidence = tree.root.evidence
+    assert evidence is not None and max(map(len, evidence.data["remembered"])) == 9  # not as many as after that
+    assert tree.root.own == verified_bound(tree.routing, evidence) > -math.inf
+
+
 def test_a_ray_that_proves_nothing_takes_no_memory_from_other_proofs(monkeypatch: pytest.MonkeyPatch) -> None:
     tree = tree_of(plane(1, 16, 40.0))
     solved, before = tree.columns.solve(tree._part(tree.root), None), tree.remembered

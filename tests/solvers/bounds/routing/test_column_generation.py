@@ -96,3 +96,13 @@ def test_where_labels_are_too_many_the_relaxation_is_made_weaker_step_by_step() 
     again = columns.solve(part, None)
     assert again.status == "done" and again.bound <= solved.bound + 1e-6
     assert not columns.cut(again, rows=True) or not columns.cuts
+
+
+def test_a_solution_tells_who_was_remembered_when_it_was_solved() -> None:
+    columns, part = prepared(plane(3, 14, 30.0))
+    columns.near = columns._nearest(1)
+    heard = list[column_generation.Solved]()
+    last = columns.solve(part, None, heard.append)
+    numbers = [int(solved.near.sum()) for solved in heard]
+    assert len(numbers) > 1 and numbers == sorted(set(numbers))
+    assert (last.near == columns.near).all() and heard[0].bound <= last.bound
