@@ -51,8 +51,6 @@ class Task:
     ----------
     path : str
         The instance's file, or the name of a bundled one.
-    setting : Setting
-    seed : int
     folder : str
         What paths in the setting are relative to.
     overtime : float, seconds

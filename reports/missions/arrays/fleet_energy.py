@@ -23,9 +23,6 @@ class FleetEnergy(Mission):
     A job is taken on when it is asked for, if the supply of charged robots keeps up with it and those before; the latest jobs for ever are
     given up again if the estimates of flight and charging times say that they are too many. Watches are planned up to a horizon whenever
     something has changed, and again when half of it is over: as the program of fewest takeoffs by any solver, or one by one by the policy.
-
-    Notes
-    -----
     Source: Mitchell (2020), appendix A; readings and errata: docs/missions/fleet-energy.md.
     """
 

@@ -26,11 +26,7 @@ class ExploreMapSearch(Mission):
     A solver or heuristic plans the next ``horizon`` steps of all robots when all have contact, and again once ``replan`` steps are over and
     all have contact once more, by what all know then. The plan ends in contact, so that this comes. The policies decide in each step, each
     group of robots that hear each other by what it was told: ``relays`` is the source's market of explorers and relays, ``alone`` its rule
-    of comparison.
-
-    Notes
-    -----
-    Source: Zhang (2015), chapter 5; readings and errata: docs/missions/explore-map-search.md.
+    of comparison. Source: Zhang (2015), chapter 5; readings and errata: docs/missions/explore-map-search.md.
     """
 
     name: ClassVar[str] = "explore-map-search"

@@ -34,9 +34,6 @@ class InformationGathering(Mission):
     when it is back.
     ``plan=auction``: whenever a robot is back, all sensors are allocated anew, those first that are full the soonest; robots on their way
     keep their stops unless they expect a smaller loss by the new ones, and what nobody is going to visit goes to those that are back.
-
-    Notes
-    -----
     Source: Zhang (2015), chapter 4. Readings of what it leaves open: docs/missions.md#information-gathering.
     """
 

@@ -62,11 +62,8 @@ class FireMonitoring(Mission):
 
     The policies are the source's weighted greedy, the circling of the perimeter that it is compared with, and the exact patrol of a few
     hotspots that stay where they are. With a solver or heuristic, weighted greedy becomes a tour: of all open tours that of most waiting
-    time less ``alpha`` times path cost, and the aircraft flies to its first hotspot.
-
-    Notes
-    -----
-    Source: Skeele (2016), chapter 3; readings and errata: docs/missions/fire-monitoring.md.
+    time less ``alpha`` times path cost, and the aircraft flies to its first hotspot. Source: Skeele (2016), chapter 3; readings and errata:
+    docs/missions/fire-monitoring.md.
     """
 
     name: ClassVar[str] = "fire-monitoring"

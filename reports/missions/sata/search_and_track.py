@@ -35,9 +35,6 @@ class SearchAndTrack(Mission):
     there. Here a goal counts all components that are in sight from it.
 
     With one robot the first two are Sung's nearest-Gaussian and largest-Gaussian. A robot without a goal goes on with its lawn mower.
-
-    Notes
-    -----
     Source: Sung (2019), section 2.5.7; docs/missions/search-and-track.md#planning. ``reduction`` is ours.
     """
 
