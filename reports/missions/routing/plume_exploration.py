@@ -121,10 +121,7 @@ def covering(
 class PlumeExploration(Mission):
     """Visit every cell of a plume and return soon: the last robot to be back counts.
 
-    With a solver or heuristic the cells that are seen and not visited are shared out anew whenever a robot is at a cell, as routes that end
-    at the start; each robot flies to the first cell of its route. One without a route waits where it is; once nothing is left to visit, all
-    fly to the start. The policies are Sung's depth-first exploration and the lawn mower that it is drawn beside. Source: Sung (2019),
-    chapter 4; readings and errata: docs/missions/plume-exploration.md.
+    Source: Sung (2019), chapter 4; readings and errata: docs/missions/plume-exploration.md.
     """
 
     name: ClassVar[str] = "plume-exploration"
