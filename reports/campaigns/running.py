@@ -25,7 +25,7 @@ class Workers(Protocol):
 
 
 WORKERS: Registry[Callable[[str, int], AbstractContextManager[Workers]]] = Registry("cluster", __package__, group="waybound.workers")
-"""From the address of a cluster and a number of jobs to its workers, by the scheme of the address: ``tcp`` of ``tcp://host:8786``."""
+"""Functions from the address of a cluster and a number of jobs to its workers, by the scheme of the address: ``tcp`` of ``tcp://host:8786``."""
 
 
 def workers_at(address: str | None, jobs: int) -> AbstractContextManager[Workers]:

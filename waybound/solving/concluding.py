@@ -1,4 +1,4 @@
-"""From what a search left behind to a solution: nothing is believed that was not checked."""
+"""Makes a solution of what a search left behind: nothing is believed that was not checked."""
 
 from __future__ import annotations
 

@@ -159,7 +159,7 @@ class Run:
 
     @property
     def claimant(self) -> str:
-        """Whose claims its bounds are."""
+        """The name of the solver that its bounds are claims of."""
         return f"{self.name} ({self.form})" if self.form else self.name
 
     @property

@@ -69,7 +69,7 @@ class Request:
 
     @cached_property
     def linear(self) -> LinearPrograms:
-        """Who solves the linear programs that are met on the way; raises UsageError for a solver that takes none."""
+        """The solver of the linear programs that are met on the way; raises UsageError for a solver that takes none."""
         return linear_programs(self.lp_solver, self.seed, self.threads)
 
     def search_options(self) -> Options:
