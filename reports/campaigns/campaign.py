@@ -56,8 +56,6 @@ class Campaign:
     ----------
     folder : Path
         What its paths are relative to.
-    results : Path
-        The results file.
     runs : tuple of Planned
         All of them, each once, in the order of seeds, instances and methods: every method has had its turn early.
     overtime : float, seconds

@@ -85,8 +85,6 @@ class Outcome:
         Values of ``COLUMNS``, as far as they are known.
     documents : dict
         JSON by the names of ``DOCUMENTS``.
-    versions : dict
-        Versions of packages.
     machine : dict
     """
 

@@ -25,7 +25,7 @@ GAPS = {
     "gap_to_known": "Gap to the best known value", "gap_to_best": "Gap to the best answer of all",
     "gap_to_bound": "Gap to the verified bound",
 }  # fmt: skip
-"""What answers are compared with, and its title."""
+"""Columns of gaps, with titles that name the other side."""
 
 
 def campaign_page(runs: pd.DataFrame, path: Path, *, name: str, planned: int, against: str | None = None) -> Page:

@@ -193,14 +193,10 @@ class Judge:
         How the solver's points relate to the problem's answers.
     decode : callable
         From the solver's raw answer to the problem's.
-    notes : list of str
-        What a user should be told.
     crash : exception, optional
         What ended the search before it left anything.
     program : Program, optional
         That was searched.
-    faults : list of str
-        Claims of the solver that a check refutes.
     own : Evaluation, optional
         Of the answer that the solver's own result hands over.
     """
