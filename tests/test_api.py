@@ -44,9 +44,11 @@ def test_editors_are_told_of_every_public_name_where_it_is_found():
     """What stands under ``TYPE_CHECKING`` is what mypy, pyright and completion see; what ``_WHERE`` names is what Python imports."""
     source = ast.parse(Path(wb.__file__).read_text())
     (block,) = [n for n in source.body if isinstance(n, ast.If) and isinstance(n.test, ast.Name) and n.test.id == "TYPE_CHECKING"]
-    seen = {alias.asname or alias.name: statement.module for statement in block.body for alias in statement.names}
-    assert {name: module for name, module in seen.items() if name not in ("solvers", "heuristics")} == wb._WHERE
-    assert {*seen, "__version__"} == set(wb.__all__)
+    imports = [statement for statement in block.body if isinstance(statement, ast.ImportFrom)]
+    assert {alias.asname: statement.module for statement in imports for alias in statement.names if alias.asname} == wb._WHERE
+    (tables,) = [ast.unparse(statement) for statement in block.body if statement not in imports]
+    assert tables == "heuristics, solvers = (list_heuristics, list_solvers)"
+    assert {*wb._WHERE, "heuristics", "solvers", "__version__"} == set(wb.__all__)
 
 
 def test_completion_lists_public_names_and_no_private_ones_before_them():

@@ -42,7 +42,7 @@ Folder = Annotated[Path, Option(type=Path, help="of the benchmark files; what WA
 
 
 def command(run: Callable[..., bool | str | tuple[str, bool] | None]) -> Callable[..., int]:
-    """``main(arguments=None)`` of a benchmark: every parameter of ``run`` is an option.
+    """``main(arguments=None)`` of a benchmark: every parameter of ``run`` is an option; called at once where the module is the program.
 
     Text that ``run`` returns is printed; False, alone or behind text, is exit code 1. A default says the type of an option: False makes a
     flag, a tuple takes any number of values. Only a ``Folder`` has none.
@@ -77,6 +77,8 @@ def command(run: Callable[..., bool | str | tuple[str, bool] | None]) -> Callabl
             print(text)
         return 1 if good is False else 0
 
+    if run.__module__ == "__main__":
+        sys.exit(main())
     return main
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import itertools
 import resource
-import sys
 import tempfile
 import time
 from dataclasses import dataclass
@@ -95,7 +94,3 @@ def main(runs: int = 1000, seconds: int = 30, rows: int = 1_000_000) -> bool:
     print(f"runs of 1 s     {one.wall:6.2f} s each by one worker, {two.wall:.2f} s by two: {one.wall / two.wall:.2f} times the throughput")
     print(f"{rows:,} rows  {profiled(rows):6.1f} s of processors from the file to a performance profile")
     return overhead < MOST_OVERHEAD and one.wall / two.wall >= LEAST_THROUGHPUT
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -7,7 +7,6 @@ by the checker, which needs no solver. Exit code 1 if a ratio stays below its ta
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from typing import Annotated
 
@@ -67,7 +66,3 @@ def report(cases: Sequence[tuple[int, int, int, int]], seconds: float) -> tuple[
 @command
 def main(seconds: Annotated[float, Option(help="budget for bounding an answer")] = 60.0) -> tuple[str, bool]:
     return report(CASES, seconds)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

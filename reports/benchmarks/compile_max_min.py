@@ -8,7 +8,6 @@ clock, builds the same model and writes it as MPS, which is how it hands a model
 
 from __future__ import annotations
 
-import sys
 import time
 from functools import partial
 from itertools import pairwise
@@ -115,7 +114,3 @@ def main(
         run_once(once, actions, seed, folder)
     else:
         print(report(actions, seed, repeats))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

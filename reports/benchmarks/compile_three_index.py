@@ -7,7 +7,6 @@ Windows are wide by default, so that the arc filters remove nothing; ``--windows
 
 from __future__ import annotations
 
-import sys
 import time
 from functools import partial
 from pathlib import Path
@@ -191,7 +190,3 @@ def main(
         run_once(once, size, folder)
     else:
         print(report(*size, repeats))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

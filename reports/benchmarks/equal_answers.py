@@ -300,7 +300,3 @@ def main(
             print(f"{record.number} {record.name}: {fault}", file=sys.stderr, flush=True)
     print("\n".join(tables(listed)))
     return not any(record.faults for record in listed)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

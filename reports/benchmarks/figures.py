@@ -92,7 +92,3 @@ def main(campaign: Annotated[str, Option(required=True, help="its file")] = "") 
     for row in failed.itertuples():
         print(f"{row.instance}: {row.who}: {row.reason}", file=sys.stderr)
     return wrong.empty and failed.empty and surpassed(runs).empty
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import importlib.util
 import os
-import sys
 import time
 from collections.abc import Callable
 from typing import Any
@@ -157,7 +156,3 @@ def report(elements: int, picks: int, seed: int, repeats: int) -> tuple[str, boo
 @command
 def main(elements: int = 100_000, picks: int = 100, repeats: int = 3, seed: int = 1) -> tuple[str, bool]:
     return report(elements, picks, seed, repeats)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

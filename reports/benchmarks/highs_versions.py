@@ -97,7 +97,3 @@ def main(
             words = {form: said(folder, file, options) for form, file in files.items()}
             counts = [f" {a} / {b} |" for a, b in (wrong(true[form], verdicts) for form, (_, verdicts) in words.items())]
             print(f"| {next(iter(words.values()))[0]} |" + "".join(counts), flush=True)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -10,7 +10,6 @@ compares heights with optima instead.
 from __future__ import annotations
 
 import math
-import sys
 import time
 import tracemalloc
 from dataclasses import replace
@@ -142,7 +141,3 @@ def compare_heights() -> None:
     print(f"{'value over optimum':20s}" + "".join(f"{f'h = {h}':>8s}" for h in heights))
     for name, means in quality_of(heights, FAMILIES).items():
         print(f"{name:20s}" + "".join(f"{mean:8.3f}" for mean in means))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -13,7 +13,6 @@ from __future__ import annotations
 import json
 import os
 import statistics
-import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace
@@ -162,7 +161,3 @@ def main(
             print("  ".join(f"{figure:>{len(head)}}" for figure, head in zip(figures, heads, strict=True)), flush=True)
     print(f"target: ratio of at most {TARGET}")
     return sound
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -143,7 +142,3 @@ def main(
     if peer:
         print(f"RoutePricer {version}")
     return same
-
-
-if __name__ == "__main__":
-    sys.exit(main())

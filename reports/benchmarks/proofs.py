@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import sys
 from collections import Counter
 from collections.abc import Iterable
 from functools import partial
@@ -173,7 +172,3 @@ def main(
     if covers:
         set_covers(covers)
     return not false
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import resource
-import sys
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -93,7 +92,3 @@ def main(seeds: int = 3, limit: float = 300.0) -> None:
         run(GROUPS["bottleneck"][1](0).compile().program, solver, {}, 5.0)
     for line in rows(seeds, limit):
         print(line, flush=True)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import copy
 import math
-import sys
 from functools import partial
 from typing import Any
 
@@ -251,7 +250,3 @@ def report(count: int, repeat: int, steps: int = 100) -> str:
 @command
 def main(random: int = 500, repeat: int = 7) -> str:
     return report(random, repeat)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -6,7 +6,6 @@ integer optimum. A dash stands for a form that cannot take the problem; forms wi
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from typing import Annotated, Any
 
@@ -70,7 +69,3 @@ def table(names: Sequence[str] = tuple(CASES)) -> list[list[str]]:
 def main(only: Annotated[list[str] | None, Option(choices=CASES, action="append", help="an instance; all by default")] = None) -> None:
     for row in table(only or tuple(CASES)):
         print(markdown_row(row))
-
-
-if __name__ == "__main__":
-    sys.exit(main())

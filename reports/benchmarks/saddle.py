@@ -16,7 +16,6 @@ a target are joined at random; on the torus, a robot has one action for each cor
 from __future__ import annotations
 
 import math
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -167,7 +166,3 @@ def main(
             if size <= (LARGEST_FOR_HIGHS_FULL if full else LARGEST_FOR_HIGHS):
                 for method in ("simplex", "ipm"):
                     print(f"{'':13s}HiGHS {by_highs(graph, method, highs_limit)}", flush=True)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

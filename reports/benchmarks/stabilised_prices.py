@@ -9,7 +9,6 @@ Exits with 1 if two roots differ.
 from __future__ import annotations
 
 import math
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -85,7 +84,3 @@ def main(
             first = bound if math.isnan(first) else first
             same = same and math.isclose(bound, first, rel_tol=SAME)
     return same
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -76,7 +76,3 @@ def main() -> bool:
     for what, names in loaded.items():
         print(f"{what:<24} loads {', '.join(names) or 'no solver, no pandas, no scipy'}")
     return worst <= LIMIT and not any(loaded.values())
-
-
-if __name__ == "__main__":
-    sys.exit(main())

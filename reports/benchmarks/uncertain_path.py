@@ -12,7 +12,6 @@ One thread. Medians and largest values, after a first call outside the clock.
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable
 from typing import Annotated
 
@@ -173,7 +172,3 @@ def main(
     seed: int = 1,
 ) -> tuple[str, bool]:
     return report(comparisons, samples, graphs, walked, draws, seed)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

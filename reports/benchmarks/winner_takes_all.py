@@ -11,7 +11,6 @@ was not within 2 % of the relaxation's value after 60 seconds.
 from __future__ import annotations
 
 import math
-import sys
 import time
 from dataclasses import dataclass, replace
 from typing import Annotated
@@ -115,7 +114,3 @@ def main(
                     print(f"{'':13s}HiGHS {by_highs(graph, method, highs_limit)}", flush=True)
     print(f"target: within {WANTED:.0%} of the relaxation in {SECONDS:.0f} s: {met(good)}")
     return good
-
-
-if __name__ == "__main__":
-    sys.exit(main())

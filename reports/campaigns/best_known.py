@@ -26,16 +26,8 @@ Value = tuple[str | None, str | None, float]
 def best_known(instances: Iterable[Named], table: Path | None = None) -> dict[str, list[Value]]:
     """Best values that tables tell of instances, by the hash of their files.
 
-    Parameters
-    ----------
-    instances : iterable of Named
-    table : Path, optional
-        One table for all; by default the nearest ``bks.csv`` in the folder of each instance and those above.
-
-    Raises
-    ------
-    InputError
-        For a table that cannot be read, or lacks a column.
+    ``table`` holds for all; by default it is the nearest ``bks.csv`` in the folder of each instance and those above. Raises InputError for
+    a table that cannot be read, or lacks a column.
     """
     found: dict[str, list[Value]] = {}
     for one in instances:

@@ -54,11 +54,8 @@ class Campaign:
 
     Attributes
     ----------
-    file : Path
     folder : Path
         What its paths are relative to.
-    results : Path
-        The results file.
     runs : tuple of Planned
         All of them, each once, in the order of seeds, instances and methods: every method has had its turn early.
     overtime : float, seconds
@@ -102,21 +99,9 @@ def bundled_campaigns() -> dict[str, Path]:
 def read_campaign(path: str | Path, folder: Path | None = None) -> Campaign:
     """The campaign that a file describes; nothing is run, and no instance is read. Those that it asks to be generated are.
 
-    Parameters
-    ----------
-    path : path-like
-        A TOML file.
-    folder : Path, optional
-        What its paths are relative to; the folder of the file by default.
-
-    Raises
-    ------
-    InputError
-        For a file that cannot be read, a key that does not exist, a value of another kind, and an instance that is not there.
-    UsageError
-        For a method, a limit or an option that does not exist.
-    MissingPackageError
-        For a solver that is not installed.
+    Paths are relative to ``folder``, by default that of the file. Raises InputError for a file that cannot be read, a key that does not
+    exist, a value of another kind, and an instance that is not there; UsageError for a method, a limit or an option that does not exist;
+    MissingPackageError for a solver that is not installed.
     """
     file = Path(path)
     folder = (file.parent if folder is None else folder).resolve()

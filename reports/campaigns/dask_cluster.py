@@ -31,19 +31,8 @@ PATIENCE = "30s"
 class DaskWorkers:
     """The workers of a Dask cluster. A context manager.
 
-    Parameters
-    ----------
-    address : str
-        ``local``, or that of a scheduler: ``tcp://host:8786``.
-    jobs : int
-        Workers, where they are local.
-
-    Raises
-    ------
-    MissingPackageError
-        If Dask distributed is not installed.
-    UsageError
-        If no scheduler answers at the address.
+    ``address`` is ``local``, with ``jobs`` workers, or that of a scheduler: ``tcp://host:8786``. Raises MissingPackageError if Dask
+    distributed is not installed, UsageError if no scheduler answers at the address.
     """
 
     def __init__(self, address: str, jobs: int = 1) -> None:
@@ -75,10 +64,7 @@ class DaskWorkers:
     def outcomes(self, tasks: Iterator[tuple[Planned, Task]]) -> Iterator[tuple[Planned, Outcome]]:
         """Each run with its outcome, in the order in which they end; new workers are made use of as they come.
 
-        Raises
-        ------
-        SearchFailedError
-            If the scheduler is lost, or the workers cannot do runs at all.
+        Raises SearchFailedError if the scheduler is lost, or the workers cannot do runs at all.
         """
         from distributed import as_completed
 

@@ -89,12 +89,8 @@ class _Running:
 class ForkServer:
     """The loop of that process.
 
-    Parameters
-    ----------
-    connection : Connection
-        Tasks come in as ``(number, task)``, outcomes go out as ``(number, outcome)``; it ends when the other end is closed.
-    folder : Path
-        For what runs write.
+    Tasks come in as ``(number, task)``, outcomes go out as ``(number, outcome)``; it ends when the other end of ``connection`` is closed.
+    Runs write into ``folder``.
     """
 
     def __init__(self, connection: Connection, folder: Path) -> None:

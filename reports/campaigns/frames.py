@@ -122,16 +122,7 @@ def _looked_up(
 def documents(path: str | PathLike[str], name: str) -> pd.DataFrame:
     """Documents of all runs, one row each: ``instance, method, seed, file_hash, setting_hash`` and the JSON text under ``name``.
 
-    Parameters
-    ----------
-    path : path-like
-    name : str
-        ``solution`` (with the answer), ``certificate`` (with its evidence) or ``history``.
-
-    Raises
-    ------
-    UsageError
-        For another name.
+    ``name`` is ``solution`` (with the answer), ``certificate`` (with its evidence) or ``history``. Raises UsageError for another one.
     """
     import pandas as pd
 

@@ -31,7 +31,6 @@ class Named:
         That of a bundled instance, or of the file without its suffix.
     file : str
         As the campaign says it.
-    path : Path
     hash : str
         SHA-256 of the file's bytes: a file that changes is another instance.
     """
@@ -49,21 +48,10 @@ class Named:
 
 
 def named_instances(said: str, folder: Path, campaign: Path) -> list[Named]:
-    """The instances that one entry of a campaign stands for.
+    """The instances that one entry of a campaign stands for; ``campaign`` is its file, for messages.
 
-    Parameters
-    ----------
-    said : str
-        A file, a bundled instance, or a pattern such as ``"solomon/C1*.txt"``, of names of bundled instances where no file matches; paths
-        are relative to ``folder``.
-    folder : Path
-    campaign : Path
-        The campaign file, for messages.
-
-    Raises
-    ------
-    InputError
-        Where nothing of that name is there, or it cannot be read.
+    An entry is a file, a bundled instance, or a pattern such as ``"solomon/C1*.txt"``, of names of bundled instances where no file matches;
+    paths are relative to ``folder``. Raises InputError where nothing of that name is there, or it cannot be read.
     """
     path = folder / said
     try:
@@ -90,10 +78,7 @@ def named_instances(said: str, folder: Path, campaign: Path) -> list[Named]:
 def with_variables(said: str, campaign: Path) -> str:
     """A path in which ``$NAME`` stands for an environment variable.
 
-    Raises
-    ------
-    InputError
-        Where there is no variable of that name.
+    Raises InputError where there is no variable of that name.
     """
     for name in re.findall(r"\$(\w+)", said):
         if name not in os.environ:
@@ -104,12 +89,7 @@ def with_variables(said: str, campaign: Path) -> str:
 def generated_instances(recipe: str, seeds: list[int], settings: dict[str, Any], folder: Path, campaign: Path) -> list[Named]:
     """Instances of a recipe, one a seed: files in ``folder``, made where they are not there.
 
-    Raises
-    ------
-    UsageError
-        For a recipe or a setting that does not exist.
-    InputError
-        For a file that cannot be written.
+    Raises UsageError for a recipe or a setting that does not exist; InputError for a file that cannot be written.
     """
     words = re.sub(r"[^\w=.]+", "-", " ".join(f"{key}={value}" for key, value in settings.items()))
     place = folder / f"{words[:100]}-{short_hash(canonical(settings))[:6]}".lstrip("-")

@@ -12,22 +12,9 @@ from ...instances.text import shown
 
 
 class Keys:
-    """One table of a campaign file.
+    """One table of a campaign file, which may have the keys ``known`` and no others.
 
-    Parameters
-    ----------
-    table : mapping
-    file : Path
-        For messages.
-    where : str
-        The table in words, "" for the top of the file.
-    known : collection of str
-        All keys that it may have.
-
-    Raises
-    ------
-    InputError
-        For a key that is none of them, with the nearest one.
+    ``where`` is the table in words, "" for the top of the file. Raises InputError for another key, with the nearest one that there is.
     """
 
     def __init__(self, table: Mapping[str, Any], file: Path, where: str, known: Collection[str]) -> None:

@@ -51,8 +51,6 @@ class Task:
     ----------
     path : str
         The instance's file, or the name of a bundled one.
-    setting : Setting
-    seed : int
     folder : str
         What paths in the setting are relative to.
     overtime : float, seconds
@@ -87,8 +85,6 @@ class Outcome:
         Values of ``COLUMNS``, as far as they are known.
     documents : dict
         JSON by the names of ``DOCUMENTS``.
-    versions : dict
-        Versions of packages.
     machine : dict
     """
 

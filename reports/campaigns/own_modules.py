@@ -11,10 +11,7 @@ from pathlib import Path
 def import_modules(names: Iterable[str], folder: Path | str) -> None:
     """Import modules, those that are nowhere else from the folder of the campaign.
 
-    Raises
-    ------
-    ImportError
-        For one that is not there, or that cannot be imported.
+    Raises ImportError for one that is not there, or that cannot be imported.
     """
     for name in names:
         if str(folder) not in sys.path:

@@ -25,8 +25,6 @@ class Paired:
 
     Attributes
     ----------
-    pairs : int
-    mean : float
     low, high : float
         Confidence interval of the mean (Student's t); infinite for a single pair, whose noise nobody knows.
     p_value : float
@@ -41,15 +39,7 @@ class Paired:
 
 
 def paired(differences: ArrayLike, confidence: float = CONFIDENCE) -> Paired:
-    """Mean, confidence interval and test of the differences of pairs.
-
-    Parameters
-    ----------
-    differences : array (pairs,)
-        At least one.
-    confidence : float
-        Of the interval.
-    """
+    """Mean, confidence interval and test of the differences of pairs, of which there is at least one."""
     from scipy import stats
 
     d = np.asarray(differences, dtype=np.float64)
@@ -67,7 +57,7 @@ def against(runs: pd.DataFrame, who: str) -> pd.DataFrame:
     """Paired tests of every method against one, on the cases that both answered.
 
     Answers to one instance are no independent draws, whatever their seeds: they are averaged, and instances are the pairs, unless there is
-    one alone.
+    one alone. Raises UsageError if no method has that name.
 
     Parameters
     ----------
@@ -80,11 +70,6 @@ def against(runs: pd.DataFrame, who: str) -> pd.DataFrame:
     -------
     DataFrame
         ``method, pairs, mean, low, high, p_value``: of the relative differences of the objective, positive where the method is worse.
-
-    Raises
-    ------
-    UsageError
-        If no method has that name.
     """
     import pandas as pd
 

@@ -19,17 +19,8 @@ _KEY = ["instance", "file_hash", "setting_hash", "seed"]
 def primal_integrals(runs: pd.DataFrame, path: Path) -> pd.Series[float]:
     """The primal integral of each run up to its time limit, in seconds, against the best answer that is known for its case.
 
-    Parameters
-    ----------
-    runs : DataFrame
-        Of ``counted``, with the column ``setting_hash``.
-    path : Path
-        The results file.
-
-    Returns
-    -------
-    Series
-        By the index of ``runs``. A run whose answer does not count has the whole time limit; NaN where no answer of the case does.
+    ``runs`` are of ``counted``, with the column ``setting_hash``. A run whose answer does not count has the whole time limit; NaN where no
+    answer of the case does.
     """
     import pandas as pd
 

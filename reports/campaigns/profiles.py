@@ -26,6 +26,8 @@ LEAST_SECONDS = 1e-3
 def profile(runs: pd.DataFrame, measure: str = "objective") -> pd.DataFrame:
     """Performance profiles of all methods; a case is an instance with a seed.
 
+    Raises UsageError for another measure.
+
     Parameters
     ----------
     runs : DataFrame
@@ -38,11 +40,6 @@ def profile(runs: pd.DataFrame, measure: str = "objective") -> pd.DataFrame:
     -------
     DataFrame
         Index ``factor``, one column a method: the share of cases within this factor of the least cost.
-
-    Raises
-    ------
-    UsageError
-        For another measure.
     """
     if measure not in MEASURES:
         hint = did_you_mean(measure, MEASURES)

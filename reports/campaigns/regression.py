@@ -39,7 +39,6 @@ class Change:
         Instances, or runs where there is one instance.
     change, low, high : float
         Mean and its confidence interval, positive where it is worse.
-    p_value : float
     worse : bool
         Whether it is worse beyond noise.
     where : str
@@ -77,17 +76,12 @@ def regression(before: pd.DataFrame, after: pd.DataFrame) -> Regression:
 
     A method is worse where the confidence interval of the mean change lies beyond what is tolerated, over all instances or, corrected for
     their number (Bonferroni), over the seeds of one; or where it lost all answers or all proofs of an instance. Of a single pair nobody
-    knows the noise: what is beyond the tolerance counts.
+    knows the noise: what is beyond the tolerance counts. Raises UsageError if they have no run in common, or not the same limits.
 
     Parameters
     ----------
     before, after : DataFrame
         Of ``results``.
-
-    Raises
-    ------
-    UsageError
-        If they have no run in common, or not the same limits.
     """
     a, b = counted(before), counted(after)
     alike = a.merge(b, on=PAIR, suffixes=("_a", "_b"), how="inner")

@@ -43,17 +43,13 @@ _ADDED = (*COLUMNS, "instance", "setting", "seed", "environment")
 class ResultsFile:
     """A results file, open for one campaign; a context manager.
 
+    Raises InputError for a file that is damaged, none of ours, of a newer schema, or cannot be written; UsageError while another campaign
+    writes to it.
+
     Parameters
     ----------
     path : Path
         Made where it is not there.
-
-    Raises
-    ------
-    InputError
-        For a file that is damaged, none of ours, of a newer schema, or cannot be written.
-    UsageError
-        While another campaign writes to it.
     """
 
     def __init__(self, path: Path) -> None:
@@ -104,10 +100,7 @@ class ResultsFile:
     def add(self, run: Planned, outcome: Outcome) -> None:
         """Add a run in one transaction; one that is there already stays.
 
-        Raises
-        ------
-        InputError
-            Where the file cannot be written, be it that the disk is full; nothing of the run is in it then.
+        Raises InputError where the file cannot be written, be it that the disk is full; nothing of the run is in it then.
         """
         self.add_all([(run, outcome)])
 
@@ -214,10 +207,7 @@ def readable(path: Path) -> Iterator[None]:
 def opened(path: Path) -> Iterator[sqlite3.Connection]:
     """A results file to read from, which may be written to meanwhile.
 
-    Raises
-    ------
-    InputError
-        For one that is not there, damaged, or of a newer schema.
+    Raises InputError for one that is not there, damaged, or of a newer schema.
     """
     if not path.is_file():
         raise InputError("no such results file", "file", file=path)

@@ -24,14 +24,9 @@ TRIES = 2
 
 
 class RunProcesses:
-    """Does runs, each in a process of its own. A context manager; thread-safe.
+    """Does runs, ``jobs`` at a time, each in a process of its own. A context manager; thread-safe.
 
-    Parameters
-    ----------
-    jobs : int
-        How many ``outcomes`` does at a time.
-    program : str
-        Module whose ``main`` the process that starts runs is to call.
+    The process that starts runs is to call ``main`` of the module ``program``.
     """
 
     def __init__(self, jobs: int = 1, program: str = f"{__package__}.fork_server") -> None:

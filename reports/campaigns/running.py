@@ -25,18 +25,13 @@ class Workers(Protocol):
 
 
 WORKERS: Registry[Callable[[str, int], AbstractContextManager[Workers]]] = Registry("cluster", __package__, group="waybound.workers")
-"""From the address of a cluster and a number of jobs to its workers, by the scheme of the address: ``tcp`` of ``tcp://host:8786``."""
+"""Functions from the address of a cluster and a number of jobs to its workers, by the scheme of the address: ``tcp`` of ``tcp://host:8786``."""
 
 
 def workers_at(address: str | None, jobs: int) -> AbstractContextManager[Workers]:
     """The workers of a cluster, or processes of this machine.
 
-    Raises
-    ------
-    UsageError
-        For an address of another kind than there are.
-    MissingPackageError
-        Where the package that it takes is not installed.
+    Raises UsageError for an address of another kind than there are; MissingPackageError where the package that it takes is not installed.
     """
     if address is None:
         return WORKERS["processes"]("", jobs)
@@ -47,27 +42,10 @@ def workers_at(address: str | None, jobs: int) -> AbstractContextManager[Workers
 
 
 def run_campaign(campaign: Campaign, workers: AbstractContextManager[Workers], *, again: bool = False, progress: Told | None = None) -> int:
-    """Do the runs of a campaign that its results file lacks.
+    """Do the runs of a campaign that its results file lacks; returns how many were done.
 
-    Parameters
-    ----------
-    campaign : Campaign
-    workers : context manager of Workers
-        Entered only if anything is to be done.
-    again : bool
-        Whether runs that ended in an error are done once more.
-    progress : callable, optional
-        Hears ``(done, planned, what)`` after each run.
-
-    Returns
-    -------
-    int
-        How many were done.
-
-    Raises
-    ------
-    InputError, UsageError
-        Of the results file; what was done until then is in it.
+    ``workers`` is entered only if anything is to be done; with ``again`` runs that ended in an error are done once more; ``progress`` hears
+    ``(done, planned, what)`` after each run. Raises InputError and UsageError of the results file; what was done until then is in it.
     """
     with ResultsFile(campaign.results) as results:
         if again:
@@ -91,10 +69,7 @@ def run_campaign(campaign: Campaign, workers: AbstractContextManager[Workers], *
 def check_reading(runs: list[Planned]) -> None:
     """Read one instance in each way that these runs ask for, so that a setting which does not exist is told once, and not by every run.
 
-    Raises
-    ------
-    UsageError
-        For a problem, convention or change of the data that does not exist.
+    Raises UsageError for a problem, convention or change of the data that does not exist.
     """
     from ...api import problem_of, read_source
 

@@ -20,20 +20,12 @@ class Setting:
 
     Parameters
     ----------
-    method : str
-        Name of a solver or a heuristic.
-    heuristic : bool
-        Whether it is a heuristic.
     problem, convention, format : str, optional
         How the instance is read; what its format stands for by default.
     changes : dict
         Changes of the data, as with ``--set``.
     form : str, optional
         How the problem is written down, for solvers that take programs.
-    relax : bool
-        Whether integrality is dropped.
-    options : dict
-        The method's own options.
     lp_solver : str, optional
     time_limit, bound_time, iterations, no_improvement, gap, threads
         As in ``solve``.

@@ -24,7 +24,6 @@ class MethodSummary:
 
     Attributes
     ----------
-    method : str
     runs, answers, proved, claimed, errors : int
         Runs in all; answers that count; optima by a verified bound, and by the method's own word; runs that ended in an error.
     gap_to_best, gap_to_known, gap_to_bound : float or None
@@ -61,15 +60,7 @@ class Summary:
 
 
 def summary_of(runs: pd.DataFrame, path: Path) -> Summary:
-    """The summary of results.
-
-    Parameters
-    ----------
-    runs : DataFrame
-        Of ``counted``.
-    path : Path
-        The results file, for the courses of the searches.
-    """
+    """The summary of results: ``runs`` are of ``counted``, and the results file has the courses of the searches."""
     import numpy as np
 
     runs = runs.assign(primal_integral=primal_integrals(runs, path) if len(runs) <= MANY else np.nan)

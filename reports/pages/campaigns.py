@@ -25,24 +25,14 @@ GAPS = {
     "gap_to_known": "Gap to the best known value", "gap_to_best": "Gap to the best answer of all",
     "gap_to_bound": "Gap to the verified bound",
 }  # fmt: skip
-"""What answers are compared with, and its title."""
+"""Columns of gaps, with titles that name the other side."""
 
 
 def campaign_page(runs: pd.DataFrame, path: Path, *, name: str, planned: int, against: str | None = None) -> Page:
-    """The page of a campaign's results.
+    """The page of a campaign's results, which are of ``counted`` and not empty.
 
-    Parameters
-    ----------
-    runs : DataFrame
-        Of ``counted``, not empty.
-    path : Path
-        The results file, for the courses of the searches.
-    name : str
-        Title of the page.
-    planned : int
-        Runs that the campaign asks for.
-    against : str, optional
-        A method that all others are tested against.
+    ``path`` is the results file, for the courses of the searches, ``planned`` the number of runs that the campaign asks for, and
+    ``against`` a method that all others are tested against.
     """
     summary = summary_of(runs, path)
     methods = runs["who"].nunique()

@@ -21,7 +21,6 @@ class Page:
 
     Parameters
     ----------
-    title, lead : str
     blocks : sequence of Block
         Of ``waybound.reports.pages.blocks``, or anything with their method ``html``.
     """

@@ -1,4 +1,4 @@
-"""What the blocks of a page share while it is written."""
+"""State that the blocks of a page share while it is written."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ class Optimum:
 
 
 OPTIMA: Registry[Callable[[Any], Optimum]] = Registry("family with optima", "waybound.reports.studies.*.families.optima")
-"""From a small problem to its optimum, by the name of its family. Each raises UsageError where the problem is too large, or another."""
+"""Functions from a small problem to its optimum, by the name of its family. Each raises UsageError for a problem too large, or another."""
 
 
 def optimum(problem: Problem) -> Optimum:

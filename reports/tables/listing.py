@@ -74,7 +74,7 @@ UNABLE = "that do not take it"
 
 
 def _able_first(infos: Sequence[Info]) -> list[Info]:
-    """Who takes a problem, who would if installed, who lacks a feature, and who is for other families."""
+    """Names of those that take a problem, would if installed, lack a feature, and are for other families."""
 
     def rank(info: Info) -> tuple[bool, bool, bool]:
         foreign = any(feature.endswith(" problems") for feature in info.missing)

@@ -21,7 +21,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "study": ("reports.studies.study:STUDIES",),
     "instance": ("instances.bundled:RECIPES",),
 }
-"""Where the names of each kind of thing stand: a module and what in it is iterated over."""
+"""Places of the names of each kind of thing: a module, and what in it is iterated over."""
 
 
 def names(what: str) -> Callable[[str], list[str]]:

@@ -20,9 +20,11 @@ from ..instances.errors import InputError, UsageError
 def answer_given(problem: Problem, given: Any, called: str, form: str | None = None) -> tuple[Any, tuple[str, ...]]:
     """The answer of ``problem`` that ``given`` says, and what a user should be told about the reading.
 
+    Raises UsageError if it is none of these; InputError if the file or the model is no solution of the problem; with file and, where there
+    is one, line.
+
     Parameters
     ----------
-    problem : Problem
     given : object or None
         A ``Solution``; an answer of the problem, or what its ``answer_of`` takes for one (routing: a list of routes, each a list of site
         indices or ids, or of each vehicle by its name, or a frame of visits); the JSON of either, as a mapping; or the path of a solution
@@ -31,13 +33,6 @@ def answer_given(problem: Problem, given: Any, called: str, form: str | None = N
         What it is, for messages: ``the start``.
     form : str, optional
         For a solver's solution file or model: the form that was exported.
-
-    Raises
-    ------
-    UsageError
-        If it is none of these.
-    InputError
-        If the file or the model is no solution of the problem; with file and, where there is one, line.
     """
     if given is None:
         return None, ()

@@ -57,7 +57,6 @@ def find_bounds(
 
     Parameters
     ----------
-    problem : Problem
     bound_time : float, seconds
         Budget for all methods together, without what they prepare, compile or load; 0 turns bounding off.
     target : float, optional
@@ -84,10 +83,6 @@ def find_bounds(
         these, and have half the budget; or before them, where the others had theirs already.
     uncompiled : list of str, optional
         Receives the names of these.
-
-    Returns
-    -------
-    list of Evidence, in the order of the methods
     """
     found: list[Evidence] = []
     failed: list[str] = [] if unable is None else unable
@@ -214,15 +209,9 @@ def first_evidence(
 
 
 class Goal:
-    """Ends a search, through its ``Control``, whose incumbent reaches a verified bound, or comes as near to it as is asked for.
+    """Ends a search, through its ``Control``, whose incumbent reaches a verified bound, or comes within the relative gap ``most`` of it.
 
-    Parameters
-    ----------
-    problem : Problem
-    certificate : Certificate
-        Without an answer; ``learn`` replaces it.
-    most : float
-        Relative gap at which the search ends.
+    ``certificate`` is one without an answer; ``learn`` replaces it.
     """
 
     def __init__(self, problem: Problem, certificate: Certificate, most: float = 0.0) -> None:
@@ -294,12 +283,8 @@ class Beside:
 
     Parameters
     ----------
-    work : BoundWork
-    goal : Goal
-    searched : Control
     progress : callable, optional
         Receives an event for each bound found.
-    competing : bool
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""From what a search left behind to a solution: nothing is believed that was not checked."""
+"""Makes a solution of what a search left behind: nothing is believed that was not checked."""
 
 from __future__ import annotations
 
@@ -38,30 +38,21 @@ def conclude(
 ) -> Solution:  # fmt: skip
     """Believe nothing: decode and judge every answer, bound, certify, and only then say how it ended.
 
-    From the judge's verdict on, whatever fails or is interrupted costs what it would have added, never the answer.
+    From the judge's verdict on, whatever fails or is interrupted costs what it would have added, never the answer. Raises CheckFailedError
+    if a claim does not hold up, and there is neither an answer nor a proof that there is none.
 
     Parameters
     ----------
-    problem : Problem
-    run : Run
-    searched : Searched
     control : Control
         The line to the search, with the last answer that it published.
-    options : Options
     budget : float, seconds
         For bounding and second opinions.
-    record : Recorder
     crash : Exception, optional
         What ended the search before it left anything.
     first : list of Evidence
         What was found before the search.
     beside : Beside, optional
         What bounds beside the search.
-
-    Raises
-    ------
-    CheckFailedError
-        If a claim does not hold up, and there is neither an answer nor a proof that there is none.
     """
     began = time.perf_counter()
     try:
@@ -108,10 +99,6 @@ class Conclusion:
 
     Attributes
     ----------
-    judge : Judge
-    run : Run
-    searched : Searched
-    options : Options
     answer, best : answer and Evaluation, optional
         The best answer that passed every check.
     certificate : Certificate
@@ -290,10 +277,7 @@ class Conclusion:
     def solution(self) -> Solution:
         """The solution around the best answer, with what bounds it.
 
-        Raises
-        ------
-        CheckFailedError
-            If there are faults, and neither an answer nor a proof that there is none.
+        Raises CheckFailedError if there are faults, and neither an answer nor a proof that there is none.
         """
         problem, senses, best, certificate = self.problem, self.problem.senses, self.best, self.certificate
         claim, faults = self.claim, tuple(dict.fromkeys([*self.judge.faults, *self._contradicted(), *self.disagreements]))

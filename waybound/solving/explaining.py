@@ -125,12 +125,8 @@ def explain(problem: Problem | Compiled | Program, *, time_limit: float = 60.0, 
     First arguments from the data alone (routing: sites that no vehicle can reach, a fleet too small), then a deletion
     filter over the row blocks and the rows of a form, through HiGHS. Where no form is exact: an answer by any method, or evidence.
 
-    Parameters as of ``waybound.explain``.
-
-    Notes
-    -----
-    Source of the filter: Chinneck and Dravnieks 1991, "Locating minimal infeasible constraint sets in linear programs",
-    ORSA Journal on Computing 3(2). Rows are dropped in halving groups first, so that few of many rows take few solves.
+    Parameters as of ``waybound.explain``. Source of the filter: Chinneck and Dravnieks 1991, "Locating minimal infeasible constraint sets
+    in linear programs", ORSA Journal on Computing 3(2). Rows are dropped in halving groups first, so that few of many rows take few solves.
     """
     if not time_limit > 0:
         raise UsageError(f"the time limit must be positive, not {time_limit!r}", "out-of-range")
@@ -396,22 +392,9 @@ class _Tester:
 
 
 def deletion_filter(program: Program, test: Callable[[Flags], bool | None], stop: Callable[[], bool]) -> tuple[list[int], bool]:
-    """Rows of an infeasible program that are infeasible together, as few as the time allows.
+    """Rows of an infeasible program that are infeasible together, as few as the time allows; and whether each was found to be needed.
 
-    Parameters
-    ----------
-    program : Program
-        Known to be infeasible.
-    test : callable
-        From flags of shape (rows,) to whether those rows alone are infeasible; None if unknown.
-    stop : callable
-        Whether time is up.
-
-    Returns
-    -------
-    rows : list of int
-    minimal : bool
-        Whether dropping any one of them was found to leave a feasible program.
+    ``test`` says of flags of shape (rows,) whether those rows alone are infeasible, None if unknown; ``stop`` whether time is up.
     """
     keep = np.ones(program.num_rows, dtype=bool)
     starts = np.cumsum([0, *(block.size for block in program.rows)])

@@ -35,8 +35,6 @@ class Claim:
 
     Parameters
     ----------
-    solver : str
-    said : RawResult
     exactness : Exactness
         How what is said relates to the problem; of a heuristic, which is ``NEITHER``, no word is a claim.
     own : Evaluation, optional
@@ -191,20 +189,14 @@ class Judge:
 
     Attributes
     ----------
-    problem : Problem
-    solver : str
     exactness : Exactness
         How the solver's points relate to the problem's answers.
     decode : callable
         From the solver's raw answer to the problem's.
-    notes : list of str
-        What a user should be told.
     crash : exception, optional
         What ended the search before it left anything.
     program : Program, optional
         That was searched.
-    faults : list of str
-        Claims of the solver that a check refutes.
     own : Evaluation, optional
         Of the answer that the solver's own result hands over.
     """
@@ -257,14 +249,8 @@ class Judge:
     def best(self) -> tuple[Any, Evaluation | None]:
         """The best feasible answer with its evaluation; (None, None) where there is none, and nobody claimed one.
 
-        Raises
-        ------
-        CheckFailedError
-            If there is none although the solver claimed one.
-        SearchFailedError, NoAnswerError
-            If a crash, or a lack of memory, ended the search before there was one.
-        BaseException
-            What kept the only candidate from being judged.
+        Raises CheckFailedError if there is none although the solver claimed one; SearchFailedError, NoAnswerError if a crash, or a lack of
+        memory, ended the search before there was one; or what kept the only candidate from being judged.
         """
         feasible = [pair for pair in self._judged if pair[1].feasible]
         if feasible:

@@ -28,9 +28,10 @@ def further_levels(
 ) -> Certificate:  # fmt: skip
     """The certificate with verified bounds of the levels after the first, as long as verified bounds close all before.
 
+    Raises CheckFailedError if a bound that was verified contradicts the answer.
+
     Parameters
     ----------
-    problem : Problem
     certificate : Certificate
         With a bound of the first level.
     evaluation : Evaluation or None
@@ -38,16 +39,10 @@ def further_levels(
         levels before, so that a bound is one of the answers that meet them, if there are any.
     seconds : float
         For all levels together.
-    linear : LinearPrograms
     notes : list of str
         Receives a line for each method or checker that fails.
     begun : callable, optional
         Hears of each level that is begun, and of its seconds; what it returns receives the events of bounding.
-
-    Raises
-    ------
-    CheckFailedError
-        If a bound that was verified contradicts the answer.
     """
     levels: list[LevelBound] = []
     before: tuple[float, ...] = ()
@@ -76,16 +71,8 @@ def bound_alone(
 ) -> tuple[Certificate, list[Evidence], float]:
     """A certificate without an answer, with a bound of each level; all evidence that was found of the first, and the seconds spent.
 
-    Parameters
-    ----------
-    problem : Problem
-    seconds : float
-        For all methods and levels together. Ctrl-C keeps what was found.
-    linear : LinearPrograms
-    notes : list of str
-        Receives a line for each method or checker that fails.
-    progress : callable, optional
-        Receives the events of bounding.
+    ``seconds`` is the budget of all methods and levels together; Ctrl-C keeps what was found. ``notes`` receives a line for each method or
+    checker that fails.
     """
     began = time.perf_counter()
 

@@ -159,7 +159,7 @@ class Run:
 
     @property
     def claimant(self) -> str:
-        """Whose claims its bounds are."""
+        """The name of the solver that its bounds are claims of."""
         return f"{self.name} ({self.form})" if self.form else self.name
 
     @property
@@ -178,10 +178,7 @@ class Run:
 def requested_run(problem: Problem, given: Compiled | None, request: Request, options: Options) -> Run:
     """The search that is asked for; of the default solver, begun by a heuristic, where no method, form or relaxation is named.
 
-    Raises
-    ------
-    UsageError, UnsupportedError, MissingPackageError
-        Of what the method cannot take or keep to.
+    Raises UsageError, UnsupportedError, MissingPackageError of what the method cannot take or keep to.
     """
     if request.heuristic is not None:
         return heuristic_run(problem, request.heuristic, options, request.isolated)
@@ -227,10 +224,7 @@ def solver_run(
 ) -> Run:
     """A search by a solver: of the problem itself by an engine, of a program made of it by a backend.
 
-    Raises
-    ------
-    UsageError, UnsupportedError, MissingPackageError
-        Of what it cannot take or keep to.
+    Raises UsageError, UnsupportedError, MissingPackageError of what it cannot take or keep to.
     """
     backend = solver_named(solver)
     options = backend.converted(options)
@@ -278,10 +272,7 @@ def solver_run(
 def heuristic_run(problem: Problem, name: str, options: Options, isolate: bool) -> Run:
     """A search by a heuristic.
 
-    Raises
-    ------
-    UsageError, UnsupportedError
-        Of what it cannot take or keep to.
+    Raises UsageError, UnsupportedError of what it cannot take or keep to.
     """
     work = HeuristicWork(name, problem, options)
     missing = work.method.missing(problem)

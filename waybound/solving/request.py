@@ -22,11 +22,7 @@ class Request:
     """The settings of ``waybound.solve``, which documents them; ``start`` is an answer of the problem here.
 
     ``notes`` are what a user should be told of the reading of the start.
-
-    Raises
-    ------
-    UsageError
-        For a limit that is none.
+    Raises UsageError for a limit that is none.
     """
 
     solver: str | None = None
@@ -73,7 +69,7 @@ class Request:
 
     @cached_property
     def linear(self) -> LinearPrograms:
-        """Who solves the linear programs that are met on the way; raises UsageError for a solver that takes none."""
+        """The solver of the linear programs that are met on the way; raises UsageError for a solver that takes none."""
         return linear_programs(self.lp_solver, self.seed, self.threads)
 
     def search_options(self) -> Options:
@@ -87,10 +83,7 @@ class Request:
 def request_of(problem: Problem | Compiled, *, start: Any = None, options: Mapping[str, Any] | None = None, **settings: Any) -> Request:
     """The keywords of ``waybound.solve`` as a request; those that are no settings of it are options of the method.
 
-    Raises
-    ------
-    UsageError, InputError
-        For a setting or a start that cannot be one.
+    Raises UsageError, InputError for a setting or a start that cannot be one.
     """
     known = {name: settings.pop(name) for name in _SETTINGS if name in settings}
     request = Request(**known, options={**(options or {}), **settings})

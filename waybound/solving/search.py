@@ -45,13 +45,8 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
     """Run ``run(control)`` in a worker thread and wait for it.
 
     The first Ctrl-C (of the command line also SIGTERM or SIGHUP) asks the engine to stop and waits up to ``GRACE`` seconds for its last
-    word, a later one takes the incumbents at once. An engine that overstays its time limit, on the clock of
-    ``stop.now``, is treated alike.
-
-    Raises
-    ------
-    Exception
-        Whatever the engine raised, unless it had published an answer before: an answer outlives a crash.
+    word, a later one takes the incumbents at once. An engine that overstays its time limit, on the clock of ``stop.now``, is treated alike.
+    Raises whatever the engine raised, unless it had published an answer before: an answer outlives a crash.
     """
     outcome: dict[str, Any] = {}
     # Not Thread.join and is_alive: an interrupt within join makes Python 3.11 take a running thread for a finished one.
@@ -102,10 +97,7 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
 def in_time(work: Callable[[], T], otherwise: Callable[[], T]) -> T:
     """Return ``work()``, or ``otherwise()``, which must be quick, once a signal has come and its time is out.
 
-    Raises
-    ------
-    Exception
-        Whatever either raises.
+    Raises whatever either raises.
     """
     outcome: list[T] = []
     faults: list[BaseException] = []

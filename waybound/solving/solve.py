@@ -27,12 +27,8 @@ from .search_log import Log, shown
 def solve(problem: Problem | Compiled, request: Request | None = None, *, progress: Progress | None = None, log: Log = None) -> Solution:
     """Solve a problem as it is asked for, check the answer, and bound it; ``waybound.solve`` documents what may be asked.
 
-    Raises
-    ------
-    UsageError, UnsupportedError, MissingPackageError, InputError
-        Before anything is run.
-    CheckFailedError, SearchFailedError, NoAnswerError
-        If there is no answer to hand over.
+    Raises UsageError, UnsupportedError, MissingPackageError, InputError before anything is run; CheckFailedError, SearchFailedError,
+    NoAnswerError if there is no answer to hand over.
     """
     request = request or Request()
     given, problem = (problem, problem.problem) if isinstance(problem, Compiled) else (None, problem)

@@ -20,12 +20,6 @@ from ..mission import MISSIONS, Actions, Decision, Mission, Scene
 class FleetEnergy(Mission):
     """Take on the jobs that the fleet can sustain, and watch all their places without a gap, with few takeoffs.
 
-    A job is taken on when it is asked for, if the supply of charged robots keeps up with it and those before; the latest jobs for ever are
-    given up again if the estimates of flight and charging times say that they are too many. Watches are planned up to a horizon whenever
-    something has changed, and again when half of it is over: as the program of fewest takeoffs by any solver, or one by one by the policy.
-
-    Notes
-    -----
     Source: Mitchell (2020), appendix A; readings and errata: docs/missions/fleet-energy.md.
     """
 

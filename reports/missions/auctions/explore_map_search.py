@@ -23,13 +23,6 @@ from .room_exploration import rooms_scene, round_problem, worth_now
 class ExploreMapSearch(Mission):
     """Gain as much as the budgets allow: rooms entered, types learnt, targets found, by their weights.
 
-    A solver or heuristic plans the next ``horizon`` steps of all robots when all have contact, and again once ``replan`` steps are over and
-    all have contact once more, by what all know then. The plan ends in contact, so that this comes. The policies decide in each step, each
-    group of robots that hear each other by what it was told: ``relays`` is the source's market of explorers and relays, ``alone`` its rule
-    of comparison.
-
-    Notes
-    -----
     Source: Zhang (2015), chapter 5; readings and errata: docs/missions/explore-map-search.md.
     """
 

@@ -30,13 +30,6 @@ PLANS = {"partition": "distributed-sampling", "auction": "fixed-order-auction"}
 class InformationGathering(Mission):
     """Lose little: a full sensor gathers nothing until a robot takes something out, and only what reaches a base counts.
 
-    ``plan=partition``: at the start the sensors are shared out once, a balanced partition; each robot tours its own by urgency, and again
-    when it is back.
-    ``plan=auction``: whenever a robot is back, all sensors are allocated anew, those first that are full the soonest; robots on their way
-    keep their stops unless they expect a smaller loss by the new ones, and what nobody is going to visit goes to those that are back.
-
-    Notes
-    -----
     Source: Zhang (2015), chapter 4. Readings of what it leaves open: docs/missions.md#information-gathering.
     """
 

@@ -32,12 +32,6 @@ it."""
 class Orchard(Mission):
     """Bring all bins home early: whenever robots are idle, they decide which bins they fetch and where they bring new ones.
 
-    Which bin each fetches is the problem: an assignment of the idle robots at the least sum of costs (``plan=step``), or a schedule of
-    all bins that stand and all robots, of which the first trips are begun (``makespan``, ``completion``). ``delivery`` says where new
-    bins go, but with ``plan=joint``, an assignment of bins and requests at once. The policies choose bins by rules.
-
-    Notes
-    -----
     Source: Zhang (2015), sections 3.2 to 3.5. Readings of what it leaves open: docs/missions.md#orchard.
     """
 

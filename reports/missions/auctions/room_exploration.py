@@ -28,11 +28,6 @@ BESIDE = 0.22
 class RoomsExplored(Mission):
     """Gain much in rounds: at the start of each all robots have contact, share what they read, and plan its steps.
 
-    The problem of a round is the static one, with the gains that the beliefs of that time make: what is read within a round changes no
-    plan before the next. A round without an answer is spent where the robots are, in contact.
-
-    Notes
-    -----
     Source: Zhang (2015), chapter 5. What of it is played, and what is not: docs/missions.md#room-exploration.
     """
 

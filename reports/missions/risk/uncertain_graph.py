@@ -26,11 +26,6 @@ POLICIES = ("rags", "a-star", "greedy", "d-star-lite", "hindsight")
 class UncertainGraphMission(Mission):
     """Reach the goal at a small cost: at each vertex the robot sees what the edges that leave it cost, and goes along one.
 
-    With a solver or heuristic it plans from where it is, on what it knows, by the cost at ``risk``, takes the first edge and plans
-    again; the policies are those of Skeele (2016), section 5.5, and the hindsight optimum that they are compared with.
-
-    Notes
-    -----
     Source: Skeele (2016), sections 5.4 and 5.5; readings of what it leaves open: docs/missions.md#uncertain-graph.
     """
 

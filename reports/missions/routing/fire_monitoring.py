@@ -60,12 +60,6 @@ def least_possible(spots: Hotspots, place: Floats, speed: float, radius: float, 
 class FireMonitoring(Mission):
     """Keep J small, the sum over hotspots of the longest wait.
 
-    The policies are the source's weighted greedy, the circling of the perimeter that it is compared with, and the exact patrol of a few
-    hotspots that stay where they are. With a solver or heuristic, weighted greedy becomes a tour: of all open tours that of most waiting
-    time less ``alpha`` times path cost, and the aircraft flies to its first hotspot.
-
-    Notes
-    -----
     Source: Skeele (2016), chapter 3; readings and errata: docs/missions/fire-monitoring.md.
     """
 

@@ -85,13 +85,6 @@ def picture_route(
 class HotspotIdentification(Mission):
     """Find the most intense place of a field while the time for flights and pictures lasts.
 
-    The belief is a Gaussian process, and the index of an arm its upper confidence bound: the mean over its footprint plus beta times the
-    variance of that mean. The policies fly to the arm of the largest index again and again. With a solver or heuristic the best arms of
-    disjoint footprints are made an orienteering problem, with indices as rewards and the time left as the limit, and the robot flies to
-    the first arm of the route, after each picture anew. The first picture is that from the nearest arm, whatever decides.
-
-    Notes
-    -----
     Source: Sung (2019), chapter 5; readings and errata: docs/missions/hotspot-identification.md. Routes are ours.
     """
 

@@ -23,8 +23,9 @@ class DepthFirst:
     """Recursive depth-first exploration by a team: algorithm 4 of Sung (2019), repaired.
 
     Each cell becomes a child of the one from which it is seen first. A robot goes to a child that is not explored in full, or else to the
-    parent. Several such children are halved again and again, the first against all others, and the robot goes where fewer robots are;
-    ties go to the first. Robots that arrive together all look before any goes on, and go in the order of their numbers.
+    parent. Several such children are halved again and again, the first against all others, and the robot goes where fewer robots are; ties
+    go to the first. Robots that arrive together all look before any goes on, and go in the order of their numbers. Source: Sung (2019),
+    section 4.4.1; what was repaired: docs/missions/plume-exploration.md#errata.
 
     Attributes
     ----------
@@ -32,10 +33,6 @@ class DepthFirst:
         The tree; children in the order north, east, south, west.
     depth : int
         Edges of its longest path from the start.
-
-    Notes
-    -----
-    Source: Sung (2019), section 4.4.1; what was repaired: docs/missions/plume-exploration.md#errata.
     """
 
     def __init__(self, start: Cell) -> None:
@@ -124,12 +121,6 @@ def covering(
 class PlumeExploration(Mission):
     """Visit every cell of a plume and return soon: the last robot to be back counts.
 
-    With a solver or heuristic the cells that are seen and not visited are shared out anew whenever a robot is at a cell, as routes that
-    end at the start; each robot flies to the first cell of its route. One without a route waits where it is; once nothing is left to visit,
-    all fly to the start. The policies are Sung's depth-first exploration and the lawn mower that it is drawn beside.
-
-    Notes
-    -----
     Source: Sung (2019), chapter 4; readings and errata: docs/missions/plume-exploration.md.
     """
 

@@ -34,12 +34,6 @@ class Team:
 class UnreliableCommunication(Mission):
     """Bring as much of the map as possible to the base, with batteries that do not last for all, and radios that do not reach far.
 
-    Each robot explores, returns, waits or meets others by its own automaton (``RelayRoles``). Which frontier an exploring robot flies to is
-    decided by those in contact with it, together. With a solver or heuristic the frontiers that they know are shared out, as routes of the
-    largest reward that their batteries allow, whenever one of them has reached its own; with the policy each flies to the nearest one.
-
-    Notes
-    -----
     Source: Skeele (2016), chapter 4; readings and errata: docs/missions/unreliable-communication.md.
     """
 

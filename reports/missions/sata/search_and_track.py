@@ -25,19 +25,6 @@ OBJECTIVES = ("reduction", "nearest", "largest")
 class SearchAndTrack(Mission):
     """Find targets and keep track of them, with one robot or a team.
 
-    The supposed targets are the components of the filter's mixture. Whenever it is time to plan, each robot takes one of them as its goal
-    and flies towards its mean until the next plan. Which goals the team takes is the problem, a winner-takes-all assignment: a component
-    counts for one robot. Its worth is
-
-    ``nearest``: the diagonal of the area less the distance to it;
-    ``largest``: the size of its covariance, whoever goes;
-    ``reduction``: by how much a detection from the goal is expected to reduce its covariance, p_D w tr(P - P'), a step of the flight
-    there. Here a goal counts all components that are in sight from it.
-
-    With one robot the first two are Sung's nearest-Gaussian and largest-Gaussian. A robot without a goal goes on with its lawn mower.
-
-    Notes
-    -----
     Source: Sung (2019), section 2.5.7; docs/missions/search-and-track.md#planning. ``reduction`` is ours.
     """
 

@@ -38,11 +38,6 @@ PRESETS: dict[str, dict[str, Any]] = {
 class Tracking(Mission):
     """Keep moving targets in the sight of a team of robots.
 
-    In each step a robot predicts the targets that it sees (they go on as they last moved), and lays out its motion primitives: places where
-    it may be next, staying among them. A primitive sees a predicted target within the sensing range. Which primitives the robots take is
-    the problem, one for each team: robots that can hear each other and share a target. A robot without an action of its own, because it
-    sees nothing, no target is credited to it or its team's problem has no answer, does what the setting ``idle`` says.
-
     Source: Sung (2019), chapter 3. Readings of what it leaves open: docs/missions.md#tracking.
     """
 

@@ -73,7 +73,7 @@ class RouteMap:
         )  # fmt: skip
 
     def _facts(self, ids: list[str], at: Floats) -> dict[str, Any]:
-        """What is told of each route and stop, as texts: the script of the page shows it."""
+        """Facts about each route and stop, as texts that the script of the page shows."""
         frames = self.problem.answer_frames(self.answer)
         by_route = table_of(frames["routes"].drop(columns=["vehicle", "sites"]), most=None)
         by_stop = table_of(frames["visits"].drop(columns=["vehicle", "site"]), most=None)
@@ -128,7 +128,7 @@ def _path(points: Floats) -> str:
 
 
 def _given(problem: RoutingProblem) -> dict[str, list[str]]:
-    """What the data say of each site and the schedule does not."""
+    """Facts about each site that the data hold and the schedule does not."""
     sites, clock = problem.sites, problem.clock
     given: dict[str, list[str]] = {}
     if (np.isfinite(sites.due) | (sites.ready > 0.0))[~sites.depot].any():

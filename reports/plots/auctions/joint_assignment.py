@@ -14,7 +14,7 @@ KINDS = (("to the request", COLOURS[4], ""), ("to the bin", COLOURS[2], ""), ("w
 
 
 def legs(problem: JointAssignment, robot: int, errand: tuple[int, int]) -> tuple[float, float, float]:
-    """When a robot reaches its request, its bin, and when that is full; without one, the time of the event before."""
+    """Times at which a robot reaches its request, its bin, and at which that is full; without one, the time of the event before."""
     place, request = errand
     brought = problem.cost_of(robot, -1, request)
     if place < 0:

@@ -19,10 +19,7 @@ FEW_STATES = 4000
 def plot_risky_path(
     problem: RiskyPath, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:  # fmt: skip
-    """A path on its map, coloured by the risk until then; where states have no places, the risk along the path as a chart.
-
-    It is drawn on matplotlib axes, new ones by default, with ``solution``'s objective, bound and gap, or ``title``, above.
-    """
+    """A path on its map, coloured by the risk until then; where states have no places, the risk along the path as a chart."""
     ax = new_axes() if ax is None else ax
     frame = problem.answer_to_frame(answer)
     if problem.graph.positions is None:

@@ -25,7 +25,7 @@ PATIENCE = 1.0
 
 
 def places(graph: UncertainGraph) -> Floats:
-    """Where vertices are drawn, shape (vertices, 2): their positions, or columns by the number of edges from the start."""
+    """Places at which vertices are drawn, shape (vertices, 2): their positions, or columns by the number of edges from the start."""
     if graph.positions is not None:
         return graph.positions
     from scipy.sparse import csr_matrix
@@ -45,10 +45,7 @@ def places(graph: UncertainGraph) -> Floats:
 def plot_uncertain_path(
     problem: UncertainPath, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
-    """A map: the path, the other non-dominated paths, and all edges, the darker the more uncertain their costs.
-
-    It is drawn on matplotlib axes, new ones by default, with ``solution``'s objective, bound and gap, or ``title``, above.
-    """
+    """A map: the path, the other non-dominated paths, and all edges, the darker the more uncertain their costs."""
     ax = new_axes() if ax is None else ax
     graph = problem.graph
     at = places(graph)

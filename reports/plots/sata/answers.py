@@ -34,11 +34,7 @@ NAMED_ROBOTS = 31
 def plot_max_min(
     problem: BottleneckSATA | MaxMinLP, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
-    """A bottleneck answer as a map, a bipartite graph or a chart of the targets' coverage; a max-min program as a chart of its rows.
-
-    Draws on ``ax`` (new axes by default), which it returns; ``solution`` gives objective, bound and gap for the title, unless that is
-    given.
-    """
+    """A bottleneck answer as a map, a bipartite graph or a chart of the targets' coverage; a max-min program as a chart of its rows."""
     ax = new_axes() if ax is None else ax
     if isinstance(problem, MaxMinLP):
         x = np.asarray(answer, dtype=np.float64)
@@ -71,10 +67,7 @@ def _bound(solution: Solution | None) -> tuple[float, str] | None:
 def plot_selection(
     problem: SubmodularSelection, answer: Any, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
-    """Winner takes all as a map, a bipartite graph or a chart of the robots' credits; other selections as value after each choice.
-
-    The parameters are those of ``plot_max_min``.
-    """
+    """Winner takes all as a map, a bipartite graph or a chart of the robots' credits; other selections as value after each choice."""
     ax = new_axes() if ax is None else ax
     if not isinstance(problem, WinnerTakesAllSATA):
         _climb(ax, problem, answer, solution)

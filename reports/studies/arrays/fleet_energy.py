@@ -1,8 +1,4 @@
-"""Fleet energy after Mitchell (2020), appendix A: what a fleet sustains, and how far exchanges one by one are from the fewest.
-
-Schedules of small fleets, one by one and by an exact program, all gone through by the checker; both at play for an hour; and the claims of
-the appendix: robots in the air of a fleet of 100, and jobs for ever that a fleet of 26 supports as its estimates settle.
-"""
+"""Fleet energy after Mitchell (2020), appendix A: what a fleet sustains, and how far exchanges one by one are from the fewest."""
 
 from __future__ import annotations
 

@@ -1,8 +1,4 @@
-"""Exploring, mapping and searching after Zhang (2015), chapter 5: its trends, what relays gain, and what planning in the loop loses.
-
-Buildings of 22 rooms with budgets of 100 for the trends; small ones with small budgets for the loss, where the time-expanded program
-bounds what anybody could gain.
-"""
+"""Exploring, mapping and searching after Zhang (2015), chapter 5: its trends, what relays gain, and what planning in the loop loses."""
 
 from __future__ import annotations
 

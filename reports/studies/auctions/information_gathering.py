@@ -1,8 +1,4 @@
-"""Partition against auction in information gathering, after Zhang (2015), chapter 4.
-
-Teams of 2 to 5 robots empty ten sensors for 1,000 steps. The sensors are shared out once (distributed sampling, tours by urgency with a
-look-ahead of one or three stops, or by literal urgency), or by an auction in a fixed order whenever a robot is back.
-"""
+"""Partition against auction in information gathering, after Zhang (2015), chapter 4."""
 
 from __future__ import annotations
 

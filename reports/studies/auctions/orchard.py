@@ -1,8 +1,4 @@
-"""Days in the orchard after Zhang (2015), chapter 3: how much of the gain is the auction's, and how much that of bringing bins ahead.
-
-Choice of bins (greedy, auction) by delivery of new ones (baseline, proposed), for 2 to 20 robots, and 4 and 8 groups: the source compares
-the first with the last of the four alone. Small orchards: the rules beside the optimum of the whole day.
-"""
+"""Days in the orchard after Zhang (2015), chapter 3: how much of the gain is the auction's, and how much that of bringing bins ahead."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ COSTS = (10.0, 15.0, 20.0, 25.0)
 
 
 def chance(paths: list[tuple[float, float]], x: float) -> float:
-    """That the cheapest path costs less than x: less than one path of that cost for certain."""
+    """Probability that the cheapest path costs less than x: less than one path of that cost for certain."""
     return cheaper_probability(PathSet.of(paths), PathSet.of([(x, 0.0)]))
 
 

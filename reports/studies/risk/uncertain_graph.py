@@ -1,8 +1,4 @@
-"""Walks through graphs of uncertain costs, after Skeele (2016), chapter 5: how much more than in hindsight each policy pays.
-
-Random roadmaps, 20 graphs with 100 draws of their costs at three levels of variance; and synthetic rasters in place of the source's aerial
-images. Draws on one graph are alike, so that intervals are those of the graphs' means.
-"""
+"""Walks through graphs of uncertain costs, after Skeele (2016), chapter 5: how much more than in hindsight each policy pays."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ def _walked(graph: UncertainGraph, comparison: str) -> tuple[str, list[tuple[str
 
 
 def _as_printed() -> float:
-    """What (5.3) gives for A before B and B before A together with the density of (5.5) as printed, by the trapezoidal rule."""
+    """The sum of (5.3) for A before B and B before A with the density of (5.5) as printed, by the trapezoidal rule."""
     from scipy.stats import norm
 
     x = np.linspace(100.0, 200.0, 20_001)

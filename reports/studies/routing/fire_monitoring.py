@@ -1,7 +1,4 @@
-"""Fire monitoring after Skeele (2016), chapter 3: weighted greedy against circling, tours and exact patrols in the loop, and the optimum.
-
-Fires spread and are met by all methods alike; and fronts that stand still, of five hotspots, for which the best patrol is proved.
-"""
+"""Fire monitoring after Skeele (2016), chapter 3: weighted greedy against circling, tours, exact patrols in the loop, and the optimum."""
 
 from __future__ import annotations
 

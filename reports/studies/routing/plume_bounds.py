@@ -1,8 +1,4 @@
-"""Theorems on exploring plumes, after Sung (2019), chapter 4: their formulas, and shapes on which some of them fail.
-
-Serpentines are explored depth first by a team that never parts, while straight flights to pieces of them are short; a stadium may have no
-grid cell inside wherever the grid lies badly; around a staircase the lawn mower has a square to sweep.
-"""
+"""Theorems on exploring plumes, after Sung (2019), chapter 4: their formulas, and shapes on which some of them fail."""
 
 from __future__ import annotations
 

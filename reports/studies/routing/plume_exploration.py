@@ -1,8 +1,4 @@
-"""Plume exploration after Sung (2019), chapter 4: times and bounds, what of the bounds is true, and what planning in the loop loses.
-
-Sweeps of plume size, team and speed, as in section 4.6; and small plumes, where the shortest exploration in hindsight is proved, and the
-cells in sight are shared out by a heuristic or an exact solver again and again.
-"""
+"""Plume exploration after Sung (2019), chapter 4: times and bounds, what of the bounds is true, and what planning in the loop loses."""
 
 from __future__ import annotations
 

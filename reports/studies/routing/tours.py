@@ -29,7 +29,7 @@ def _where_metric(ratio: float, problem: Any) -> Ratio:
 
 
 def tour_ratio(of_tour: float) -> Callable[[Any], Ratio]:
-    """That of the tour."""
+    """The ratio that the tour states."""
     return lambda problem: _where_metric(of_tour, problem)
 
 

@@ -1,8 +1,4 @@
-"""Exploration under unreliable communication after Skeele (2016), chapter 4: what relays and sacrifices bring, and what planning loses.
-
-Teams on two kinds of floors, by the source's rules and without them; and two robots in mazes, where the best plan in hindsight is bounded,
-and the frontiers are shared out by a heuristic or an exact solver again and again.
-"""
+"""Exploration under unreliable communication after Skeele (2016), chapter 4: what relays and sacrifices bring, and what planning loses."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ def weights_of(rng: Rng, size: int) -> Floats:
 
 
 def cardinality(rng: Rng, n: int) -> Cardinality:
-    """From one element to nearly all."""
+    """A number of elements, from one to nearly all."""
     return Cardinality(int(rng.integers(1, n)))
 
 
