@@ -33,8 +33,6 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-gc.set_threshold(20_000, 20, 20)  # by default a twentieth of all time goes to looking for garbage, of which there is little
-
 typer.testing._get_command = cache(typer.main.get_command)  # a runner makes all commands anew each time it runs one
 
 
