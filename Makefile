@@ -12,7 +12,7 @@ READY := $(VENV)/.ready
 # threads of linear algebra would wait for each other by spinning.
 TESTING := PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1
 
-.PHONY: demo test test-all test-hostile lint format docs screenshots benchmarks clean
+.PHONY: demo test test-all test-hostile coverage lint format docs screenshots benchmarks clean
 
 # python3-venv may be missing (Debian splits it off): then a bare environment, filled by the system's pip.
 $(READY): pyproject.toml
@@ -37,6 +37,10 @@ test-all: $(READY)
 
 test-hostile: $(READY)
 	WAYBOUND_HOSTILE=1 $(TESTING) $(BIN)/python -m pytest tests/hostile -n 2 --dist worksteal -q -rs -m "hostile or not hostile" $(PYTEST_FLAGS)
+
+# Tracing takes a minute more, so CI does without; fewer than 90 % are an error.
+coverage: $(READY)
+	$(TESTING) $(BIN)/python -m pytest -n 2 --dist worksteal -q --cov --cov-report=term:skip-covered $(PYTEST_FLAGS)
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import functools
-import itertools
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -127,12 +126,11 @@ def with_everything_left_out(problem: RoutingProblem, answer: Routes) -> Routes 
     return Routes((Route(first.visits + left, first.vehicle), *answer.routes[1:])) if left else None
 
 
-@pytest.mark.parametrize("step", [pytest.param(8, marks=pytest.mark.slow), pytest.param(1, marks=pytest.mark.long)])
-def test_every_solution_file_is_accepted_at_its_value(step: int, benchmarks: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """All of them in the long run, among the slow tests one of eight."""
+@pytest.mark.slow
+def test_every_solution_file_is_accepted_at_its_value(benchmarks: Path, capsys: pytest.CaptureFixture[str]) -> None:
     accepted: Counter[str] = Counter()
     lacking: dict[str, Counter[str]] = defaultdict(Counter)
-    for row in itertools.islice(every_row(benchmarks), 0, None, step):
+    for row in every_row(benchmarks):
         if row.lacking:
             lacking[row.family][row.lacking] += 1
             continue
@@ -147,10 +145,10 @@ def test_every_solution_file_is_accepted_at_its_value(step: int, benchmarks: Pat
         for family, reasons in lacking.items():
             print(*(f"{family:<16} {count:>4} rows not checked: {reason}" for reason, count in reasons.items()), sep="\n")
     assert {family for family, count in accepted.items() if count} == set(FAMILIES) - {"mdvrp-cordeau", "toptw"}
-    assert sum(accepted.values()) == sum(not row.lacking for row in itertools.islice(every_row(benchmarks), 0, None, step)) > 600 // step
+    assert sum(accepted.values()) == sum(not row.lacking for row in every_row(benchmarks)) > 600
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_every_solution_file_is_rejected_without_a_visit_that_is_asked_for_and_with_one_doubled(benchmarks: Path) -> None:
     for row in rows(benchmarks):
         problem, answer = load(row)
@@ -200,7 +198,7 @@ def test_every_pair_that_is_turned_round_and_every_load_beyond_the_capacity_is_r
     assert (turned, loaded) == (66, 9)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_every_windowed_solution_file_is_rejected_with_a_visit_past_its_window(benchmarks: Path) -> None:
     spoilt_files = 0
     for row in rows(benchmarks):

@@ -131,7 +131,7 @@ def test_the_overview_names_everything_that_is_registered(registry) -> None:
     assert not [name for name in registry if f"`{name}`" not in overview]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("page", FORMULATIONS, ids=lambda page: page.stem)
 def test_code_on_the_pages_runs(page: Path) -> None:
     namespace: dict[str, object] = {}

@@ -39,7 +39,7 @@ def interrupted_at_first_incumbent(*arguments: str) -> tuple[int, str, float]:
         process.kill()
 
 
-@pytest.mark.parametrize("solver", ["pyvrp", pytest.param("ortools", marks=pytest.mark.long)])
+@pytest.mark.parametrize("solver", ["pyvrp", pytest.param("ortools", marks=pytest.mark.slow)])
 def test_an_interrupt_prints_the_best_answer_verified_and_is_exit_0(solver):
     code, out, _ = interrupted_at_first_incumbent("solve", "demo-rc50", "--solver", solver, "--time-limit", "60", "--json")
     data = json.loads(out)
@@ -117,7 +117,7 @@ def made(number: str, body: str, more: str, *arguments: str) -> subprocess.Compl
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", ["SIGTERM", *(pytest.param(name, marks=pytest.mark.long) for name in ("SIGINT", "SIGHUP"))])
+@pytest.mark.parametrize("number", ["SIGTERM", *(pytest.param(name, marks=pytest.mark.slow) for name in ("SIGINT", "SIGHUP"))])
 def test_a_signal_that_leaves_no_answer_has_its_own_exit_code(number):
     done = made(number, WAITS, "", *SOLVE)
     assert done.returncode == CODES[number], done.stderr
@@ -128,7 +128,7 @@ def test_a_signal_that_leaves_no_answer_has_its_own_exit_code(number):
 @pytest.mark.share(2)
 @pytest.mark.parametrize(
     ("number", "body", "more"),
-    [("SIGINT", ANSWERS, WHILE_JUDGING), ("SIGTERM", DEAF, ""), pytest.param("SIGHUP", DEAF, "", marks=pytest.mark.long)],
+    [("SIGINT", ANSWERS, WHILE_JUDGING), ("SIGTERM", DEAF, ""), pytest.param("SIGHUP", DEAF, "", marks=pytest.mark.slow)],
 )
 def test_an_answer_is_written_whenever_the_signal_comes(number, body, more, tmp_path):
     began = time.perf_counter()

@@ -38,15 +38,15 @@ def _made(name: str) -> Any:
 
 
 FURTHER = ("mathopt", "cvxpy", "pulp", "cpsat", "outer-approximation")
-"""Their limits are tried in the long run only, for they take seconds each; the fast suite tries those of HiGHS and SCIP."""
+"""Their limits are tried among the slow tests only, for they take seconds each; the fast suite tries those of HiGHS and SCIP."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the slow tests of further solvers as long."""
+    """Mark the tests of the limits of further solvers as slow."""
     for item in items:
         name = getattr(item, "callspec", None) and item.callspec.params.get("backend_name")
         if name and name.startswith(FURTHER) and item.path.name == "test_limits.py":
-            item.add_marker(pytest.mark.long)
+            item.add_marker(pytest.mark.slow)
 
 
 @pytest.fixture(params=PROGRAM_BACKENDS)

@@ -183,14 +183,10 @@ def cover(features, missing: Callable[..., frozenset[str]], solved: Callable[...
         assert any(done(problem) for problem in narrow(feature, features)), feature
 
 
-QUICK = {("highs", form) for form in FORMS} | {("cpsat", "circuit")}
-"""What the fast suite tries: a solver makes of one program what it makes of others."""
-
-
 def pairs():
     for forms, names in solvers_of_forms().items():
         for form, name in itertools.product(forms, names):
-            yield pytest.param(form, name, marks=() if (name, form) in QUICK else pytest.mark.long, id=f"{name}-{form}")
+            yield pytest.param(form, name, id=f"{name}-{form}")
 
 
 @pytest.mark.slow

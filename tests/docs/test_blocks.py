@@ -32,9 +32,7 @@ PEERS = {"pyvrp": ("pyvrp",), "ortools": ("ortools",), "vroom": ("vroom",), "cvx
 
 
 def marked(page: Path) -> Any:
-    if page.parent.name == "coming-from":
-        return pytest.param(page, marks=pytest.mark.slow)
-    return page if page.name in QUICK else pytest.param(page, marks=pytest.mark.long)
+    return page if page.name in QUICK else pytest.param(page, marks=pytest.mark.slow)
 
 
 @pytest.mark.parametrize("page", [marked(page) for page in PAGES], ids=lambda page: page.stem)

@@ -30,7 +30,7 @@ def follow(page: Path, folder: Path) -> dict[str, str]:
     return env
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_a_page_does_what_it_shows(page: Path, tmp_path: Path) -> None:
     follow(page, tmp_path)
@@ -54,7 +54,7 @@ def test_every_group_of_entry_points_has_its_line() -> None:
     assert sorted(listed) == sorted((registry.group, name) for name, registry in REGISTRIES.items())
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_solver_of_its_page_passes_the_conformance_suite(tmp_path: Path) -> None:
     env = follow(ROOT / "docs" / "adding-a-solver.md", tmp_path)
     words = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/conformance/test_programs.py", "-k", "scipy"]

@@ -51,7 +51,7 @@ def test_without_execution_a_page_has_text_and_code_alone(script: Path) -> None:
     assert [cell["cell_type"] for cell in json.loads(page.notebook)["cells"]] == ["markdown", *["code"] * 4]
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_executed_a_page_has_tables_texts_and_pictures(script: Path) -> None:
     page = notebook_pages.page(script)
     assert '<div class="output">' in page.text and "&lt;b&gt;" in page.text
@@ -61,7 +61,7 @@ def test_executed_a_page_has_tables_texts_and_pictures(script: Path) -> None:
     assert data.startswith(b"\x89PNG")
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("cell", ["import warnings\nwarnings.warn('old')", "import sys\nprint('lost', file=sys.stderr)"])
 def test_a_notebook_that_warns_is_refused(script: Path, cell: str) -> None:
     script.write_text(f"{SCRIPT}\n# %%\n{cell}\n")
@@ -69,7 +69,7 @@ def test_a_notebook_that_warns_is_refused(script: Path, cell: str) -> None:
         notebook_pages.page(script)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_notebook_that_fails_ends_the_build(script: Path) -> None:
     script.write_text(f"{SCRIPT}\n# %%\n1 / 0\n")
     with pytest.raises(Exception, match="ZeroDivisionError"):

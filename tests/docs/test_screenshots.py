@@ -11,7 +11,7 @@ import screenshots
 PAGE = "<!doctype html><title>t</title><link rel=icon href='data:,'><p>hello</p><script>{}</script>"
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.skipif(not any(map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), reason="no Chromium is installed")
 @pytest.mark.parametrize(("script", "said"), [("", 0), ("console.error('out of order')", 1), ("missing()", 1)])
 def test_a_browser_tells_what_a_page_writes_to_its_console(

@@ -114,7 +114,7 @@ def test_from_the_import_to_a_picture_of_fifty_sites_are_six_lines() -> None:
     assert "solution.plot()" in cell
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_from_the_import_to_a_picture_of_fifty_sites_are_five_seconds_of_compute() -> None:
     frame, cell = first_cells()
     timed = f"{frame}\nimport time\nbegun = time.process_time()\n{cell}\nprint(len(orders) - 1, time.process_time() - begun)"
@@ -124,7 +124,7 @@ def test_from_the_import_to_a_picture_of_fifty_sites_are_five_seconds_of_compute
     assert float(seconds) < 5
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_the_site_builds_without_a_warning_and_fetches_nothing(tmp_path: Path) -> None:
     """With the notebooks as they are written; ``make docs`` executes them."""
     pytest.importorskip("mkdocs", reason="needs the extra docs")

@@ -37,7 +37,7 @@ def test_facility_location(kind: str) -> None:
     assert solution.objective <= solution.bound <= 1.05 * solution.objective  # 63 % is all that the theorem says
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_coverage() -> None:
     np.random.seed(0)  # noqa: NPY002 - the published draw
     held = np.random.choice(2, size=(300, 1000), p=[0.99, 0.01])  # noqa: NPY002

@@ -146,7 +146,7 @@ CASES = {
 }
 
 
-@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_a_tutorial_is_answered_as_well_as_published_with_a_verified_bound(name: str) -> None:
     case = CASES[name]
@@ -162,7 +162,7 @@ def test_a_tutorial_takes_at_most_a_third_of_the_lines_of_its_original(name: str
     assert 3 * len(own) <= CASES[name].lines, (len(own), CASES[name].lines)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_initial_routes_are_improved() -> None:
     problem = global_span()
     before = wb.check(problem, INITIAL)
@@ -215,7 +215,7 @@ def stops_of(solution: wb.Solution) -> set[tuple[str, ...]]:
     return {tuple(part["site"]) for _, part in rows.groupby("vehicle")}
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_vrooms_example_with_a_matrix(tmp_path: Path) -> None:
     """VROOM's objective is to serve as much as can be, and then the least cost: here all that there is, at the published cost."""
     (tmp_path / "example.json").write_text(json.dumps(MATRIX))
@@ -225,7 +225,7 @@ def test_vrooms_example_with_a_matrix(tmp_path: Path) -> None:
     assert (solution.bound, solution.bound_kind) == ([2, 5461], "verified")
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_vrooms_example_with_skills_and_a_shipment(tmp_path: Path) -> None:
     """Without breaks, which are no part of the family, and along great circles (as long forth as back): who visits what is as published."""
     shift = {"time_window": [28800, 43200]}

@@ -32,7 +32,7 @@ def command(*words: object) -> subprocess.CompletedProcess[str]:
     return run("-m", "waybound", *words)
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_its_file_is_solved_written_and_checked_by_the_command_line(cover: Path, tmp_path: Path) -> None:
     out, certificate = tmp_path / "answer.json", tmp_path / "certificate.json"
     solved = command("solve", cover, "--bound-time", 20, "--json", "-q", "--out", out, "--certificate", certificate)
@@ -60,7 +60,7 @@ def test_its_heuristic_states_its_guarantee_and_proves_its_bound(cover: Path) ->
 
 
 @pytest.mark.parametrize(
-    "words", [("info",), *(pytest.param(w, marks=pytest.mark.long) for w in (("bound", "--bound-time", "2"), ("explain",)))]
+    "words", [("info",), *(pytest.param(w, marks=pytest.mark.slow) for w in (("bound", "--bound-time", "2"), ("explain",)))]
 )
 def test_every_command_takes_its_file(cover: Path, words: tuple[str, ...]) -> None:
     made = command(words[0], cover, *words[1:])
@@ -68,7 +68,7 @@ def test_every_command_takes_its_file(cover: Path, words: tuple[str, ...]) -> No
     assert "vertex-cover" in made.stdout
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_it_is_listed_and_exported(cover: Path, tmp_path: Path) -> None:
     assert "edge-payments" in command("heuristics").stdout
     model = tmp_path / "model.lp"
@@ -89,7 +89,7 @@ print(json.dumps(told))
 """
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_every_backend_for_integer_programs_solves_it(cover: Path) -> None:
     made = run("-W", "ignore", "-c", SCRIPT, cover)
     assert made.returncode == 0, made.stderr

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from patience import HANG
 
 from waybound.api import read, solve
 from waybound.formulations.auctions.bin_assignment import BinAssignment
@@ -143,7 +144,7 @@ def test_an_answer_that_bounding_comes_across_competes_with_that_of_an_engine(
 
     registered(BOUNDS, "finder", BoundMethod("finder", lambda problem: frozenset(), found, starts=True))
     engine = engine_that(lambda p, o, c: RawResult("feasible", answer=Routes.of([[1, 3], [2, 4]])))
-    solution = solve(square, engine)
+    solution = solve(square, engine, bound_time=HANG)
     assert (solution.objective, solution.events[-1].objective) == (24.0, (24.0,))
     assert "found while its bound was looked for" in solution.message
     for limits in ({"iterations": 5}, {"bound_time": 0}):

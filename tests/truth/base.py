@@ -44,17 +44,19 @@ class Truth:
         """Compare at the first level that differs, by more than decimals are off as doubles (9.9 + 16.1 and 26) before the last one."""
         levels = [] if b is None else list(zip(self.senses, a, b, strict=False))
         for number, (sense, one, other) in enumerate(levels, start=1):
-            size = max(abs(one), abs(other), self.size if number == 1 else 0)
-            if one != other and (number == len(levels) or abs(one - other) > ROUNDING * size):
+            if one == other:
+                continue
+            if number == len(levels) or abs(one - other) > ROUNDING * max(abs(one), abs(other), self.size if number == 1 else 0):
                 return (one < other) == (sense == "min")
         return b is None
 
     def meet(self, values: Values, strict: bool, answer: Any) -> None:
         """One answer that keeps the limits exactly (``strict``) or nearly."""
         self.size = max(self.size, abs(values[0]))
-        if self.better(values, self.lenient):
+        alike, ahead = self.best is self.lenient, self.better(values, self.lenient)
+        if ahead:
             self.lenient = values
-        if strict and self.better(values, self.best):
+        if strict and (ahead if alike else self.better(values, self.best)):
             self.best = values
             self.samples.insert(0, answer)
         elif strict and len(self.samples) < 40:

@@ -95,7 +95,7 @@ def test_an_answer_that_is_called_optimal_and_is_not_the_best_is_exit_code_1(tmp
     assert "a: savings calls 111.0 optimal, 110.0 is better" in capsys.readouterr().err
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_files_of_each_family_are_bounded_within_their_gaps(benchmarks: Path, tmp_path: Path) -> None:
     files = ["cvrp/A/A-n32-k5.vrp", "top/set6/p6.2.d.txt", "minmax-mtsp/mtsplib/eil51-m2.txt"]
     own: dict[str, Any] = {"heuristics": ["savings", "greedy-orienteering", "tour-splitting"], "seeds": [1], "bound_time": 5}

@@ -8,7 +8,7 @@ import pytest
 from waybound.reports.benchmarks import uncertain_path as benchmark
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_every_part_is_measured_and_judged(capsys):
     code = benchmark.main(["--comparisons", "20", "--samples", "2000", "--graphs", "2", "--walked", "1", "--draws", "1"])
     text = capsys.readouterr().out

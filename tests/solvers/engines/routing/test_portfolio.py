@@ -136,5 +136,5 @@ def test_the_default_of_the_family_is_the_portfolio() -> None:
 
 def test_the_gap_that_is_asked_for_ends_it() -> None:
     """Branch, price and cut ends at the gap, and PyVRP has no turn after it."""
-    result = run(plane(3, 30, 40.0), time_limit=60.0, gap=0.5)
+    result = run(plane(3, 20, 40.0), time_limit=60.0, gap=0.5)
     assert result.limit in ("gap", "none") and engines(result)[-1] == "branch-price-cut"

@@ -69,7 +69,8 @@ def test_routes_are_dissolved_where_vehicles_count_first() -> None:
     assert problem.evaluate(found.answer).values[0] == 4
 
 
-def test_several_anneals_and_answers_made_of_two_are_no_worse_and_repeat() -> None:
+def test_several_anneals_and_answers_made_of_two_are_no_worse_and_repeat(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ruin_recreate, "AMPLE", 2_000)
     problem = wb.generate("random", customers=30, capacity=40)
     many = ruin_recreate.AMPLE * 30
     found, again = (run(problem, iterations=many) for _ in range(2))

@@ -39,7 +39,7 @@ def test_turns_that_grow_are_projected():
 
 @pytest.mark.parametrize("family", ["torus", "expander", "planted"])
 def test_both_methods_are_tried_and_the_gap_is_closed(family, make_game):
-    graph = FAMILIES[family](900)
+    graph = FAMILIES[family](400)
     game = make_game(graph, 1e-6)
     matched, pointed = play(game)
     assert matched > 0 and pointed > 0
