@@ -23,8 +23,8 @@ ROUND = 40
 """Steps between two looks at value, bound and residual."""
 
 SUFFICIENT, NECESSARY, LONGEST = 0.2, 0.8, 0.36
-"""A restart comes once the residual has fallen by the first factor, or by the second and grows again, or after that share of all steps
-(PDLP's rules and factors)."""
+"""A restart comes once the residual has fallen by the first factor, or by the second and grows again, or after that share of all steps: the
+rules of PDLP. The residual is the distance between the point and the plain step beside it."""
 
 
 class PackingCovering:
@@ -33,7 +33,8 @@ class PackingCovering:
     The primal-dual hybrid gradient method on ``max over x >= 0, min over y, z >= 0 with sum y = 1: y'C x - z'(A x - 1)``, with the
     diagonal preconditioners of Pock and Chambolle (2011), reflected Halpern steps (Lu and Yang 2024), and restarts that weigh the steps
     of the two sides anew (Applegate et al. 2021). ``answer`` is feasible and worth ``value``, ``prices`` prove ``bound``; both are the
-    best so far. ``news(game, what)`` is called with ``answer`` or ``bound`` when there is a better one. docs/saddle.md#several-packing-rows-a-variable.
+    best so far. ``news(game, what)`` is called with ``answer`` or ``bound`` when there is a better one.
+    docs/saddle.md#several-packing-rows-a-variable.
 
     Raises
     ------
@@ -41,7 +42,9 @@ class PackingCovering:
         If coefficients are so far apart that no double holds their quotients.
     """
 
-    def __init__(self, problem: MaxMinLP, start: Floats | None = None, news: Callable[[PackingCovering, str], Any] = lambda game, what: None) -> None:
+    def __init__(
+        self, problem: MaxMinLP, start: Floats | None = None, news: Callable[[PackingCovering, str], Any] = lambda game, what: None
+    ) -> None:
         self._packing, self._news = problem.packing.rows, news
         self._lay_out(problem)
         x = self._even if start is None else start * self._inverse_scale
@@ -130,11 +133,7 @@ class PackingCovering:
         return x, scale_down(*self._rows, *self._columns[:2], self._packing, x)
 
     def _wants_restart(self) -> bool:
-        kept = self._since / (self._since + 1.0)
-        moved = (
-            (point - (1.0 - kept) * anchor) / kept - ahead  # twice the plain step less the point that it was made from
-            for point, anchor, ahead in zip((self._x, self._prices), self._anchors, self._next, strict=True)
-        )
+        moved = (point - ahead for point, ahead in zip((self._x, self._prices), self._next, strict=True))
         far, wide = map(_length, moved, (self._short, self._long))
         residual = math.hypot(far * math.sqrt(self._balance), wide / math.sqrt(self._balance))
         if self._since <= ROUND:
@@ -176,8 +175,8 @@ def search_rows(problem: MaxMinLP, options: Options, control: Control, least_gap
         return RawResult("optimal", "none", answer, 0.0, 0.0, message=f"{proof.source}, keeps the value at 0", evidence=(proof,))
     stop = Stop(options.time_limit)
     control.on_stop(stop.ask)
-    start = None if options.start is None else np.asarray(options.start, dtype=np.float64)
-    usable = start is not None and start.shape == (problem.num_variables,) and bool(np.isfinite(start).all())
+    start = np.zeros(0) if options.start is None else np.maximum(np.asarray(options.start, dtype=np.float64), 0.0)
+    usable = start.shape == (problem.num_variables,) and bool(np.isfinite(start).all() and start.any())
 
     def news(game: PackingCovering, what: str) -> None:
         if what == "answer":
@@ -185,7 +184,7 @@ def search_rows(problem: MaxMinLP, options: Options, control: Control, least_gap
         else:
             control.publish(bound=game.bound, evidence=(game.evidence(),))
 
-    game = PackingCovering(problem, np.maximum(start, 0.0) if usable else None, news)  # type: ignore[type-var]
+    game = PackingCovering(problem, start if usable else None, news)
     game.run(stop, max(options.gap, least_gap), math.inf if options.iterations is None else options.iterations)
     optimal = game.closed(least_gap)
     statistics: dict[str, Any] = {"steps": game.steps, "restarts": game.restarts}
