@@ -36,7 +36,7 @@ MOST_LAYERS = 1000
 @BACKENDS.register("saddle")
 class Saddle(Engine):
     """Work on the targets that fall short of a proved bound, and where all of them matter regret matching or an interior point; bounds from
-    balls and prices.
+    balls and prices. Programs with several packing rows a variable go to ``PackingCovering``.
 
     ``iterations`` counts passes over the graph, of which a step of regret matching is one and of the interior point many. Option ``h``:
     start from the local algorithm with so many layers instead of robots that divide themselves evenly (0, the default, as the local
