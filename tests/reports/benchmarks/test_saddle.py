@@ -25,9 +25,9 @@ def test_the_graphs_of_its_own_are_as_they_say() -> None:
     assert "several-packing-rows" in joined.features()
 
 
-@pytest.mark.parametrize("family", benchmark.FAMILIES)
+@pytest.mark.parametrize("family", benchmark.PROGRAMS)
 def test_what_is_measured_is_proved_and_highs_agrees(family: str) -> None:
-    graph = benchmark.FAMILIES[family](36)
+    graph = benchmark.PROGRAMS[family](36)
     found = benchmark.measure(graph, 1e-3, 30.0)
     assert found.value <= found.bound * (1 + 1e-9) and found.bound - found.value <= 1e-3 * found.value * 1.01
     told = [seconds for seconds in found.until if not math.isnan(seconds)]
