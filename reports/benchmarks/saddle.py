@@ -11,6 +11,9 @@ Near-regular and geometric graphs are the kinds ``sensing-regular`` and ``sensin
 is a matter of a few targets. In the others all targets matter: in the expander, two actions a robot, two targets an action and four actions
 a target are joined at random; on the torus, a robot has one action for each corner of its square; weights are uniform in [0.5, 1.5] and
 [0.7, 1.3]. Planted graphs are random ones of which optimal shares and prices are known; their value is 1 a robot over the sum of prices.
+
+Family ``joined`` is of programs of packing and covering rows: each variable in two of either, joined at random, four variables a row,
+coefficients uniform in [0.5, 1.5]. ``robots`` are variables then, and HiGHS is also asked for its first-order method.
 """
 
 from __future__ import annotations
@@ -22,6 +25,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Any
 
 import numpy as np
+from scipy.sparse import csr_array
 
 import waybound as wb
 from waybound.extending import Control, Options
@@ -64,6 +68,12 @@ def planted(robots: int) -> SensingGraph:
     return graph_of_edges(np.arange(3 * robots) // 3, action, target, worth / price[target], robots=robots, duplicates="sum")
 
 
+def joined(variables: int) -> wb.MaxMinLP:
+    rng, stub = np.random.default_rng(variables), np.arange(2 * variables)
+    rows = [csr_array((rng.uniform(0.5, 1.5, len(stub)), (rng.permutation(len(stub)) // 4, stub // 2))) for _ in range(2)]
+    return wb.MaxMinLP(*rows, name=f"joined-{variables}")
+
+
 FAMILIES: dict[str, Callable[[int], SensingGraph]] = {
     "near-regular": lambda robots: generated(SensingGraph, "sensing-regular", robots, robots=robots),
     "geometric": lambda robots: generated(SensingGraph, "sensing-geometric", robots, robots=robots),
@@ -71,6 +81,7 @@ FAMILIES: dict[str, Callable[[int], SensingGraph]] = {
     "torus": torus,
     "planted": planted,
 }
+PROGRAMS: dict[str, Callable[[int], SensingGraph | wb.MaxMinLP]] = {**FAMILIES, "joined": joined}
 
 
 def fresh(graph: SensingGraph) -> SensingGraph:
@@ -93,9 +104,9 @@ class Measured:
     statistics: dict[str, Any]
 
 
-def measure(graph: SensingGraph, gap: float, limit: float) -> Measured:
+def measure(graph: SensingGraph | wb.MaxMinLP, gap: float, limit: float) -> Measured:
     """Run the engine once; the certificate must prove its bound."""
-    problem = wb.BottleneckSATA(fresh(graph), fractional=True)
+    problem = wb.BottleneckSATA(fresh(graph), fractional=True) if isinstance(graph, SensingGraph) else graph
     until = [math.nan] * len(GAPS)
 
     def hear(event: dict[str, Any]) -> None:
@@ -118,9 +129,10 @@ def measure(graph: SensingGraph, gap: float, limit: float) -> Measured:
     )  # fmt: skip
 
 
-def by_highs(graph: SensingGraph, method: str, limit: float) -> str:
+def by_highs(graph: SensingGraph | wb.MaxMinLP, method: str, limit: float) -> str:
     """HiGHS on the compiled program: CPU seconds and optimum, or that it was given up."""
-    program = replace(wb.BottleneckSATA(graph, fractional=True).compile("max-min").program, name="unknown")
+    problem = wb.BottleneckSATA(graph, fractional=True) if isinstance(graph, SensingGraph) else graph
+    program = replace(problem.compile("max-min").program, name="unknown")
     seconds, result = solved(program, "highs", limit, solver=method)
     if result.status != "optimal":
         return f"{method} given up after {seconds:.1f} s"
@@ -133,7 +145,7 @@ def _seconds(value: float) -> str:
 
 @command
 def main(
-    families: Annotated[tuple[str, ...], Option(choices=FAMILIES)] = tuple(FAMILIES),
+    families: Annotated[tuple[str, ...], Option(choices=PROGRAMS)] = tuple(PROGRAMS),
     robots: tuple[int, ...] = (10_000, 100_000, 1_000_000),
     gap: Annotated[float, Option(help="at which the engine ends")] = 1e-6,
     limit: Annotated[float, Option(help="of the engine, in seconds by the clock")] = 60.0,
@@ -148,21 +160,18 @@ def main(
     print(f"{'family':13s}{'robots':>9s}{'edges':>9s}{'value':>11s}{'bound':>11s}{'gap':>9s}{heads}{'end':>9s}{'certify':>9s}  how")
     for family in families:
         for size in robots:
-            graph = FAMILIES[family](size)
+            graph = PROGRAMS[family](size)
             best = measure(graph, gap, limit)
             for _ in range(repeats - 1):
                 if best.seconds < 2.0:
                     best = min(best, measure(graph, gap, limit), key=lambda m: m.seconds)
-            s = best.statistics
-            how = (
-                f"{s['steps']} and {s['interior_steps']} steps, "
-                f"{s['passes']:.4g} passes, {s['linear_programs']} programs, {s['priced_targets']} priced"
-            )
+            how = ", ".join(f"{number:.4g} {name.replace('_', ' ')}" for name, number in best.statistics.items())
+            edges = graph.num_edges if isinstance(graph, SensingGraph) else len(graph.packing.data) + len(graph.covering.data)
             print(
-                f"{family:13s}{size:9d}{graph.num_edges:9d}{best.value:11.6f}{best.bound:11.6f}{best.gap:9.1e}"
+                f"{family:13s}{size:9d}{edges:9d}{best.value:11.6f}{best.bound:11.6f}{best.gap:9.1e}"
                 f"{''.join(map(_seconds, best.until))}{_seconds(best.seconds)}{_seconds(best.certificate)}  {how}; {best.limit}",
                 flush=True,
             )
             if size <= (LARGEST_FOR_HIGHS_FULL if full else LARGEST_FOR_HIGHS):
-                for method in ("simplex", "ipm"):
+                for method in ("simplex", "ipm", *(("pdlp",) if family == "joined" else ())):
                     print(f"{'':13s}HiGHS {by_highs(graph, method, highs_limit)}", flush=True)

@@ -19,6 +19,7 @@ from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...bounds.sata.ball import unseen_evidence, weights_evidence
 from ...linear_programs import LinearPrograms
 from .saddle_steps.game import Game, Limits, Record
+from .saddle_steps.packing_covering import search_rows
 from .saddle_steps.programs import Programs
 from .saddle_steps.refinement import refine
 from .saddle_steps.whole_game import play
@@ -35,7 +36,7 @@ MOST_LAYERS = 1000
 @BACKENDS.register("saddle")
 class Saddle(Engine):
     """Work on the targets that fall short of a proved bound, and where all of them matter regret matching or an interior point; bounds from
-    balls and prices.
+    balls and prices. Programs with several packing rows a variable go to ``PackingCovering``.
 
     ``iterations`` counts passes over the graph, of which a step of regret matching is one and of the interior point many. Option ``h``:
     start from the local algorithm with so many layers instead of robots that divide themselves evenly (0, the default, as the local
@@ -50,7 +51,7 @@ class Saddle(Engine):
     one_thread = bounds_itself = True
     options: ClassVar[Mapping[str, Any]] = {"h": 0}
     family = "max-min"
-    features = frozenset({"sensing", "packing-covering"})
+    features = frozenset({"sensing", "packing-covering", "several-packing-rows"})
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
@@ -60,10 +61,15 @@ class Saddle(Engine):
         h: int = self.converted(options).extra.get("h", 0)
         if not 0 <= h <= MOST_LAYERS:
             raise UsageError(f"saddle: h must be a whole number from 0 to {MOST_LAYERS}, not {h!r}", "out-of-range")
+        if "several-packing-rows" in problem.features():
+            if h:
+                raise UsageError("saddle: h, a start from the local algorithm, needs variables of one packing row each", "out-of-range")
+            _compile("packing_covering")
+            return search_rows(problem, options, control, LEAST_GAP)  # type: ignore[arg-type]
         task = _Task(problem)
         if len(task.graph.unseen_targets):
             return task.unseen(options)
-        _compile()
+        _compile("descent", "regret", "normal", "multigrid")
         return _search(task, h, options, control)
 
 
@@ -166,10 +172,10 @@ def _result(task: _Task, game: Game, steps: tuple[int, int], options: Options) -
 
 
 @functools.cache
-def _compile() -> None:
-    """Compile or load all kernels, for the time limit is for the search alone."""
+def _compile(*names: str) -> None:
+    """Compile or load the kernels of these names, for the time limit is for the search alone."""
     from ....formulations.kernels import kernels
 
-    for name in ("descent", "regret", "normal", "multigrid"):
+    for name in names:
         for one in kernels(f"{__package__}.saddle_steps.{name}_kernels"):
             one.make()

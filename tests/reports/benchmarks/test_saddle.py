@@ -19,11 +19,15 @@ def test_the_graphs_of_its_own_are_as_they_say() -> None:
     assert (torus.num_robots, torus.num_actions, torus.num_targets) == (49, 196, 49)
     assert (np.diff(torus.indptr) == 1).all() and (np.bincount(torus.indices) == 4).all()
     assert torus.weights.min() >= 0.7 and torus.weights.max() <= 1.3
+    joined = benchmark.joined(400)
+    for matrix in (joined.packing, joined.covering):
+        assert matrix.rows == 200 and (np.diff(matrix.indptr) <= 4).all() and np.bincount(matrix.indices).max() == 2
+    assert "several-packing-rows" in joined.features()
 
 
-@pytest.mark.parametrize("family", benchmark.FAMILIES)
+@pytest.mark.parametrize("family", benchmark.PROGRAMS)
 def test_what_is_measured_is_proved_and_highs_agrees(family: str) -> None:
-    graph = benchmark.FAMILIES[family](36)
+    graph = benchmark.PROGRAMS[family](36)
     found = benchmark.measure(graph, 1e-3, 30.0)
     assert found.value <= found.bound * (1 + 1e-9) and found.bound - found.value <= 1e-3 * found.value * 1.01
     told = [seconds for seconds in found.until if not math.isnan(seconds)]

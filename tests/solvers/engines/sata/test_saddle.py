@@ -174,9 +174,6 @@ def test_programs_with_one_packing_row_a_variable(seed):
 
 
 def test_other_problems_are_refused_by_what_they_have():
-    two_rows = MaxMinLP(np.ones((2, 2)), np.ones((1, 2)))
-    with pytest.raises(UnsupportedError, match="several-packing-rows"):
-        solve(two_rows, "saddle")
     with pytest.raises(UnsupportedError, match="whole-actions"):
         solve(BottleneckSATA(random_graph(1)), "saddle")
     with pytest.raises(UnsupportedError, match="min-max"):

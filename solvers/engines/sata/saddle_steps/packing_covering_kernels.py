@@ -1,0 +1,133 @@
+"""Compiled loops of the primal-dual method for packing and covering rows. Imports numba: import it inside functions only."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .....formulations.kernels import inner, kernel
+from .....formulations.stop_kernel import asked
+
+
+@inner
+def _to_simplex(prices, lengths, first, level):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Cut ``prices`` from ``first`` on to nonnegative ones that sum to 1, raised by ``level * lengths``; returns that level.
+
+    Newton's method on a convex and piecewise linear sum, from the level of the step before.
+    """
+    for _ in range(100):
+        total, slope, lowest = 0.0, 0.0, np.inf
+        for r in range(first, len(prices)):
+            raised = prices[r] + lengths[r] * level
+            if raised > 0.0:
+                total += raised
+                slope += lengths[r]
+            else:
+                lowest = min(lowest, (lengths[r] - prices[r]) / lengths[r])
+        ahead = level + (1.0 - total) / slope if slope > 0.0 else lowest
+        if abs(total - 1.0) <= 1e-13 or ahead == level:
+            break
+        level = ahead
+    for r in range(first, len(prices)):
+        prices[r] = max(prices[r] + lengths[r] * level, 0.0)
+    return level
+
+
+@kernel(
+    "i8(i8[::1], i4[::1], i4[::1], f8[::1], i4[::1], i4[::1], f8[::1], i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], "
+    "f8[::1], f8[::1], i8, i8)"
+)
+def steps(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    flag, starts, columns, entries, column_starts, rows, column_entries, packing, short, long, x, prices, next_x, next_prices, x_anchor,
+    price_anchor, level, done, count,
+):  # fmt: skip
+    """``count`` reflected Halpern steps, fewer where the ``flag`` of a ``Stop`` is set; returns the steps made since ``done`` of them.
+
+    The matrix, by rows and by columns, has the ``packing`` rows first and the covering rows with their signs turned. ``short`` and
+    ``long`` are the lengths of steps of variables and of prices. ``x``, ``prices`` (those of covering rows sum to 1) and ``level`` of shape
+    (1,) change in place; ``next_x`` and ``next_prices`` become the plain step from the last point, nonnegative and the better answer.
+    """
+    reflected = np.empty(len(x))
+    for step in range(done, done + count):
+        if asked(flag):
+            return step - done
+        kept = (step + 1.0) / (step + 2.0)
+        for v in range(len(x)):
+            worth = 0.0
+            for k in range(column_starts[v], column_starts[v + 1]):
+                worth += column_entries[k] * prices[rows[k]]
+            next_x[v] = max(0.0, x[v] - short[v] * worth)
+            reflected[v] = 2.0 * next_x[v] - x[v]
+            x[v] = kept * reflected[v] + (1.0 - kept) * x_anchor[v]
+        for r in range(len(prices)):
+            load = 0.0
+            for k in range(starts[r], starts[r + 1]):
+                load += entries[k] * reflected[columns[k]]
+            next_prices[r] = max(0.0, prices[r] + long[r] * (load - 1.0)) if r < packing else prices[r] + long[r] * load
+        level[0] = _to_simplex(next_prices, long, packing, level[0])
+        for r in range(len(prices)):
+            prices[r] = kept * (2.0 * next_prices[r] - prices[r]) + (1.0 - kept) * price_anchor[r]
+    return count
+
+
+@kernel("f8(i4[::1], i4[::1], f8[::1], i4[::1], i4[::1], i8, f8[::1])")
+def scale_down(starts, columns, entries, column_starts, rows, packing, x):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Divide each entry of ``x`` by the most overfull packing row that it stands in, in place; returns the least coverage then.
+
+    A row full to f > 1 loses the factor f at least in all of its entries, so that it is kept.
+    """
+    full = np.ones(packing)
+    for r in range(packing):
+        load = 0.0
+        for k in range(starts[r], starts[r + 1]):
+            load += entries[k] * x[columns[k]]
+        full[r] = max(1.0, load)
+    for v in range(len(x)):
+        most = 1.0
+        for k in range(column_starts[v], column_starts[v + 1]):
+            if rows[k] < packing:
+                most = max(most, full[rows[k]])
+        x[v] /= most
+    least, fullest = np.inf, 1.0
+    for r in range(len(starts) - 1):
+        load = 0.0
+        for k in range(starts[r], starts[r + 1]):
+            load += abs(entries[k]) * x[columns[k]]
+        if r < packing:
+            fullest = max(fullest, load)
+        else:
+            least = min(least, load)
+    return least / fullest
+
+
+@kernel("f8(i4[::1], i4[::1], i4[::1], i4[::1], f8[::1], i8, f8[::1])")
+def pay_for_all(starts, columns, column_starts, rows, column_entries, packing, prices):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """Lower ``prices``, in place, so that no variable covers for more than it packs; returns the bound that they prove, or infinity.
+
+    The rate of a variable is what it covers over what it packs, at these prices. Each covering row is divided by the largest rate above 1
+    of its variables, then each packing row multiplied by the largest rate of its variables: both keep all rates at 1 or below.
+    """
+    rate = np.empty(len(column_starts) - 1)
+    for turn in range(2):
+        for v in range(len(rate)):
+            packed, covered = 0.0, 0.0
+            for k in range(column_starts[v], column_starts[v + 1]):
+                if rows[k] < packing:
+                    packed += column_entries[k] * prices[rows[k]]
+                else:
+                    covered -= column_entries[k] * prices[rows[k]]
+            rate[v] = covered / packed if packed > 0.0 else (np.inf if covered > 0.0 else 0.0)
+        for r in range(len(starts) - 1):
+            most = 0.0
+            for k in range(starts[r], starts[r + 1]):
+                most = max(most, rate[columns[k]])
+            if turn == 0 and r >= packing:
+                prices[r] /= max(1.0, most)
+            elif turn == 1 and r < packing:
+                prices[r] *= min(1.0, most)
+    paid, asked_for = 0.0, 0.0
+    for r in range(len(prices)):
+        if r < packing:
+            paid += prices[r]
+        else:
+            asked_for += prices[r]
+    return paid / asked_for if asked_for > 0.0 else np.inf
