@@ -74,6 +74,9 @@ some limits take a walk of the whole route (``walk_kernels``); moves close; stor
 where nobody reloads; durations are uncertain, and how likely a route overruns its limits is limited, or how likely any route of the team
 does; the largest of all routes is one term of the objective among others."""
 
+COMPUTED = ~(TIMED | GROUPED)
+"""Flags of problems in which what is stored about routes that are put back is computed again."""
+
 MANY = 16
 """Bits of flags before the number of windows."""
 
