@@ -28,6 +28,7 @@ from .columns import (
     HAZARDS,
     KIND,
     LATEST,
+    LENGTHENED,
     LISTED,
     MISSED,
     MOST_HAZARDS,
@@ -506,19 +507,27 @@ def anneal(  # type: ignore[no-untyped-def]
         moves = list_others(site, node, absent, sums, random, moved, moves, step)
         if flags & GROUPED:  # after all others: any of a group may take the place of the one that was listed, and must be put back then
             moves = list_alternatives(site, node, moved, moves, step)
+        most, owed = before - warmth * np.log(share(random) + 1e-300), 0
+        for m in range(moves if flags & LENGTHENED else 0):
+            owed += site[moved[m], MISSED]
+        hopeless = False
         for m in range(sort(ways, site, types, random, moved, todo, keys, moves, dims, flags)):
+            if flags & LENGTHENED and sums[SEARCHED] - owed >= most:
+                hopeless = True
+                break
             c = todo[m]
+            owed -= site[c, MISSED]
             if flags & GROUPED and site[c, ALTERNATIVE] >= 0 and not settled(site, node, c):
                 c = cheapest(ways, at_way, site, types, allowed, alone, near, route, node, c, random, flags)
             logged = insert(
                 ways, at_way, site, types, allowed, alone, near, reach, drive, depots, route, node, absent, sums, random, log, logged,
                 places, c, (step << 20) + m, step, least_unit, warmth, flags,
             )  # fmt: skip
-        sound, at = not flags & SHARED or sums[HAZARDS] <= sums[MOST_HAZARDS], 0
+        sound, at = not hopeless and (not flags & SHARED or sums[HAZARDS] <= sums[MOST_HAZARDS]), 0
         while at < logged:
             sound = sound and route[log[at], SOUND] != 0
             at += 2 + log[at + 1]
-        if not sound or sums[SEARCHED] >= before - warmth * np.log(share(random) + 1e-300):
+        if not sound or sums[SEARCHED] >= most:
             put_back(ways, at_way, site, types, route, node, absent, sums, log, logged, moved, moves, flags)
         elif sums[OBJECTIVE] < best[0]:
             sums[BETTER] += 1
