@@ -190,7 +190,7 @@ def _stamps(function: Callable[..., Any]) -> list[Any]:
     file: where one of them changes, what was compiled is of no use."""
     imported = {id(one): one for one in function.__globals__.values() if isinstance(one, Kernel)}.values()
     files = (getattr(one._cache, "_cache_file", None) for one in imported if one.py_func.__module__ != function.__module__)
-    numbers = sorted((name, value) for name, value in function.__globals__.items() if type(value) in (int, float))
+    numbers = tuple(sorted((name, value) for name, value in function.__globals__.items() if type(value) in (int, float)))
     return [numbers, *sorted({file._source_stamp for file in files if file is not None}, key=repr)]
 
 

@@ -379,8 +379,8 @@ def _ways(on: Integers, goes: Integers, *further: Integers) -> tuple[Integers, I
 
 
 def _metric(on: Integers, near: Integers, customers: Integers, ends: Integers) -> bool:
-    """Whether no detour to a customer from a move between two near sites or depots is a shortcut, but for rounded lengths."""
-    about = np.column_stack([near[customers, :10], np.tile(ends, (len(customers), 1))])
+    """Whether no way between two of ten near customers and ten depots is shorter by a customer, but for rounded lengths."""
+    about = np.column_stack([near[customers, :10], np.tile(ends[:10], (len(customers), 1))])
     a, b, c = about[:, :, None], about[:, None, :], customers[:, None, None]
     shorter = (on[:, a, c] + on[:, c, b] - on[:, a, b] < -2) & (a != b) & (a >= 0) & (b >= 0) & (a != c) & (b != c)
     return not shorter.any()
