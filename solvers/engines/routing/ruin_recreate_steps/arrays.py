@@ -271,7 +271,8 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     held = Arrays(
         ways, at_way, site, types, allowed, alone,
         customers.astype(np.int64), near, reach, drive, depots, route, node, absent, sums, np.array([seed], dtype=np.uint64),
-        np.zeros(4 * len(node) + route.size + 2 * len(route) + 2, dtype=np.int64), np.zeros((3, max(16, sites)), dtype=np.int64), np.zeros(sites), flags,
+        np.zeros(4 * len(node) + route.size + 2 * len(route) + 2, dtype=np.int64),
+        np.zeros((3, max(16, sites)), dtype=np.int64), np.zeros(sites), flags,
     )  # fmt: skip
     if flags & (k.SHARED | k.TOPPED):
         held.begin(Routes(()))  # what committed vehicles add on their way home

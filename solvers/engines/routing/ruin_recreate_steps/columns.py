@@ -72,8 +72,8 @@ a shipment, to another visit; there are groups; vehicles reload; sites have seve
 ``flags >> MANY`` at most, which are the last columns of sites; there must be some number of routes;
 some limits take a walk of the whole route (``walk_kernels``); moves close; stores are filled up on the way,
 where nobody reloads; durations are uncertain, and how likely a route overruns its limits is limited, or how likely any route of the team
-does; the largest of all routes is one term of the objective among others; a visit more makes no answer cheaper, but for what it costs to leave
-it out."""
+does; the largest of all routes is one term of the objective among others; a visit more makes no answer cheaper, but for what it
+costs to leave it out."""
 
 COMPUTED = ~(TIMED | GROUPED | LENGTHENED)
 """Flags of problems in which what is stored about routes that are put back is computed again."""

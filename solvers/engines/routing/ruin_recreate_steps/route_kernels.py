@@ -446,8 +446,10 @@ def longer(ways, at_way, site, types, allowed, route, node, c, i, r, least, flag
 
 @inner
 def save(route, node, sites, r, step, log, logged, flags):  # type: ignore[no-untyped-def]
-    """Keep the visits of route ``r`` as they are, once a step, and what is stored about them where ``flags & COMPUTED`` is 0, for computing it
-    again reads lengths from all over the memory; returns how much of the log is used."""
+    """Keep the visits of route ``r`` as they are, once a step; returns how much of the log is used.
+
+    Where ``flags & COMPUTED`` is 0, what is stored about them is kept, too: computing it again reads lengths from all over the memory.
+    """
     if route[r, STAMP] == step:
         return logged
     place, c, tail = logged + 2, node[sites + 2 * r, FOLLOWING], sites + 2 * r + 1
