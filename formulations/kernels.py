@@ -186,10 +186,12 @@ def kernel(*declared: str, **options: Any) -> Callable[[Callable[..., Any]], Ker
 
 
 def _stamps(function: Callable[..., Any]) -> list[Any]:
-    """Stamps of the files from which its module imports kernels: where one of them changes, what was compiled is of no use."""
+    """Stamps of the files from which its module imports kernels, and the numbers that it knows by name, which may be those of a further
+    file: where one of them changes, what was compiled is of no use."""
     imported = {id(one): one for one in function.__globals__.values() if isinstance(one, Kernel)}.values()
     files = (getattr(one._cache, "_cache_file", None) for one in imported if one.py_func.__module__ != function.__module__)
-    return sorted({file._source_stamp for file in files if file is not None}, key=repr)
+    numbers = tuple(sorted((name, value) for name, value in function.__globals__.items() if type(value) in (int, float)))
+    return [numbers, *sorted({file._source_stamp for file in files if file is not None}, key=repr)]
 
 
 inner = kernel(no_cpython_wrapper=True)

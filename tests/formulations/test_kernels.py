@@ -200,3 +200,12 @@ def test_what_is_compiled_of_imported_kernels_is_compiled_anew_when_their_file_c
     assert answer("x - 1", 1) == (False, 4)
     assert answer("x - 1", 1) == (True, 4)
     assert answer("x - 2", 2) == (False, 3)
+
+
+def test_what_was_compiled_with_another_number_of_another_module_is_of_no_use() -> None:
+    made = []
+    for number in (1, 2):
+        known = {"__name__": __name__, "COLUMN": number}
+        exec("def chosen(rows): return rows[COLUMN]", known)
+        made.append(kernels._stamps(known["chosen"]))
+    assert made[0] != made[1]

@@ -82,6 +82,9 @@ BYTES = 4_000.0
 SET_UP = 2e-5
 """Seconds of setting up for each site."""
 
+NEXT = 8
+"""Customers that lie next to each other in memory: as many numbers as a line of the processor's cache holds."""
+
 WHOLE_BYTES = 50.0
 """Memory for each two sites of a search that is not in parts."""
 
@@ -97,19 +100,49 @@ DIVISIBLE = frozenset(
 """Features that couple routes through nothing but the fleet."""
 
 
+def divisible(problem: RoutingProblem) -> bool:
+    """Whether routes are coupled through nothing but the fleet."""
+    charged = (k for k, v in enumerate(problem.fleet) if v.energy is not None and v.energy.charge == "travel")
+    # Else no limit on distance stands for that on time on the move.
+    return not problem.features() - DIVISIBLE and not any(problem.travel_of(k).own_durations for k in charged)
+
+
 def divides(problem: RoutingProblem, options: Options) -> bool:
     """Whether the problem is searched in parts. With limits of work this does not depend on the number of threads."""
     customers = len(problem.customers)
     alone = options.threads == 1 or options.iterations is not None or options.no_improvement is not None
-    if customers < (WHOLE if alone else FEWEST) or problem.features() - DIVISIBLE:
-        return False
-    charged = (k for k, v in enumerate(problem.fleet) if v.energy is not None and v.energy.charge == "travel")
-    if any(problem.travel_of(k).own_durations for k in charged):  # no limit on distance stands for that on time on the move
+    if customers < (WHOLE if alone else FEWEST) or not divisible(problem):
         return False
     routes = problem.vehicle_limit
     if options.start is not None and fits(WHOLE_BYTES * customers**2):
         routes = len(options.start)
     return routes is None or routes >= 2 * ROUTES
+
+
+def places(problem: RoutingProblem) -> Floats:
+    """A point for each site."""
+    coordinates = problem.travel.coordinates if problem.travel.coordinates is not None else problem.sites.coordinates
+    if coordinates is not None:
+        return positions(None, coordinates, problem.sites.geographic)
+    every = np.arange(len(problem.sites))
+    far = [problem.travel.distance(every, 0)]
+    for _ in range(LANDMARKS):
+        far.append(problem.travel.distance(every, int(np.argmax(np.min(far, axis=0)))))
+    return positions(np.column_stack(far[1:]), None, False)
+
+
+def arranged(problem: RoutingProblem, data: IntegerRouting) -> Part | None:
+    """The whole problem as a part whose customers stand in the order in which they lie, so that what the search reads about near ones lies
+    together in memory, too; None where it cannot be a part."""
+    from .ruin_recreate_steps.part_data import Divisible
+
+    customers = problem.customers
+    counts = np.array([len(customers) if v.count is None else min(v.count, len(customers)) for v in problem.fleet])
+    if not divisible(problem) or not (counts * (data.closes >= data.opens)).all():
+        return None
+    many = -(-len(customers) // NEXT)
+    near = divided(places(problem)[customers], np.ones(len(customers), dtype=np.int64), many, np.random.default_rng(0))
+    return Divisible(problem, data).part(customers[np.concatenate(near)], counts)
 
 
 def memory(problem: RoutingProblem) -> float:
@@ -191,7 +224,7 @@ class Search:
         self.neighbours = int(asked["neighbours"]) * (2 if optional else 1)
         self.sizes = np.array([asked["string"], asked["removals"], 0.0])
         self.lost = np.where(problem.sites.required, dear(problem, self.data), self.data.prize)
-        self.places = self._places()
+        self.places = places(problem)
         usable = self.data.closes >= self.data.opens
         self.counts = np.array([len(problem.customers) if v.count is None else min(v.count, len(problem.customers)) for v in problem.fleet])
         self.counts[~usable] = 0
@@ -455,18 +488,6 @@ class Search:
         if self.by_clock and not self.reserved:  # the last one shall be out when the time is up
             self.reserved, left = True, self.stop.seconds_left
             self.stop = self.stop.within(max(left / 2.0, left - RESERVED * (now() - began)))
-
-    def _places(self) -> Floats:
-        """A point for each site."""
-        problem = self.problem
-        coordinates = problem.travel.coordinates if problem.travel.coordinates is not None else problem.sites.coordinates
-        if coordinates is not None:
-            return positions(None, coordinates, problem.sites.geographic)
-        every = np.arange(len(problem.sites))
-        far = [problem.travel.distance(every, 0)]
-        for _ in range(LANDMARKS):
-            far.append(problem.travel.distance(every, int(np.argmax(np.min(far, axis=0)))))
-        return positions(np.column_stack(far[1:]), None, False)
 
 
 def result_of(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....formulations.routing.routes import Routes
+from ....formulations.routing.routes import Route, Routes
 from ....formulations.stop import Stop, now
 from ....instances.errors import UsageError
 from ....instances.memory import fits
@@ -19,7 +19,7 @@ from ...backend import BACKENDS, Control, Options, RawResult
 from .abreast import abreast
 from .bisection import Bisecting
 from .pace import Pace
-from .parts import SET_UP, Search, divides, memory, result_of
+from .parts import SET_UP, Search, arranged, divides, memory, result_of
 from .routing_integers import entangled, searched_integers
 from .routing_objective import unscalable
 
@@ -214,7 +214,10 @@ class _Search:
         self.kernels, self.columns = search_kernels, columns
         self.data, self.sloped = searched_integers(problem)
         optional = not problem.sites.required[problem.customers].all()
-        self.held = arrays(problem, self.data, int(asked["neighbours"]) * (2 if optional else 1), options.seed % 2**64)
+        part = arranged(problem, self.data)
+        self.site_of = part.sites.tolist() if part else list(range(len(problem.sites)))
+        inner, data = (part.problem, part.data) if part else (problem, self.data)
+        self.held = arrays(inner, data, int(asked["neighbours"]) * (2 if optional else 1), options.seed % 2**64)
         self.best, self.own = np.zeros((2, 1 + len(self.held.node)), dtype=np.int64)  # of all, and of the anneal at hand
         self.elites = Elites(self.held, options.seed)
         coupled = (
@@ -235,7 +238,7 @@ class _Search:
             return RawResult("infeasible" if self.problem.sites.required.any() else "unknown", message=message)
         self.kernels.anneal.make()
         most, idle = self.options.iterations or math.inf, self.options.no_improvement or math.inf
-        start = self.options.start is not None and self.held.begin(self.options.start)
+        start = self.options.start is not None and self.begin(self.options.start)
         self.take_at_hand()
         self.own[:] = self.best
         self.publish()
@@ -283,10 +286,17 @@ class _Search:
                 pieces = max(16, int(pieces * min(4.0, PIECE / max(1e-6, now() - started))))
             self.publish()
         self.publish(last=True)
-        missing = self.held.unserved(self.best[1 : 1 + len(self.problem.sites)] >= 0).tolist()
+        missing = sorted(self.site_of[c] for c in self.held.unserved(self.best[1 : 1 + len(self.held.site)] >= 0).tolist())
         statistics = {"iterations": int(sums[k.STEPS]), "better": int(sums[k.BETTER])}
         limit = "interrupt" if self.control.stopped else limit
         return result_of(self.problem, self.data, self.options, self.answer, self.value, limit, statistics, start, missing)
+
+    def begin(self, answer: Routes) -> bool:
+        """Take the routes of an answer; whether it is one of these customers."""
+        place = {site: c for c, site in enumerate(self.site_of)}
+        if not all(c in place for one in answer for c in one.visits):
+            return False
+        return self.held.begin(Routes.of(Route(tuple(place[c] for c in one.visits), one.vehicle) for one in answer))
 
     def find_places(self, most: float, idle: float) -> None:
         """Find places for required sites that are left out, and, where a vehicle outweighs all else that routes cost, dissolve one route
@@ -344,7 +354,7 @@ class _Search:
     @property
     def lacking(self) -> bool:
         """Whether the routes at hand leave required sites out."""
-        return len(self.held.unserved(self.held.node[: len(self.problem.sites), self.columns.ROUTE] >= 0)) > 0
+        return len(self.held.unserved(self.held.node[: len(self.held.site), self.columns.ROUTE] >= 0)) > 0
 
     @property
     def by_clock(self) -> bool:
@@ -410,9 +420,9 @@ class _Search:
         if self.best[0] >= self.told or not (last or self.pace.due):
             return
         following = self.best[1:]
-        if len(self.held.unserved(following[: len(self.problem.sites)] >= 0)):
+        if len(self.held.unserved(following[: len(self.held.site)] >= 0)):
             return
-        answer = self.held.routes(following)
+        answer = Routes.of(Route(tuple(self.site_of[c] for c in one.visits), one.vehicle) for one in self.held.routes(following))
         if len(answer) < self.problem.min_vehicles:
             return
         self.told = int(self.best[0])

@@ -260,6 +260,8 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
         k.WINDOWED: many, k.COUNTED: fewest, k.WALKED: walked, k.CLOSING: closes,
         k.RISKY: risks.risky.any(), k.SHARED: risks.shared, k.TOPPED: data.maxima.any(),
     }  # fmt: skip
+    coupled = spanned or walked or shipments or problem.sites.groups or reloads or fewest or data.maxima.any() or risks.shared
+    features[k.LENGTHENED] = not coupled and _metric(on, near, customers, np.unique(ends))
     flags = sum(flag for flag, there in features.items() if there) + (many << k.MANY)
     site, types, alone = _rows(site), _rows(types), _alone(site, types, allowed, on, goes, flags)
     if walked:
@@ -269,7 +271,8 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     held = Arrays(
         ways, at_way, site, types, allowed, alone,
         customers.astype(np.int64), near, reach, drive, depots, route, node, absent, sums, np.array([seed], dtype=np.uint64),
-        np.zeros(len(node) + 2, dtype=np.int64), np.zeros((3, max(16, sites)), dtype=np.int64), np.zeros(sites), flags,
+        np.zeros(4 * len(node) + route.size + 2 * len(route) + 2, dtype=np.int64),
+        np.zeros((3, max(16, sites)), dtype=np.int64), np.zeros(sites), flags,
     )  # fmt: skip
     if flags & (k.SHARED | k.TOPPED):
         held.begin(Routes(()))  # what committed vehicles add on their way home
@@ -374,6 +377,14 @@ def _ways(on: Integers, goes: Integers, *further: Integers) -> tuple[Integers, I
         places.append(place)
     ways = held[0][..., None] if len(held) == 1 else np.stack(held, axis=-1)
     return np.ascontiguousarray(ways), np.array(places)[[1, 0, 3, 2, 4, 5, 6]]
+
+
+def _metric(on: Integers, near: Integers, customers: Integers, ends: Integers) -> bool:
+    """Whether no way between two of ten near customers and ten depots is shorter by a customer, but for rounded lengths."""
+    about = np.column_stack([near[customers, :10], np.tile(ends[:10], (len(customers), 1))])
+    a, b, c = about[:, :, None], about[:, None, :], customers[:, None, None]
+    shorter = (on[:, a, c] + on[:, c, b] - on[:, a, b] < -2) & (a != b) & (a >= 0) & (b >= 0) & (a != c) & (b != c)
+    return not shorter.any()
 
 
 def _near(

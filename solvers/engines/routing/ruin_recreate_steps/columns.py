@@ -65,14 +65,18 @@ many routes visit somebody; steps done; how many of them led to a better answer 
 price of each that is missing; the risk of the team, as the sum of ``-log(1 - p)`` over its routes, and the most it may be, times 2**50."""
 
 (
-    TIMED, SPANNED, PICKED, SHIPPED, GROUPED, RELOADING, WINDOWED, COUNTED, WALKED, CLOSING, RECHARGING, RISKY, SHARED, TOPPED,
-) = (1 << bit for bit in range(14))  # fmt: skip
+    TIMED, SPANNED, PICKED, SHIPPED, GROUPED, RELOADING, WINDOWED, COUNTED, WALKED, CLOSING, RECHARGING, RISKY, SHARED, TOPPED, LENGTHENED,
+) = (1 << bit for bit in range(15))  # fmt: skip
 """Flags: anybody can come too late; the duration of a route is limited or priced; loads are picked up, too, and brought to the end or, of
 a shipment, to another visit; there are groups; vehicles reload; sites have several windows, as many as
 ``flags >> MANY`` at most, which are the last columns of sites; there must be some number of routes;
 some limits take a walk of the whole route (``walk_kernels``); moves close; stores are filled up on the way,
 where nobody reloads; durations are uncertain, and how likely a route overruns its limits is limited, or how likely any route of the team
-does; the largest of all routes is one term of the objective among others."""
+does; the largest of all routes is one term of the objective among others; a visit more makes no answer cheaper, but for what it
+costs to leave it out."""
+
+COMPUTED = ~(TIMED | GROUPED | LENGTHENED)
+"""Flags of problems in which what is stored about routes that are put back is computed again."""
 
 MANY = 16
 """Bits of flags before the number of windows."""

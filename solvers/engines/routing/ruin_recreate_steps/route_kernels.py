@@ -17,6 +17,7 @@ from .columns import (
     CHOSEN,
     CLOSES,
     COMMITTED,
+    COMPUTED,
     COST,
     COUNTED,
     DEARER,
@@ -444,18 +445,57 @@ def longer(ways, at_way, site, types, allowed, route, node, c, i, r, least, flag
 
 
 @inner
-def save(route, node, sites, r, step, log, logged):  # type: ignore[no-untyped-def]
-    """Keep the visits of route ``r`` as they are, once a step; returns how much of the log is used."""
+def save(route, node, sites, r, step, log, logged, flags):  # type: ignore[no-untyped-def]
+    """Keep the visits of route ``r`` as they are, once a step; returns how much of the log is used.
+
+    Where ``flags & COMPUTED`` is 0, what is stored about them is kept, too: computing it again reads lengths from all over the memory.
+    """
     if route[r, STAMP] == step:
         return logged
-    route[r, STAMP] = step
     place, c, tail = logged + 2, node[sites + 2 * r, FOLLOWING], sites + 2 * r + 1
-    while c != tail:
-        log[place] = c
-        place += 1
-        c = node[c, FOLLOWING]
-    log[logged], log[logged + 1] = r, place - logged - 2
+    if flags & COMPUTED:
+        while c != tail:
+            log[place] = c
+            place += 1
+            c = node[c, FOLLOWING]
+        log[logged + 1] = place - logged - 2
+    else:
+        for column in range(route.shape[1]):
+            log[place + column] = route[r, column]
+        place += route.shape[1]
+        c = sites + 2 * r
+        while True:
+            log[place], log[place + 1], log[place + 2], log[place + 3] = c, node[c, AHEAD], node[c, FREE], node[c, LATEST]
+            place += 4
+            if c == tail:
+                break
+            c = node[c, FOLLOWING]
+        log[logged + 1] = place - logged - 2
+    log[logged], route[r, STAMP] = r, step
     return place
+
+
+@inner
+def restore(types, route, node, sums, log, at):  # type: ignore[no-untyped-def]
+    """Make a route what the log has from ``at`` on; returns where the next one begins."""
+    r, ends = log[at], at + 2 + log[at + 1]
+    place = at + 2 + route.shape[1]
+    change = log[at + 2 + COST] - route[r, COST]
+    sums[SEARCHED] += change
+    sums[OBJECTIVE] += change
+    types[route[r, KIND], USED] += log[at + 2 + IN_USE] - route[r, IN_USE]
+    for column in range(route.shape[1]):
+        route[r, column] = log[at + 2 + column]
+    last = log[place]
+    while True:
+        c = log[place]
+        node[c, AHEAD], node[c, FREE], node[c, LATEST], node[c, ROUTE] = log[place + 1], log[place + 2], log[place + 3], r
+        if c != last:
+            node[last, FOLLOWING], node[c, PREVIOUS] = c, last
+        last = c
+        place += 4
+        if place == ends:
+            return ends
 
 
 @inlined

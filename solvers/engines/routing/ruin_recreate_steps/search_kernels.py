@@ -15,6 +15,7 @@ from .columns import (
     ALTERNATIVE,
     AWAY,
     BETTER,
+    COMPUTED,
     COUNTED,
     DEMAND,
     DRIVEN,
@@ -27,6 +28,7 @@ from .columns import (
     HAZARDS,
     KIND,
     LATEST,
+    LENGTHENED,
     LISTED,
     MISSED,
     MOST_HAZARDS,
@@ -72,6 +74,7 @@ from .route_kernels import (
     put,
     recount,
     refresh,
+    restore,
     save,
     settled,
     share,
@@ -117,8 +120,8 @@ def hand_over(ways, at_way, types, allowed, customers, route, node, site, sums, 
     other = types[k, FIRST]
     while route[other, VISITS] > 0:
         other += 1
-    logged = save(route, node, sites, r, step, log, logged)
-    logged = save(route, node, sites, other, step, log, logged)
+    logged = save(route, node, sites, r, step, log, logged, flags)
+    logged = save(route, node, sites, other, step, log, logged, flags)
     tail = sites + 2 * other
     at, last = node[head, FOLLOWING], node[head + 1, PREVIOUS]
     node[tail, FOLLOWING], node[at, PREVIOUS], node[tail + 1, PREVIOUS], node[last, FOLLOWING] = at, tail, last, tail + 1
@@ -145,7 +148,7 @@ def ruin(ways, at_way, site, types, customers, near, route, node, absent, sums, 
         r = node[c, ROUTE]
         if r < 0 or route[r, STAMP] == step:
             continue
-        logged = save(route, node, sites, r, step, log, logged)
+        logged = save(route, node, sites, r, step, log, logged, flags)
         wanted -= 1
         size = route[r, VISITS]
         cut = min(np.int64(share(random) * min(most, size) + 1.0), size)
@@ -293,7 +296,6 @@ def insert(  # type: ignore[no-untyped-def]
     if settled(site, node, c):
         return logged
     sites, kinds, partner = len(site), len(types), site[c, PARTNER]
-    untimed = 0 if flags & TIMED else NONE
     opens, due, away = site[c, READY], site[c, DUE], site[c, AWAY]
     chance, least, after, opened = below(random, 128), site[c, MISSED], -1, -1
     if partner >= 0:
@@ -319,22 +321,28 @@ def insert(  # type: ignore[no-untyped-def]
             i = near[c, q]
             if i < 0:
                 break
-            r = node[i, ROUTE]
-            if r < 0 or not fits(site, route, c, r, flags):
+            r, behind, far = node[i, ROUTE], node[i, PREVIOUS], reach[c, q]
+            if r < 0:
                 continue
-            behind, far = node[i, PREVIOUS], reach[c, q]
-            begins, latest = max(node[behind, FREE], opens), node[i, LATEST] + untimed
-            if far < 0:
-                in_time = begins <= due and begins + drive[c, q] <= latest
+            short = least_unit * (far - node[i, AHEAD]) < least
+            if not flags & TIMED:
+                if behind < sites:
+                    behind = -1
+                if not short:
+                    i, behind = behind, -1
+            elif far < 0:
+                begins = max(node[behind, FREE], opens)
+                in_time = begins <= due and begins + drive[c, q] <= node[i, LATEST]
                 i = behind if in_time and least_unit * (-1 - far - node[behind, AHEAD]) < least else -1
                 behind = -1
             else:
-                if behind < sites or begins + away > latest:
+                if behind < sites or max(node[behind, FREE], opens) + away > node[i, LATEST]:
                     behind = -1
                 begins = max(node[i, FREE] + drive[c, q], opens)
-                in_time = begins <= due and begins + away <= node[node[i, FOLLOWING], LATEST] + untimed
-                if not in_time or least_unit * (far - node[i, AHEAD]) >= least:
+                if not short or begins > due or begins + away > node[node[i, FOLLOWING], LATEST]:
                     i, behind = behind, -1
+            if i < 0 or not fits(site, route, c, r, flags):
+                continue
             while i >= 0:
                 cost = longer(ways, at_way, site, types, allowed, route, node, c, i, r, least, flags)
                 if cost < least and word(random) & np.uint64(127):
@@ -373,7 +381,7 @@ def insert(  # type: ignore[no-untyped-def]
         after = sites + 2 * r
         places[1] = c
     r, onward = node[after, ROUTE], node[after, FOLLOWING]
-    logged = save(route, node, sites, r, step, log, logged)
+    logged = save(route, node, sites, r, step, log, logged, flags)
     last, begin = after, 2
     if stops == 0:
         begin, stops, places[7] = 7, 1, c
@@ -406,6 +414,9 @@ def put_back(ways, at_way, site, types, route, node, absent, sums, log, logged, 
         if node[moved[m], ROUTE] >= 0:
             leave_out(site, node, absent, sums, moved[m])
     at = 0
+    while at < logged and not flags & COMPUTED:
+        at = restore(types, route, node, sums, log, at)
+    before, at = at, 0
     while at < logged and flags & (RELOADING | RECHARGING):
         i = node[sites + 2 * log[at], FOLLOWING]
         while i != sites + 2 * log[at] + 1:
@@ -413,7 +424,7 @@ def put_back(ways, at_way, site, types, route, node, absent, sums, log, logged, 
                 node[i, ROUTE] = -1
             i = node[i, FOLLOWING]
         at += 2 + log[at + 1]
-    at = 0
+    at = before
     while at < logged:
         r, many = log[at], log[at + 1]
         last, tail = sites + 2 * r, sites + 2 * r + 1
@@ -496,19 +507,27 @@ def anneal(  # type: ignore[no-untyped-def]
         moves = list_others(site, node, absent, sums, random, moved, moves, step)
         if flags & GROUPED:  # after all others: any of a group may take the place of the one that was listed, and must be put back then
             moves = list_alternatives(site, node, moved, moves, step)
+        most, owed = before - warmth * np.log(share(random) + 1e-300), 0
+        for m in range(moves if flags & LENGTHENED else 0):
+            owed += site[moved[m], MISSED]
+        hopeless = False
         for m in range(sort(ways, site, types, random, moved, todo, keys, moves, dims, flags)):
+            if flags & LENGTHENED and sums[SEARCHED] - owed >= most:
+                hopeless = True
+                break
             c = todo[m]
+            owed -= site[c, MISSED]
             if flags & GROUPED and site[c, ALTERNATIVE] >= 0 and not settled(site, node, c):
                 c = cheapest(ways, at_way, site, types, allowed, alone, near, route, node, c, random, flags)
             logged = insert(
                 ways, at_way, site, types, allowed, alone, near, reach, drive, depots, route, node, absent, sums, random, log, logged,
                 places, c, (step << 20) + m, step, least_unit, warmth, flags,
             )  # fmt: skip
-        sound, at = not flags & SHARED or sums[HAZARDS] <= sums[MOST_HAZARDS], 0
+        sound, at = not hopeless and (not flags & SHARED or sums[HAZARDS] <= sums[MOST_HAZARDS]), 0
         while at < logged:
             sound = sound and route[log[at], SOUND] != 0
             at += 2 + log[at + 1]
-        if not sound or sums[SEARCHED] >= before - warmth * np.log(share(random) + 1e-300):
+        if not sound or sums[SEARCHED] >= most:
             put_back(ways, at_way, site, types, route, node, absent, sums, log, logged, moved, moves, flags)
         elif sums[OBJECTIVE] < best[0]:
             sums[BETTER] += 1

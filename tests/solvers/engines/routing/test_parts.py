@@ -12,6 +12,7 @@ from waybound.formulations.routing.routes import Route, Routes
 from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.engines.routing import parts
 from waybound.solvers.engines.routing.parts import divides
+from waybound.solvers.engines.routing.routing_integers import searched_integers
 from waybound.solvers.engines.routing.ruin_recreate import RuinRecreate
 
 CUSTOMERS = 60
@@ -150,3 +151,23 @@ def test_parts_take_memory_for_each_site_and_not_for_each_two() -> None:
     engine, problem = RuinRecreate(), made()
     assert engine.memory(problem) == parts.BYTES * len(problem.sites) and engine.set_up_seconds(problem) < 0.01
     assert engine.memory(wb.generate("random", customers=20)) == engine.bytes_a_move * 21**2
+
+
+@pytest.mark.parametrize("feature", FEATURES)
+def test_a_whole_problem_in_another_order_takes_answers_and_hands_them_back(feature: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(parts, "WHOLE", 1000)
+    problem = made(feature)
+    part = parts.arranged(problem, searched_integers(problem)[0])
+    assert part is not None and part.sites.tolist() != sorted(part.sites.tolist())
+    first = RuinRecreate().run(problem, Options(iterations=500), Control())
+    second = RuinRecreate().run(problem, Options(iterations=1, start=first.answer), Control())
+    assert second.statistics["start"] == "used"
+    before, after = (problem.evaluate(found.answer).values for found in (first, second))
+    assert not before[0] < after[0] if problem.senses[0] == "min" else not before[0] > after[0]
+    assert len(problem.senses) > 1 or second.objective == after[0]
+
+
+def test_a_start_with_sites_of_no_customers_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(parts, "WHOLE", 1000)
+    start = Routes.of([Route((2, 1), 0)])  # 1 is a depot
+    assert RuinRecreate().run(made(), Options(iterations=1, start=start), Control()).statistics["start"] == "refused"

@@ -92,3 +92,14 @@ def test_forbidden_moves_are_longer_than_any_route() -> None:
     held = made(replace(problem, forbidden=shut))
     assert held.ways[0, 1, 2, held.at_way[1]] == MOST > held.types[0, k.MAX_DISTANCE]
     assert held.ways[0, 2, 1, held.at_way[0]] == MOST
+
+
+@pytest.mark.parametrize(("shortcut", "told"), [(0.0, True), (60.0, False)])
+def test_steps_may_end_early_where_no_visit_more_is_a_shortcut(shortcut: float, told: bool) -> None:
+    xy = np.random.default_rng(1).uniform(0, 100, (12, 2))
+    lengths = np.rint(np.hypot(*(xy[:, None] - xy[None]).transpose(2, 0, 1)))
+    far = np.unravel_index(lengths.argmax(), lengths.shape)
+    lengths[far] += shortcut
+    sites = Sites.of(range(12), depot=np.arange(12) == 0, demand=np.where(np.arange(12) == 0, 0.0, 1.0))
+    problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=lengths), [VehicleType(capacity=5.0)])
+    assert bool(made(problem).flags & k.LENGTHENED) is told
