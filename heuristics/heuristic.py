@@ -139,14 +139,7 @@ def heuristic(
 
 @dataclass(frozen=True)
 class HeuristicWork:
-    """A heuristic at its work: picklable, and called with a ``Control``.
-
-    Parameters
-    ----------
-    name : str
-    problem : Problem
-    options : Options
-    """
+    """A heuristic at its work: picklable, and called with a ``Control``."""
 
     name: str
     problem: Problem

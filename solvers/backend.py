@@ -326,15 +326,8 @@ class Backend(ABC):
 class Needs:
     """Whether and how an engine can run on a problem.
 
-    Parameters
-    ----------
-    missing : frozenset of str
-        Features of the problem that the engine lacks; where there are any, the others are not filled in.
-    memory : float, bytes
-    set_up_seconds : float
-        Before its search begins.
-    apart : bool
-        Whether it needs a process of its own to be stopped.
+    ``missing``: features of the problem that the engine lacks; where there are any, the others are not filled in. ``memory``, bytes.
+    ``set_up_seconds``: before its search begins. ``apart``: whether it needs a process of its own to be stopped.
     """
 
     missing: frozenset[str]
@@ -420,12 +413,7 @@ def solver_named(name: str) -> Backend:
 class SolverWork:
     """A solver at its work: picklable, and called with a ``Control``.
 
-    Parameters
-    ----------
-    solver : str
-        Its name, with the variant where there is one: ``pulp:HiGHS``.
-    target : Problem or Program
-    options : Options
+    ``solver``: its name, with the variant where there is one: ``pulp:HiGHS``.
     """
 
     solver: str

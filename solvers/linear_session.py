@@ -45,11 +45,7 @@ class LinearResult:
 class LinearSession:
     """A linear program in HiGHS' dual simplex, on one thread, without presolve.
 
-    Parameters
-    ----------
-    program : Program
-        Linear and without integers.
-    seed : int
+    ``program``: linear and without integers.
     """
 
     def __init__(self, program: Program, seed: int = 1) -> None:

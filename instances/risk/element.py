@@ -33,14 +33,7 @@ class Space(Protocol):
 class RiskElement(ABC):
     """One source of risk.
 
-    Attributes
-    ----------
-    kind : str
-        Its name in files.
-    category : str
-        ``locale``, ``action`` or ``traverse``.
-    label : str
-        Its name for people.
+    ``kind``: its name in files. ``category``: ``locale``, ``action`` or ``traverse``. ``label``: its name for people.
     """
 
     kind: ClassVar[str]

@@ -27,10 +27,7 @@ Indices = NDArray[np.int64]
 class LocaleRisk(MemorylessElement):
     """A risk for each state: of its clearance, visibility, terrain, traffic.
 
-    Parameters
-    ----------
-    risk : array-like, shape (states,)
-    label : str
+    ``risk`` has the shape (states,).
     """
 
     kind: ClassVar[str] = "locale"
@@ -59,12 +56,7 @@ class LengthRisk(MemorylessElement):
     """The risk of a move of length L: ``rate * L`` (linear, as the source has it) or ``1 - exp(-rate * L)``, which is the same when a move
     is cut into shorter ones.
 
-    Parameters
-    ----------
-    rate : float, per unit of length
-    growth : str
-        ``linear`` or ``exponential``.
-    label : str
+    ``rate`` is per unit of length, ``growth`` ``linear`` or ``exponential``.
     """
 
     kind: ClassVar[str] = "length"
@@ -96,14 +88,9 @@ ROUNDED = 1e-12
 class TurnRisk(MemorylessElement):
     """The risk of a turn, which takes three states: ``rate`` times a measure of the turn.
 
-    Parameters
-    ----------
-    rate : float
-        Per unit of length (``norm``), per 45 degrees (``angle``), or for any change (``change``).
-    measure : str
-        ``norm``: of the difference of the two moves, as the source's text has it; it charges a change of length as well. ``angle``: of the
-        headings, as its table 3.1. ``change``: 1 where the moves differ, as its chapter 7.
-    label : str
+    ``rate``: per unit of length (``norm``), per 45 degrees (``angle``), or for any change (``change``). ``measure``: ``norm``: of the
+    difference of the two moves, as the source's text has it; it charges a change of length as well. ``angle``: of the headings, as its
+    table 3.1. ``change``: 1 where the moves differ, as its chapter 7.
     """
 
     kind: ClassVar[str] = "turn"
@@ -144,11 +131,7 @@ class AccessRisk(MemorylessElement):
     """The risk of a change in width, higher in one direction than in the other: ``narrowing`` times what a move loses of the
     width, or ``widening`` times what it gains.
 
-    Parameters
-    ----------
-    width : array-like, shape (states,)
-    narrowing, widening : float, per unit of width
-    label : str
+    ``width`` has the shape (states,); ``narrowing`` and ``widening`` are per unit of width.
     """
 
     kind: ClassVar[str] = "access"
@@ -176,12 +159,8 @@ class AccessRisk(MemorylessElement):
 class MoveRisk(MemorylessElement):
     """A table: risks of some moves, or of some pairs of moves; all others have none.
 
-    Parameters
-    ----------
-    before, state, after : array-like of int, shape (entries,)
-        States; -1 in ``before`` stands for any, the start of the path included.
-    risk : array-like, shape (entries,)
-    label : str
+    ``before``, ``state``, ``after``, shape (entries,): states; -1 in ``before`` stands for any, the start of the path included. ``risk``
+    has the shape (entries,).
     """
 
     kind: ClassVar[str] = "moves"

@@ -23,13 +23,8 @@ from .tether import Contacts, Tether
 class CollectedRisk(TraverseElement):
     """The risk of what the path has collected, such as mud at the wheels or dust on a lens.
 
-    Parameters
-    ----------
-    collects : array-like of bool, shape (states,)
-        Where one more is collected, once the state is passed.
-    risk : array-like, shape (levels, states)
-        Row k: the risk of each state with k collected before it; the last row stands for all beyond.
-    label : str
+    ``collects``, shape (states,): where one more is collected, once the state is passed. ``risk``, shape (levels, states): row k: the risk
+    of each state with k collected before it; the last row stands for all beyond.
     """
 
     kind: ClassVar[str] = "collected"
@@ -69,11 +64,7 @@ class CollectedRisk(TraverseElement):
 class TravelledRisk(TraverseElement):
     """The risk of the way travelled so far, as a battery has it: ``1 - exp(-rate * (way - free))`` at each state beyond ``free``.
 
-    Parameters
-    ----------
-    rate : float, per unit of length
-    free : float, in units of length
-    label : str
+    ``rate`` is per unit of length, ``free`` a length.
     """
 
     kind: ClassVar[str] = "travelled"
@@ -105,12 +96,7 @@ class TravelledRisk(TraverseElement):
 class TetherRisk(TraverseElement):
     """The risk of a tether: ``length_rate`` times its length, and ``contact_rate`` times its contacts, each 1 at most.
 
-    Parameters
-    ----------
-    tether : Tether
-    length_rate : float, per unit of length
-    contact_rate : float, per contact
-    label : str
+    ``length_rate`` is per unit of length, ``contact_rate`` per contact.
     """
 
     kind: ClassVar[str] = "tether"
@@ -157,11 +143,7 @@ class TetherRisk(TraverseElement):
 class FunctionRisk(TraverseElement):
     """A user's function of the whole path so far: from a tuple of states, the last one new, to its risk.
 
-    Parameters
-    ----------
-    function : callable
-    label : str
-        Stands for the function in digests: another function needs another label.
+    ``label``: stands for the function in digests: another function needs another label.
     """
 
     kind: ClassVar[str] = "function"

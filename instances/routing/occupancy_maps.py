@@ -45,11 +45,12 @@ class OccupancyMap(Protocol):
 class MarkovMap:
     """Each cell a hidden Markov model of free and occupied whose rates are learnt by online expectation maximisation.
 
+    Source: Mitchell (2020), section 4.2; the map is taken for what it is now when ways are planned, as in chapter 5.
+
     Parameters
     ----------
     prior : array of shape (cells,)
         Probabilities of occupied at the start.
-    sensor : RangeSensor
     seconds : float
         Time of a step.
     rate : float
@@ -61,10 +62,6 @@ class MarkovMap:
     counted : str
         ``observed``: a transition is counted with each reading, from what was more probable after the reading before; ``believed``: one
         a step.
-
-    Notes
-    -----
-    Source: Mitchell (2020), section 4.2; the map is taken for what it is now when ways are planned, as in chapter 5.
     """
 
     def __init__(
@@ -121,6 +118,8 @@ class MarkovMap:
 class DecayMap:
     """Each cell's log-odds shrink at a rate that goes with its learnt period of change; without ``learning`` they stay.
 
+    Source: Mitchell (2020), (3.2)-(3.6), with (3.4) of log-odds.
+
     Parameters
     ----------
     prior, sensor
@@ -135,10 +134,6 @@ class DecayMap:
         Largest confidence (``1 - surest`` the least), and thresholds of occupied and free.
     since : str
         What a change is measured from: ``shift``, the change before, or ``last``, the reading before, as (3.5) prints.
-
-    Notes
-    -----
-    Source: Mitchell (2020), (3.2)-(3.6), with (3.4) of log-odds.
     """
 
     def __init__(

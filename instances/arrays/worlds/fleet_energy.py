@@ -70,19 +70,10 @@ def ways(pads: Floats, places: Floats, reach: float) -> Integers:
 class FleetWorld(World):
     """In a step each robot on its pad charges, or takes off for a place; each in the air goes on, or turns home.
 
-    Parameters
-    ----------
-    pads : array of shape (robots, 2), metres
-    endurance, recharge : int arrays of shape (robots,), steps
-        From a full battery to the low voltage, and from an empty one to a full one.
-    jobs : sequence of Job
-    reach : float, metres
-        Flown in a step.
-    reserve : int, steps
-        From the low voltage to an empty battery. A robot whose battery is empty in the air is lost there, and carried to its pad.
+    ``pads`` has the shape (robots, 2), metres. ``endurance`` and ``recharge``, shape (robots,), steps: from a full battery to the low
+    voltage, and from an empty one to a full one. ``reach``, metres: flown in a step. ``reserve``, steps: from the low voltage to an empty
+    battery. A robot whose battery is empty in the air is lost there, and carried to its pad.
 
-    Notes
-    -----
     Source: Mitchell (2020), appendix A; docs/missions/fleet-energy.md.
     """
 
