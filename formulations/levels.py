@@ -55,8 +55,8 @@ def best_level_bound(
 ) -> LevelBound | None:
     """The best of ``evidence`` on ``problem.given(before)``, each piece read by its checker; None where nothing is proved.
 
-    ``before`` holds values of the levels before: the answer's, or, where there is none, any. ``evaluation``: of an answer, whose value at the
-    level no bound may contradict. ``unproved``: receives a line for each piece whose checker fails, and where no answer is worth
+    ``before`` holds values of the levels before: the answer's, or, where there is none, any. ``evaluation``: of an answer, whose value at
+    the level no bound may contradict. ``unproved``: receives a line for each piece whose checker fails, and where no answer is worth
     ``before``. Raises CheckFailedError if a verified bound contradicts the value that a feasible answer has at the level.
     """
     level = len(before)

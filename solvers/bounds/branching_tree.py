@@ -270,10 +270,10 @@ def branching_tree_bound(
 ) -> Evidence | None:
     """Evidence from branch and bound over the first form of ``problem`` whose duals its checkers understand.
 
-    Of ``linear`` the seed counts. The programs of all nodes are solved by HiGHS, which goes on from where the last one ended, whoever solves
-    others. ``target``: value of an answer: the tree ends where its bound reaches it. Better answers that it meets on the way take its
-    place. It is of kind ``branching-tree``, or of that of the root's evidence where no branching was needed; None where the form lacks what it
-    takes, or there was no time for the root.
+    Of ``linear`` the seed counts. The programs of all nodes are solved by HiGHS, which goes on from where the last one ended, whoever
+    solves others. ``target``: value of an answer: the tree ends where its bound reaches it. Better answers that it meets on the way take
+    its place. It is of kind ``branching-tree``, or of that of the root's evidence where no branching was needed; None where the form lacks
+    what it takes, or there was no time for the root.
     """
     most = ENTRIES_PER_SECOND * stop.seconds_left
     if stop.reached() or problem.linear_entries() > most:

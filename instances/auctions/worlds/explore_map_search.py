@@ -122,8 +122,8 @@ def within(places: Floats, reach: float, strict: bool) -> Integers:
 def make(rng: np.random.Generator, settings: Mapping[str, Any]) -> TeamWorld:
     """A building of the generator ``exploration-map`` or a file, types of equal chance, and targets by table 5.1.
 
-    Raises InputError or UsageError if a sensor's table is none of probabilities, a weight or the decay is out of range, or the budget reaches
-    no action.
+    Raises InputError or UsageError if a sensor's table is none of probabilities, a weight or the decay is out of range, or the budget
+    reaches no action.
     """
     values = {key: setting.default for key, setting in buildings.SETTINGS.items()} | {key: settings[key] for key in OWN}
     sensors = sensors_from_text(settings["type-sensor"], settings["target-sensor"])
