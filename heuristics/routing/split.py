@@ -124,8 +124,7 @@ def _cut(problem: RoutingProblem, costs: Costs, order: Sites, stop: Stop) -> tup
 
     def cut(most: int) -> tuple[Flags, int, float]:
         if loads_only:
-            return linear_split(stop.flag, data[0], distance, vehicle.capacity, vehicle.unit_cost, vehicle.fixed_cost, most)  # type:
-            ignore[no-any-return]
+            return linear_split(stop.flag, data[0], distance, vehicle.capacity, vehicle.unit_cost, vehicle.fixed_cost, most)  # type: ignore[no-any-return]
         return best_split(stop.flag, *data, most)  # type: ignore[no-any-return]
 
     last, broken, value = cut(n)
