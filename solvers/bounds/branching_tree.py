@@ -300,4 +300,4 @@ def _missing(problem: Problem) -> frozenset[str]:
     return frozenset() if any(FORMS[form].makes(problem) == INTEGERS for form in problem.forms()) else frozenset({"integers alone"})
 
 
-BOUNDS.add("branching-tree", BoundMethod("branching-tree", _missing, branching_tree_bound, order=9, aims=True))
+BOUNDS.enter(BoundMethod("branching-tree", _missing, branching_tree_bound, order=9, aims=True))

@@ -93,4 +93,4 @@ def _missing(problem: Problem) -> frozenset[str]:
     return frozenset() if problem.forms() else frozenset({f"{problem.family} problems"})
 
 
-BOUNDS.add("linear-relaxation", BoundMethod("linear-relaxation", _missing, linear_relaxation_bound, order=2))
+BOUNDS.enter(BoundMethod("linear-relaxation", _missing, linear_relaxation_bound, order=2))

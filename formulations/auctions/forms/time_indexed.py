@@ -186,7 +186,6 @@ def _size(problem: OrchardDay) -> ProgramSize:
     )  # fmt: skip
 
 
-FORMS.add(
-    "time-indexed",
+FORMS.enter(
     Form("time-indexed", "orchard-day", frozenset({"objective:makespan", "objective:completion"}), build, refuses=_refuses, size=_size),
 )

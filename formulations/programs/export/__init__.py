@@ -6,7 +6,6 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .... import _guard as _guard
 from ....instances.errors import UsageError
 
 if TYPE_CHECKING:

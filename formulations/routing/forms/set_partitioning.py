@@ -253,8 +253,7 @@ def _share(r: Priced, weight: Weights) -> float:
     return math.fsum(each * amounts.get(name, 0.0) for name, each in weight.items())
 
 
-FORMS.add(
-    "set-partitioning",
+FORMS.enter(
     Form(
         "set-partitioning",
         "routing",

@@ -238,4 +238,4 @@ def _in_time(kind: VehicleColumns, nodes: NDArray[np.int64], arcs: NDArray[np.in
     return bool((times <= kind.upper[nodes] + slack).all() and (begins <= kind.closing[kind.arc_of[arcs]] + slack).all())
 
 
-FORMS.add("three-index", Form("three-index", "routing", FEATURES, build, refuses=refuses, order=4, size=_sizes.three_index))
+FORMS.enter(Form("three-index", "routing", FEATURES, build, refuses=refuses, order=4, size=_sizes.three_index))

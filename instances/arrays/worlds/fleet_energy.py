@@ -195,8 +195,7 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> FleetWorld:
     return FleetWorld(pads, endurance, recharge, jobs, values["speed"] * unit, round(values["reserve"] / unit))
 
 
-WORLDS.add(
-    "fleet-energy",
+WORLDS.enter(
     WorldKind(
         "fleet-energy", "robots with small batteries take turns so that jobs never stop",
         {

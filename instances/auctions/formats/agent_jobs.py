@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError, UsageError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...formats.table import name_of, settings_of, table_of, titles_of, written
 from ...text import number, plain, shown
 from ..generalised_assignment import OBJECTIVES, PROBLEMS, GeneralisedAssignmentInstance
@@ -90,7 +90,7 @@ def write(instance: Any) -> str:
     return written([("name", instance.name)], ("agent", "job", instance.objective, "consumption", "capacity"), rows)
 
 
-add_format(
+FORMATS.enter(
     Format(
         "agent-jobs", "agents' capacities, and jobs' costs or profits and consumption from CSV, one row each", recognises, read, write,
         (".csv",), PROBLEMS[0], PROBLEMS, sense="min or max", answer="agent of each job", solutions=(".json",),

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError, UsageError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...formats.table import CORNER, delimiter_of, name_of, rows_of, settings_of, written
 from ...text import number, plain, shown
 from ..assignment import PROBLEMS, AssignmentInstance
@@ -85,7 +85,7 @@ def write(instance: Any) -> str:
     return written([("name", instance.name)], (CORNER, *(instance.bin_name(j) for j in range(instance.num_bins))), rows)
 
 
-add_format(
+FORMATS.enter(
     Format(
         "assignment-matrix", "costs from CSV, one row a robot and one column a bin", recognises, read, write, (), PROBLEMS[0], PROBLEMS,
         answer="assignment", solutions=(".json", ".csv"), kinds=("assignment",), lacks=lacks,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError, UsageError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...formats.table import Table, name_of, settings_of, table_of, titles_of, written
 from ...number_arrays import Floats
 from ...text import an, number, plain, shown
@@ -123,7 +123,7 @@ def _cells(instance: AssignmentInstance, held: Mapping[str, list[float]], robot:
     return [*row, *("" if k < 0 else "inf" if math.isinf(own[k]) else plain(own[k]) for own, k in values)]
 
 
-add_format(
+FORMATS.enter(
     Format(
         "assignment-pairs", "robots, bins and costs of pairs from CSV, one row each", recognises, read, write, (".csv",), PROBLEMS[0],
         PROBLEMS, answer="assignment", solutions=(".json", ".csv"), kinds=("assignment",),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError, UsageError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...formats.table import Table, name_of, settings_of, table_of, titles_of, written
 from ...text import an, plain, shown
 from ..robot_tasks import METRICS, PROBLEMS, RobotTasks
@@ -89,7 +89,7 @@ def write(instance: Any) -> str:
     return written(settings, COLUMNS[: 4 + int(weights.any())], rows)
 
 
-add_format(
+FORMATS.enter(
     Format(
         "robot-tasks", "robots and tasks with their places from CSV, one row each", recognises, read, write, (".csv",), "", PROBLEMS,
         answer="paths or parts", solutions=(".json",), kinds=("robot-tasks",),

@@ -148,8 +148,7 @@ def make(rng: np.random.Generator, settings: Mapping[str, Any]) -> TeamWorld:
     return world
 
 
-WORLDS.add(
-    "explore-map-search",
+WORLDS.enter(
     WorldKind(
         "explore-map-search", "robots with a budget explore rooms, map and search them, and tell each other what they know where they meet",
         {

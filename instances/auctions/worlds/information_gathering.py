@@ -219,7 +219,6 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> GatheringWorld
     return GatheringWorld(GatheringRules(**values), rng)
 
 
-WORLDS.add(
-    "information-gathering",
+WORLDS.enter(
     WorldKind("information-gathering", "robots empty sensors that fill up, and bring what they take to their bases", GATHERING, _make),
 )

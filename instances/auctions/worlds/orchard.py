@@ -267,6 +267,4 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> OrchardWorld:
     return OrchardWorld(orchard_rules(values), rng)
 
 
-WORLDS.add(
-    "orchard", WorldKind("orchard", "pickers fill bins in an orchard, and robots bring new ones and fetch full ones", ORCHARD, _make)
-)
+WORLDS.enter(WorldKind("orchard", "pickers fill bins in an orchard, and robots bring new ones and fetch full ones", ORCHARD, _make))

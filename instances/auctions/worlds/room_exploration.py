@@ -125,8 +125,7 @@ def make(rng: np.random.Generator, settings: Mapping[str, Any]) -> ExplorationWo
     return ExplorationWorld(building, (buildings.READINGS, np.column_stack([detected, 1.0 - detected])), rng)
 
 
-WORLDS.add(
-    "room-exploration",
+WORLDS.enter(
     WorldKind(
         "room-exploration", "rooms of unknown types, some with targets, and robots that must be heard again and again",
         {key: Setting(s.default, s.help, s.type, s.least, s.most) for key, s in buildings.SETTINGS.items() if key in OWN}, make,

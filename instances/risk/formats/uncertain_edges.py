@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError, UsageError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...formats.table import Table, name_of, settings_of, table_of, titles_of, written
 from ...text import plain, shown
 from ..uncertain_graph import COLUMNS, PROBLEMS, UncertainGraph
@@ -91,7 +91,7 @@ def write(instance: Any) -> str:
     return written(settings, COLUMNS[: len(columns)], zip(*columns, strict=True))
 
 
-add_format(
+FORMATS.enter(
     Format(
         "uncertain-edges", "edges with mean and variance of their costs from CSV, one row each", recognises, read, write, (".csv",),
         PROBLEMS[0], PROBLEMS, answer="path", solutions=(".json",), kinds=("uncertain-graph",),

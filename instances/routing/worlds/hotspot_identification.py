@@ -193,8 +193,7 @@ def _make(rng: np.random.Generator, v: Mapping[str, Any]) -> HotspotWorld:
     return HotspotWorld(field, arms, kernel, rng, v["budget"], v["sensing-time"], v["pixels"])
 
 
-WORLDS.add(
-    "hotspot-identification",
+WORLDS.enter(
     WorldKind(
         "hotspot-identification", "an aerial robot looks for the most intense place of a field from several altitudes",
         {

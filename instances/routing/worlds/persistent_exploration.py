@@ -211,8 +211,7 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> PersistentWorl
     )  # fmt: skip
 
 
-WORLDS.add(
-    "persistent-exploration",
+WORLDS.enter(
     WorldKind(
         "persistent-exploration", "cells of a map change, and robots with small batteries keep looking at them",
         {

@@ -229,8 +229,7 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> PlumeWorld:
     return PlumeWorld(cells, start, values["robots"], values["speed"], (values["wind"] * way[0], values["wind"] * way[1]))
 
 
-WORLDS.add(
-    "plume-exploration",
+WORLDS.enter(
     WorldKind(
         "plume-exploration", "a plume of unknown shape drifts, and robots find out where it is by flying over it",
         {

@@ -202,8 +202,7 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> CommunicationW
     )
 
 
-WORLDS.add(
-    "unreliable-communication",
+WORLDS.enter(
     WorldKind(
         "unreliable-communication", "robots explore an unknown floor, and hear each other only when they are near",
         {

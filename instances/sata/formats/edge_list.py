@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError, UsageError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...formats.table import Table, name_of, settings_of, table_of, titles_of, written
 from ...number_arrays import Floats
 from ...text import number, plain
@@ -87,7 +87,7 @@ def write(instance: Any) -> str:
     return written(settings, COLUMNS[: len(columns)], zip(*columns, strict=True))
 
 
-add_format(
+FORMATS.enter(
     Format(
         "edges", "edge list of a sensing graph from CSV, one row each", recognises, read, write, (".csv",), "", PROBLEMS, sense="max",
         answer="actions", solutions=(".json",), kinds=("sensing",),
