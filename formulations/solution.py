@@ -384,7 +384,7 @@ def status_line(solution: Solution) -> Line:
 
 
 def _seconded(solution: Solution) -> str:
-    """Who was asked for a second opinion, and says the same; or what the others say instead."""
+    """The solvers that were asked for a second opinion and say the same; or what the others say instead."""
 
     def told(verdict: str) -> str:
         return ", ".join(o.solver for o in solution.opinions if o.verdict == verdict)

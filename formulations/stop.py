@@ -1,4 +1,4 @@
-"""When a search ends: at its deadline, or when it is asked to, compiled loops included."""
+"""The end of a search: at its deadline, or when it is asked to, compiled loops included."""
 
 from __future__ import annotations
 

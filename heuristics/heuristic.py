@@ -48,7 +48,7 @@ class Context:
     linear: LinearPrograms
 
     def begin(self) -> Stop:
-        """When a heuristic that starts now has to end: its time is up, or it is asked to."""
+        """The end of a heuristic that starts now: its time is up, or it is asked to end."""
         return self.stop.within(self.time_limit)
 
 

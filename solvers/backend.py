@@ -27,7 +27,7 @@ STATUSES = ("optimal", "feasible", "infeasible", "unbounded", "infeasible_or_unb
 LIMITS = ("none", "time", "iterations", "gap", "nodes", "memory", "interrupt")
 
 LP_SOLVER = "highs"
-"""Who solves the linear programs met on the way where the user names nobody: vertices, interior points and first-order steps by one
+"""The solver of linear programs met on the way, unless the user names one: vertices, interior points and first-order steps by one
 library, which can be interrupted."""
 
 
@@ -375,7 +375,7 @@ class Engine(Backend):
         return self.needs_process
 
     def begin(self, problem: Problem, options: Options, control: Control) -> Stop:
-        """When a search that begins now has to end; raises UnsupportedError for a problem that it lacks a feature of, and UsageError for an
+        """The end of a search that begins now; raises UnsupportedError for a problem that it lacks a feature of, and UsageError for an
         option of another name or kind."""
         lacking = self.missing(problem)
         if lacking:

@@ -198,7 +198,7 @@ class _Child:
 
 @dataclass(frozen=True)
 class _Message:
-    """From the child: ``searching, off the clock, set-up, incumbent, done, refused, memory`` or ``failed``."""
+    """A message of the child: ``searching, off the clock, set-up, incumbent, done, refused, memory`` or ``failed``."""
 
     kind: str
     value: Any = None

@@ -112,7 +112,7 @@ class LinearSession:
         self._model.setOptionValue("simplex_strategy", 4 if wanted else 1)
 
     def basis(self) -> Any:
-        """Where the session stands, for ``start``."""
+        """The session's basis, for ``start``."""
         return self._model.getBasis()
 
     def start(self, basis: Any) -> None:

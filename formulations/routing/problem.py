@@ -482,7 +482,7 @@ class RoutingProblem(Problem):
         return sol_text(self.sites, routes, objective) if suffix == ".sol" else tour_text(self.sites, routes, objective, self.name)
 
     def answer_from_text(self, text: str) -> tuple[Routes, float | None]:
-        """From CVRPLIB's ``.sol`` or TSPLIB's ``.tour``."""
+        """Routes from CVRPLIB's ``.sol`` or TSPLIB's ``.tour``."""
         file = routes_from_text(text, self.sites)
         self._need_one_type()
         return Routes.of(file.routes), file.cost

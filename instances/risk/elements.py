@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..number_arrays import reals, refuse_outside, whole_numbers
-from .element import MemorylessElement, Space, placed, probabilities, rate_of
+from .element import MemorylessElement, Space, placed, probabilities
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -60,18 +60,16 @@ class LengthRisk(MemorylessElement):
     """
 
     kind: ClassVar[str] = "length"
+    rates: ClassVar[tuple[str, ...]] = ("rate",)
     rate: float
     growth: str = "exponential"
     label: str = "length"
     category: ClassVar[str] = "action"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "rate", rate_of(f"the rate of {self.label}", self.rate))
+        super().__post_init__()
         if self.growth not in GROWTHS:
             raise InputError(f"the growth of {self.label} is unknown", "unknown-name", expected=", ".join(GROWTHS), found=str(self.growth))
-
-    def check(self, space: Space) -> None:
-        placed(self, space)
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         at = placed(self, space)
@@ -94,20 +92,18 @@ class TurnRisk(MemorylessElement):
     """
 
     kind: ClassVar[str] = "turn"
+    rates: ClassVar[tuple[str, ...]] = ("rate",)
     rate: float
     measure: str = "angle"
     label: str = "turn"
     category: ClassVar[str] = "action"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "rate", rate_of(f"the rate of {self.label}", self.rate))
+        super().__post_init__()
         if self.measure not in MEASURES:
             raise InputError(
                 f"the measure of {self.label} is unknown", "unknown-name", expected=", ".join(MEASURES), found=str(self.measure)
             )
-
-    def check(self, space: Space) -> None:
-        placed(self, space)
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         at = placed(self, space)
@@ -135,6 +131,7 @@ class AccessRisk(MemorylessElement):
     """
 
     kind: ClassVar[str] = "access"
+    rates: ClassVar[tuple[str, ...]] = ("narrowing", "widening")
     width: Floats
     narrowing: float
     widening: float = 0.0
@@ -142,9 +139,8 @@ class AccessRisk(MemorylessElement):
     category: ClassVar[str] = "action"
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         object.__setattr__(self, "width", reals(f"widths of {self.label}", self.width))
-        for key in ("narrowing", "widening"):
-            object.__setattr__(self, key, rate_of(f"{key} of {self.label}", getattr(self, key)))
 
     def check(self, space: Space) -> None:
         if self.width.shape != (space.num_states,) or not np.isfinite(self.width).all():

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .element import Space, TraverseElement, placed, probabilities, rate_of
+from .element import Space, TraverseElement, placed, probabilities
 from .elements import Floats, Indices
 from .tether import Contacts, Tether
 
@@ -31,7 +31,6 @@ class CollectedRisk(TraverseElement):
     collects: NDArray[np.bool_]
     risk: Floats
     label: str = "collected"
-    category: ClassVar[str] = "traverse"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "risk", probabilities(f"risks of {self.label}", self.risk))
@@ -68,17 +67,10 @@ class TravelledRisk(TraverseElement):
     """
 
     kind: ClassVar[str] = "travelled"
+    rates: ClassVar[tuple[str, ...]] = ("rate", "free")
     rate: float
     free: float = 0.0
     label: str = "travelled"
-    category: ClassVar[str] = "traverse"
-
-    def __post_init__(self) -> None:
-        for key in ("rate", "free"):
-            object.__setattr__(self, key, rate_of(f"{key} of {self.label}", getattr(self, key)))
-
-    def check(self, space: Space) -> None:
-        placed(self, space)
 
     def begin(self, space: Space, state: int) -> tuple[float, float]:
         return 0.0, 0.0
@@ -100,15 +92,11 @@ class TetherRisk(TraverseElement):
     """
 
     kind: ClassVar[str] = "tether"
+    rates: ClassVar[tuple[str, ...]] = ("length_rate", "contact_rate")
     tether: Tether
     length_rate: float = 0.0
     contact_rate: float = 0.03
     label: str = "tether"
-    category: ClassVar[str] = "traverse"
-
-    def __post_init__(self) -> None:
-        for key in ("length_rate", "contact_rate"):
-            object.__setattr__(self, key, rate_of(f"{key} of {self.label}", getattr(self, key)))
 
     def check(self, space: Space) -> None:
         if placed(self, space).shape[1] != 2:

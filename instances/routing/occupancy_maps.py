@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -28,18 +28,6 @@ UTILITIES = ("csqmi", "mutual-information", "chi-square")
 
 RAREST_RATE = 1e-4
 """Least probability of a change in a step: with none a cell could never be doubted again."""
-
-
-class OccupancyMap(Protocol):
-    """A belief about cells: ``p`` are their probabilities of being occupied now, NaN never."""
-
-    p: Floats
-
-    def update(self, seen: Integers, hits: Flags) -> None:
-        """Let a step pass, then take the readings of the cells ``seen``, none twice."""
-
-    def closes(self, threshold: float) -> Floats:
-        """Seconds from now until each cell is no longer believed free, with less than ``threshold``; minus infinity for those not now."""
 
 
 class MarkovMap:

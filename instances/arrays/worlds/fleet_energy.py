@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...generators import Draw, Flags, Floats, Integers
-from ...worlds import WORLDS, Setting, World, WorldKind
+from ...worlds import WORLDS, Setting, World, WorldKind, check_robot
 
 DISPATCH = -1
 """Number of the agent whose action is the set of jobs that the team has taken on."""
@@ -161,8 +161,7 @@ class FleetWorld(World):
             if not all(isinstance(k, int) and 0 <= k < len(self.jobs) for k in deed):
                 raise InputError("a job that is taken on does not exist", "unknown-name", found=str(sorted(deed))[:40])
             return
-        if not isinstance(agent, int) or not 0 <= agent < len(self.pads):
-            raise InputError("there is no such robot", "unknown-name", expected=f"0 to {len(self.pads) - 1}", found=str(agent)[:40])
+        check_robot(agent, len(self.pads))
         if deed == HOME:
             if self.watches[agent] is None:
                 raise InputError(f"robot {agent} is on its way home, or there", "contradiction")
