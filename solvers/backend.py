@@ -250,7 +250,7 @@ class Backend(ABC):
     pinned : str
         The version of it that is needed, where not every one will do.
     modules : tuple of str
-        Modules that must be found (not imported) for it to be installed.
+        Modules that must be found (not imported) for it to be installed; by default the package.
     summary : str
         One line for ``waybound solvers``.
     interrupts : str
@@ -286,6 +286,10 @@ class Backend(ABC):
     order: ClassVar[int] = 100
     by_default: ClassVar[bool] = True
     variants: ClassVar[tuple[str, ...]] = ()
+
+    def __init_subclass__(cls) -> None:
+        if "package" in cls.__dict__ and "modules" not in cls.__dict__:
+            cls.modules = (cls.package,)
 
     def __init__(self, variant: str = "") -> None:
         if variant and not self.variants:

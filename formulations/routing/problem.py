@@ -267,8 +267,6 @@ class RoutingProblem(Problem):
         """
         return cls(**parts_of(instance, problem, settings or {}))
 
-    # -- what it is --------------------------------------------------------------------------------------------------
-
     @property
     def senses(self) -> tuple[str, ...]:
         return self.objective.senses
@@ -332,8 +330,6 @@ class RoutingProblem(Problem):
     def linear_entries(self) -> int:
         return 8 * len(self.sites) ** 2  # an arc is in two rows of visits and in six of a resource
 
-    # -- parts of all answers ----------------------------------------------------------------------------------------
-
     check_statement = statements.check_statement
     restricted = statements.restricted
     given = statements.later_levels
@@ -345,8 +341,6 @@ class RoutingProblem(Problem):
         if kind in ("all-routes", "customer-sets"):
             return "none of all routes can be put together"
         return super().why_none(kind, data)
-
-    # -- judging answers ---------------------------------------------------------------------------------------------
 
     def evaluate(self, answer: Routes) -> Evaluation:
         """Recompute everything from the data: visits, loads, windows with waiting and service, durations, distances, energy, fleet size,
@@ -414,8 +408,6 @@ class RoutingProblem(Problem):
                 yield Reason("fleet" if site is None else "site", "fleet" if site is None else site, evidence.source, evidence)
 
     left_out = left_out
-
-    # -- answers as files and tables ---------------------------------------------------------------------------------
 
     answer_to_json = routes_to_json
     answer_from_json = routes_from_json

@@ -198,8 +198,6 @@ class _RouteColumns(Blocks):
             self.rows.append(rows(f"{name}-home", 1, entries, least, keys=key, labels=label))
         self.maximum[column] = (what, least)
 
-    # -- answers -----------------------------------------------------------------------------------------------------
-
     def _decode(self, x: Floats) -> Routes:
         chosen = np.nonzero(used(x[: len(self.routes)]))[0]
         return Routes(tuple(Route(self.routes[p].visits, self.routes[p].kind) for p in chosen.tolist()))

@@ -131,9 +131,6 @@ def written(
     return Compiled(bare, problem, partial(_decode, problem, types), partial(_encode, blocks, bare))
 
 
-# -- answers ---------------------------------------------------------------------------------------------------------
-
-
 def _decode(problem: RoutingProblem, types: list[VehicleColumns], x: Floats) -> Routes:
     routes: list[Route] = []
     for kind in types:

@@ -26,7 +26,6 @@ class IntervalScheduling(Engine):
 
     name = "interval-scheduling"
     package = "ortools"
-    modules = ("ortools",)
     summary = "whole days in the orchard, by CP-SAT over intervals"
     interrupts = "keeps the best answer and the bound so far"
     honours = frozenset({"gap", "iterations"})

@@ -55,7 +55,6 @@ class ExactJoint(Engine):
 
     name = "exact-joint"
     package = "highspy"
-    modules = ("highspy",)
     summary = "joint risk by its true probability, for up to 60 chance constraints"
     interrupts = "keeps the best plan"
     one_thread = True
