@@ -29,14 +29,7 @@ if TYPE_CHECKING:
 class ReadAnswer:
     """An answer from a file.
 
-    Attributes
-    ----------
-    answer : object
-        The problem's own.
-    stated : float, list of float or None
-        The objective that the file states.
-    notes : tuple of str
-        What a user should be told about the reading.
+    ``answer`` is the problem's own, ``stated`` the objective that the file states, ``notes`` what a user should be told about the reading.
     """
 
     answer: Any
@@ -60,19 +53,8 @@ def read_answer(problem: Problem, path: str | PathLike[str], form: str | None = 
     """The answer in a solution file, recognised by content: JSON, a table, what else the problem's answers are written as, or what a
     solver wrote of an exported form.
 
-    Parameters
-    ----------
-    problem : Problem
-    path : path-like
-    form : str, optional
-        For a solver's file: the form that was exported; by default whichever fits.
-
-    Raises
-    ------
-    InputError
-        If the file is no solution of such a problem; with file and, where there is one, line.
-    UsageError
-        If the file's format cannot express answers to this problem.
+    ``form`` is the form that a solver's file is of, by default whichever fits. Raises InputError, with file and line, if the file is no
+    solution of such a problem, UsageError if the file's format cannot express answers to this problem.
     """
     try:
         with taken_by(problem):
@@ -151,10 +133,7 @@ def write_answer(solution: Solution, path: str | PathLike[str]) -> None:
 
     ``.json`` holds all that ``Solution.to_json`` tells, ``.csv`` and ``.xlsx`` tables, other files what their format can express.
 
-    Raises
-    ------
-    UsageError, InputError
-        If the suffix cannot hold the answer, or the file cannot be written.
+    Raises UsageError if the suffix cannot hold the answer, InputError if the file cannot be written.
     """
     check_answer_path(solution.problem, path)
     suffix = Path(path).suffix.lower()

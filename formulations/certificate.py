@@ -185,23 +185,10 @@ def certify(
 ) -> Certificate:
     """Verify all evidence and put what holds into a certificate.
 
-    Parameters
-    ----------
-    problem : Problem
-    evaluation : Evaluation or None
-    evidence : sequence of Evidence
-    guarantee : Guarantee, optional
-    unproved : list of str, optional
-        Receives a line for each evidence whose checker fails, which is then left out; without it, that failure is raised.
-    checked : sequence of (Evidence, float), optional
-        What ``verified_bound`` already said of some of it.
-
-    Raises
-    ------
-    InputError
-        If evidence is malformed and there is no ``unproved``.
-    CheckFailedError
-        If a verified bound, or a proof that there is no answer, contradicts a feasible answer: both cannot be right.
+    ``unproved``: receives a line for each evidence whose checker fails, which is then left out; without it, that failure is raised.
+    ``checked``: what ``verified_bound`` already said of some of it. Raises InputError if evidence is malformed and there is no
+    ``unproved``. Raises CheckFailedError if a verified bound, or a proof that there is no answer, contradicts a feasible answer: both
+    cannot be right.
     """
     verified, endless = [], []
     known = {id(e): bound for e, bound in checked}
@@ -283,13 +270,8 @@ def judged_only(problem: Problem, evaluation: Evaluation | None) -> Certificate:
 def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Evaluation | None) -> Certificate:
     """Verify a certificate file against an instance and, if given, the evaluation of an answer.
 
-    Raises
-    ------
-    InputError
-        If it is no certificate, or one for other data, or a field is malformed.
-    CheckFailedError
-        If what it states is not proved by its evidence (bound, infeasibility), or is not so of the answer (feasibility, checks,
-        violations, objective, gap, ratio).
+    Raises InputError if it is no certificate, or one for other data, or a field is malformed. Raises CheckFailedError if what it states is
+    not proved by its evidence (bound, infeasibility), or is not so of the answer (feasibility, checks, violations, objective, gap, ratio).
     """
     if (
         not isinstance(data, Mapping)

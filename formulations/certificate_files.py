@@ -33,10 +33,7 @@ SUFFIX = ".evidence.json.gz"
 def write_certificate(certificate: Certificate, path: str | PathLike[str]) -> None:
     """Write a certificate with its evidence to ``path``: both files, whole, or neither.
 
-    Raises
-    ------
-    InputError
-        If a file cannot be written.
+    Raises InputError if a file cannot be written.
     """
     data = certificate.to_json(with_evidence=True)
     evidence = json.dumps(finite(data["evidence"]), allow_nan=False)
@@ -55,12 +52,8 @@ def write_certificate(certificate: Certificate, path: str | PathLike[str]) -> No
 def read_certificate(path: str | PathLike[str]) -> Mapping[str, Any]:
     """The object in a certificate file, with the evidence that it names in place.
 
-    Raises
-    ------
-    InputError
-        If a file is missing or malformed, or evidence is larger than ``MOST_BYTES`` once it is unpacked.
-    CheckFailedError
-        If the evidence is not what the certificate was written with.
+    Raises InputError if a file is missing or malformed, or evidence is larger than ``MOST_BYTES`` once it is unpacked. Raises
+    CheckFailedError if the evidence is not what the certificate was written with.
     """
     text = read_text(path)
     try:

@@ -66,14 +66,8 @@ ENDLESS: Registry[Callable[[Any, Mapping[str, Any]], bool]] = Registry(
 class LeftOut:
     """A thing that an answer leaves out, with the reason.
 
-    Parameters
-    ----------
-    where : str
-        Its name.
-    reason : str
-        In the problem's words.
-    proved : bool
-        Whether no answer can hold it, as a checker confirmed; else the reason is one of this answer.
+    ``where`` is its name, ``reason`` is in the problem's words; ``proved`` says whether no answer can hold it, as a checker confirmed; else
+    the reason is one of this answer.
     """
 
     where: str

@@ -86,12 +86,7 @@ def nearest_form(problem: Asked) -> tuple[str, frozenset[str]]:
 def default_form(problem: Asked) -> str:
     """The first exact form of ``problem``: others are taken where they are named, never by default.
 
-    Raises
-    ------
-    UsageError
-        If it has inexact forms alone.
-    UnsupportedError
-        If it has none; names the nearest and what that one lacks.
+    Raises UsageError if it has inexact forms alone. Raises UnsupportedError if it has none; names the nearest and what that one lacks.
     """
     usable = usable_forms(problem)
     exact = [name for name in usable if FORMS[name].exactness is Exactness.EXACT]

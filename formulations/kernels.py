@@ -162,8 +162,8 @@ def kernel(*declared: str, **options: Any) -> Callable[[Callable[..., Any]], Ker
     ----------
     declared : str, optional
         Types that it takes, in the words of numba: ``f8(f8[::1], i8)``, or ``(f8[::1], i8)`` where what it returns is found.
-        ``read(f8[::1])`` takes read-only arrays and others, ``named(Graph, ...)`` a named tuple. It is compiled for these alone, when it
-        is first called. What Python calls declares its types, so that it can be compiled without being run.
+        ``read(f8[::1])`` takes read-only arrays and others, ``named(Graph, ...)`` a named tuple. It is compiled for these alone, when
+        it is first called. What Python calls declares its types, so that it can be compiled without being run.
     **options
         Further options of ``numba.njit``.
     """

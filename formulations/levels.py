@@ -27,13 +27,8 @@ MOST_LEVELS = 20
 class LevelBound:
     """A verified bound of one level of an objective in order of priority.
 
-    Parameters
-    ----------
-    given : tuple of float
-        Values of the levels before: the bound holds for all answers that are no worse there.
-    bound : float
-    evidence : Evidence
-        On ``problem.given(given)``, whose first level is the one that is bounded.
+    ``given`` holds values of the levels before: the bound holds for all answers that are no worse there. ``evidence``: on
+    ``problem.given(given)``, whose first level is the one that is bounded.
     """
 
     given: tuple[float, ...]
@@ -60,21 +55,9 @@ def best_level_bound(
 ) -> LevelBound | None:
     """The best of ``evidence`` on ``problem.given(before)``, each piece read by its checker; None where nothing is proved.
 
-    Parameters
-    ----------
-    problem : Problem
-    before : tuple of float
-        Values of the levels before: the answer's, or, where there is none, any.
-    evaluation : Evaluation or None
-        Of an answer, whose value at the level no bound may contradict.
-    evidence : sequence of Evidence
-    unproved : list of str, optional
-        Receives a line for each piece whose checker fails, and where no answer is worth ``before``.
-
-    Raises
-    ------
-    CheckFailedError
-        If a verified bound contradicts the value that a feasible answer has at the level.
+    ``before`` holds values of the levels before: the answer's, or, where there is none, any. ``evaluation``: of an answer, whose value at
+    the level no bound may contradict. ``unproved``: receives a line for each piece whose checker fails, and where no answer is worth
+    ``before``. Raises CheckFailedError if a verified bound contradicts the value that a feasible answer has at the level.
     """
     level = len(before)
     part, sense = problem.given(before), problem.senses[level]
@@ -128,12 +111,8 @@ def check_levels(problem: Problem, data: Any, evaluation: Evaluation | None, of_
 
     Bounds alone are given bounds: what they say of other answers than the one at hand is verified and left out.
 
-    Raises
-    ------
-    InputError
-        If they are malformed.
-    CheckFailedError
-        If one states more than its evidence proves, or speaks of other values than the answer's.
+    Raises InputError if they are malformed. Raises CheckFailedError if one states more than its evidence proves, or speaks of other values
+    than the answer's.
     """
     if data is None:
         return ()

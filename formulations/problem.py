@@ -138,8 +138,6 @@ class Problem(ABC):
         """Optional things that ``answer`` leaves out, each with the reason."""
         return ()
 
-    # -- parts of all answers ----------------------------------------------------------------------------------------
-
     def check_statement(self, statement: Any) -> None:
         """Raise InputError unless ``statement``, plain JSON, says something of an answer that holds or does not."""
         raise InputError(f"nothing can be stated of answers to {self.problem} problems", "unsupported", found=shown(str(statement)))
@@ -173,8 +171,6 @@ class Problem(ABC):
     def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
         """A proof that there is no answer, in words; empty where the family has none for it."""
         return ""
-
-    # -- answers as files and tables ---------------------------------------------------------------------------------
 
     @abstractmethod
     def answer_to_json(self, answer: Any) -> dict[str, Any]:

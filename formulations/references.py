@@ -19,18 +19,8 @@ from ..instances.text import an
 def indices_of(given: Iterable[Any], names: Mapping[str, int], thing: str) -> list[int]:
     """Indices of the things meant: text is a name; whole numbers are all indices, or all names where they cannot be indices.
 
-    Parameters
-    ----------
-    given : iterable of str or int
-    names : mapping
-        From name to index.
-    thing : str
-        What they are, for the message.
-
-    Raises
-    ------
-    UsageError
-        For what is neither or does not exist, and for whole numbers that could be both and would mean different things.
+    ``names``: from name to index. ``thing``: what they are, for the message. Raises UsageError for what is neither or does not exist, and
+    for whole numbers that could be both and would mean different things.
     """
     every = list(given)
     numbers: list[int] = []

@@ -57,16 +57,9 @@ def relative_gap(objective: Value | None, bound: Value | None, sizes: Sequence[f
 class Opinion:
     """Another solver's view of a claim that stands without evidence.
 
-    Parameters
-    ----------
-    solver : str
-    status : str
-        Its own word.
-    objective, bound : float, optional
-        Its own claims, in the units of the program.
-    verdict : str
-        ``agrees``, ``undecided``, ``refutes`` (by an answer that passed every check), ``is refuted`` (by such an answer, or a verified
-        bound), or ``contradicts``: nothing that was checked refutes either of the two.
+    ``status``: its own word. ``objective`` and ``bound``: its own claims, in the units of the program. ``verdict``: ``agrees``,
+    ``undecided``, ``refutes`` (by an answer that passed every check), ``is refuted`` (by such an answer, or a verified bound), or
+    ``contradicts``: nothing that was checked refutes either of the two.
     """
 
     solver: str
@@ -391,7 +384,7 @@ def status_line(solution: Solution) -> Line:
 
 
 def _seconded(solution: Solution) -> str:
-    """Who was asked for a second opinion, and says the same; or what the others say instead."""
+    """The solvers that were asked for a second opinion and say the same; or what the others say instead."""
 
     def told(verdict: str) -> str:
         return ", ".join(o.solver for o in solution.opinions if o.verdict == verdict)

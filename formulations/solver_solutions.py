@@ -12,19 +12,9 @@ from .programs.solution_files import SolverFile, vector_of
 def answer_of_solver(problem: Problem, read: SolverFile, form: str | None = None) -> tuple[Any, str]:
     """The answer in a solver's solution, and the form whose solution it is.
 
-    Parameters
-    ----------
-    problem : Problem
-    read : SolverFile
-    form : str, optional
-        The form that was exported; by default the first of the problem's forms that the file is a solution of.
-
-    Raises
-    ------
-    InputError
-        If it is a solution of none of them.
-    UsageError, UnsupportedError
-        For a form that does not exist or cannot write the problem down.
+    ``form``: the form that was exported; by default the first of the problem's forms that the file is a solution of. Raises InputError if
+    it is a solution of none of them. Raises UsageError for a form that does not exist, and UnsupportedError for one
+    that cannot write the problem down.
     """
     other: tuple[str, WayboundError] | None = None
     broken: tuple[str, WayboundError] | None = None

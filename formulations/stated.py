@@ -62,21 +62,9 @@ def compare_answer(data: Mapping[str, Any], evaluation: Evaluation | None, *, in
     Each check and violation that is stated must be one of the answer's, in their order. The answer may have more: one that was written
     and read again names what the one in memory left open, such as who is credited with a target.
 
-    Parameters
-    ----------
-    data : mapping
-        The certificate file.
-    evaluation : Evaluation or None
-        Of the answer; without one only types are looked at.
-    infeasible : bool
-        Whether the evidence proves that there is no answer.
-
-    Raises
-    ------
-    InputError
-        For a field of a wrong type.
-    CheckFailedError
-        For a field that is not so.
+    ``data``: the certificate file. ``evaluation``: of the answer; without one only types are looked at. ``infeasible``: whether the
+    evidence proves that there is no answer. Raises InputError for a field of a wrong type. Raises CheckFailedError for a field that is not
+    so.
     """
     for key in ("feasible", "infeasible", "unbounded"):
         if data.get(key) is not None and not isinstance(data[key], bool):

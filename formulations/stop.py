@@ -1,4 +1,4 @@
-"""When a search ends: at its deadline, or when it is asked to, compiled loops included."""
+"""The end of a search: at its deadline, or when it is asked to, compiled loops included."""
 
 from __future__ import annotations
 
@@ -35,10 +35,7 @@ def now() -> float:
 def off_the_clock(what: str = "") -> Iterator[None]:
     """Within the block no deadline of this process comes nearer: for what is done once a machine, or once a process.
 
-    Parameters
-    ----------
-    what : str
-        The compiled loop that is made, told to all who listen; "" for what is done each time a process starts.
+    ``what``: the compiled loop that is made, told to all who listen; "" for what is done each time a process starts.
     """
     global _stood
     with _STANDING:

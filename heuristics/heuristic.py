@@ -48,7 +48,7 @@ class Context:
     linear: LinearPrograms
 
     def begin(self) -> Stop:
-        """When a heuristic that starts now has to end: its time is up, or it is asked to."""
+        """The end of a heuristic that starts now: its time is up, or it is asked to end."""
         return self.stop.within(self.time_limit)
 
 
@@ -126,12 +126,13 @@ Run = TypeVar("Run", bound=Callable[..., Outcome])
 
 
 def heuristic(
-    name: str, family: str, features: Iterable[str], summary: str, stated: str = Heuristic.stated, **further: Any
+    name: str, family: str | tuple[str, ...], features: Iterable[str], summary: str, stated: str = Heuristic.stated, **further: Any
 ) -> Callable[[Run], Run]:
-    """Register the decorated function as the ``run`` of a heuristic for one family of problems; ``further`` are fields of ``Heuristic``."""
+    """Register the decorated function as the ``run`` of a heuristic for one family of problems or several; ``further`` as of it."""
 
     def add(run: Run) -> Run:
-        HEURISTICS.add(name, Heuristic(name, (family,), frozenset(features), run, summary, stated, **further))
+        families = (family,) if isinstance(family, str) else family
+        HEURISTICS.enter(Heuristic(name, families, frozenset(features), run, summary, stated, **further))
         return run
 
     return add
@@ -139,14 +140,7 @@ def heuristic(
 
 @dataclass(frozen=True)
 class HeuristicWork:
-    """A heuristic at its work: picklable, and called with a ``Control``.
-
-    Parameters
-    ----------
-    name : str
-    problem : Problem
-    options : Options
-    """
+    """A heuristic at its work: picklable, and called with a ``Control``."""
 
     name: str
     problem: Problem

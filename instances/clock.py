@@ -45,14 +45,8 @@ _PARTS = re.compile(r"(\d+(?:\.\d+)?)\s*([a-z]+)")
 class Clock:
     """The unit and the origin of a problem's times.
 
-    Parameters
-    ----------
-    unit : str
-        ``s, min, h`` or ``d``.
-    origin : str
-        The moment that is time 0, as ISO 8601; "" where times are not those of a calendar.
-    of_day : bool
-        Whether time 0 is midnight of any day: times were told as times of day, such as 08:00.
+    ``unit``: ``s, min, h`` or ``d``. ``origin``: the moment that is time 0, as ISO 8601; "" where times are not those of a calendar.
+    ``of_day``: whether time 0 is midnight of any day: times were told as times of day, such as 08:00.
     """
 
     unit: str
@@ -175,13 +169,8 @@ def span_of(cell: str, line: int | None, what: str) -> Any:
 class Times:
     """Reads columns, numbers and texts that may be moments or spans of time.
 
-    Parameters
-    ----------
-    unit : str, optional
-        In which the problem counts; moments and spans are refused without one.
+    ``unit``: in which the problem counts; moments and spans are refused without one.
 
-    Notes
-    -----
     Time 0 is midnight of the first day that any moment falls on, in its own time zone: ``see`` all of them before the first is read.
     """
 

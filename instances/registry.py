@@ -61,6 +61,10 @@ class Registry(Generic[T]):
         self._entries[name] = entry
         return entry
 
+    def enter(self, entry: T) -> T:
+        """``add`` under the entry's own ``name``."""
+        return self.add(entry.name, entry)  # type: ignore[attr-defined]
+
     def register(self, name: str) -> Callable[[T], T]:
         """``add`` as a decorator."""
         return lambda entry: self.add(name, entry)

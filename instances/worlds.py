@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import UsageError
+from .errors import InputError, UsageError
 from .generators.settings import Setting as Setting
 from .registry import Registry
 from .suggestions import did_you_mean
@@ -72,6 +72,12 @@ class WorldKind:
     summary: str
     settings: Mapping[str, Setting]
     make: Callable[[np.random.Generator, Mapping[str, Any]], World]
+
+
+def check_robot(robot: Any, count: int) -> None:
+    """Raise InputError unless ``robot`` is the number of one of ``count`` robots, from 0."""
+    if not isinstance(robot, int) or not 0 <= robot < count:
+        raise InputError("there is no such robot", "unknown-name", expected=f"0 to {count - 1}", found=str(robot)[:40])
 
 
 def setting_values(who: str, settings: Mapping[str, Setting], values: Mapping[str, Any]) -> dict[str, Any]:

@@ -27,7 +27,7 @@ STATUSES = ("optimal", "feasible", "infeasible", "unbounded", "infeasible_or_unb
 LIMITS = ("none", "time", "iterations", "gap", "nodes", "memory", "interrupt")
 
 LP_SOLVER = "highs"
-"""Who solves the linear programs met on the way where the user names nobody: vertices, interior points and first-order steps by one
+"""The solver of linear programs met on the way, unless the user names one: vertices, interior points and first-order steps by one
 library, which can be interrupted."""
 
 
@@ -250,7 +250,7 @@ class Backend(ABC):
     pinned : str
         The version of it that is needed, where not every one will do.
     modules : tuple of str
-        Modules that must be found (not imported) for it to be installed.
+        Modules that must be found (not imported) for it to be installed; by default the package.
     summary : str
         One line for ``waybound solvers``.
     interrupts : str
@@ -286,6 +286,10 @@ class Backend(ABC):
     order: ClassVar[int] = 100
     by_default: ClassVar[bool] = True
     variants: ClassVar[tuple[str, ...]] = ()
+
+    def __init_subclass__(cls) -> None:
+        if "package" in cls.__dict__ and "modules" not in cls.__dict__:
+            cls.modules = (cls.package,)
 
     def __init__(self, variant: str = "") -> None:
         if variant and not self.variants:
@@ -326,15 +330,8 @@ class Backend(ABC):
 class Needs:
     """Whether and how an engine can run on a problem.
 
-    Parameters
-    ----------
-    missing : frozenset of str
-        Features of the problem that the engine lacks; where there are any, the others are not filled in.
-    memory : float, bytes
-    set_up_seconds : float
-        Before its search begins.
-    apart : bool
-        Whether it needs a process of its own to be stopped.
+    ``missing``: features of the problem that the engine lacks; where there are any, the others are not filled in. ``memory``, bytes.
+    ``set_up_seconds``: before its search begins. ``apart``: whether it needs a process of its own to be stopped.
     """
 
     missing: frozenset[str]
@@ -382,7 +379,7 @@ class Engine(Backend):
         return self.needs_process
 
     def begin(self, problem: Problem, options: Options, control: Control) -> Stop:
-        """When a search that begins now has to end; raises UnsupportedError for a problem that it lacks a feature of, and UsageError for an
+        """The end of a search that begins now; raises UnsupportedError for a problem that it lacks a feature of, and UsageError for an
         option of another name or kind."""
         lacking = self.missing(problem)
         if lacking:
@@ -420,12 +417,7 @@ def solver_named(name: str) -> Backend:
 class SolverWork:
     """A solver at its work: picklable, and called with a ``Control``.
 
-    Parameters
-    ----------
-    solver : str
-        Its name, with the variant where there is one: ``pulp:HiGHS``.
-    target : Problem or Program
-    options : Options
+    ``solver``: its name, with the variant where there is one: ``pulp:HiGHS``.
     """
 
     solver: str

@@ -70,13 +70,7 @@ def child(command: Sequence[str], folder: Path | None = None, **given: Any) -> I
 
     Its process group is not the terminal's, so that Ctrl-C reaches the parent alone.
 
-    Parameters
-    ----------
-    command : sequence of str
-    folder : Path, optional
-        Removed when this process ends before the block does; see ``scratch``.
-    **given
-        For ``subprocess.Popen``.
+    ``folder``: removed when this process ends before the block does; see ``scratch``. ``given`` is for ``subprocess.Popen``.
     """
     guard = _Guard(folder)
     with _lock:

@@ -54,6 +54,10 @@ def run_isolated(solver: str, target: Problem | Program, options: Options, contr
 def run_in_process(work: Any, options: Options, control: Control, *, aside: bool = False) -> RawResult:
     """Run ``work(control)`` in a process of its own.
 
+    Returns the result of ``work``; after a crash, a kill or a lack of memory one made from the incumbents it had published, or of status
+    ``error`` if there are none and nobody asked for its end. Raises what it raised about its input or options, and
+    UsageError if the problem cannot be sent to another process.
+
     Parameters
     ----------
     work : callable
@@ -61,22 +65,8 @@ def run_in_process(work: Any, options: Options, control: Control, *, aside: bool
         choice; and perhaps with ``prepare()``, done before them too.
     options : Options
         ``memory_limit`` counts megabytes on top of an idle process that has loaded the modules; kept on Linux only.
-    control : Control
     aside : bool
         Whether something else goes on meanwhile, whose deadlines come nearer while this process starts; else they do not.
-
-    Returns
-    -------
-    RawResult
-        That of ``work``; after a crash, a kill or a lack of memory one made from the incumbents it had published, or of
-        status ``error`` if there are none and nobody asked for its end.
-
-    Raises
-    ------
-    WayboundError
-        What it raised about its input or options.
-    UsageError
-        If the problem cannot be sent to another process.
     """
     payload = _payload(work, options)
     mine, theirs = Pipe()
@@ -208,7 +198,7 @@ class _Child:
 
 @dataclass(frozen=True)
 class _Message:
-    """From the child: ``searching, off the clock, set-up, incumbent, done, refused, memory`` or ``failed``."""
+    """A message of the child: ``searching, off the clock, set-up, incumbent, done, refused, memory`` or ``failed``."""
 
     kind: str
     value: Any = None

@@ -45,11 +45,7 @@ class LinearResult:
 class LinearSession:
     """A linear program in HiGHS' dual simplex, on one thread, without presolve.
 
-    Parameters
-    ----------
-    program : Program
-        Linear and without integers.
-    seed : int
+    ``program``: linear and without integers.
     """
 
     def __init__(self, program: Program, seed: int = 1) -> None:
@@ -116,7 +112,7 @@ class LinearSession:
         self._model.setOptionValue("simplex_strategy", 4 if wanted else 1)
 
     def basis(self) -> Any:
-        """Where the session stands, for ``start``."""
+        """The session's basis, for ``start``."""
         return self._model.getBasis()
 
     def start(self, basis: Any) -> None:

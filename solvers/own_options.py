@@ -20,6 +20,8 @@ def own_options(
 ) -> dict[str, Any]:
     """Options that the user named, in the types that they have.
 
+    Raises UsageError for the first one that is common, not known, or not of its type.
+
     Parameters
     ----------
     label : str
@@ -32,11 +34,6 @@ def own_options(
         Names that stand for an option that all solvers share, and what that is called.
     word : str
         What the solver calls an option.
-
-    Raises
-    ------
-    UsageError
-        For the first one that is common, not known, or not of its type.
     """
     made = {}
     for name, value in given.items():

@@ -32,26 +32,9 @@ Run = Callable[[Program, Options, Control], RawResult]
 def by_priority(who: str, run: Run, program: Program, options: Options, control: Control) -> RawResult:
     """Search the levels of ``program`` one after the other, all within the one time limit; other limits hold for each level.
 
-    Parameters
-    ----------
-    who : str
-        Name of the solver.
-    run : callable
-        Searches a program of one objective.
-    program : Program
-    options : Options
-    control : Control
-
-    Returns
-    -------
-    RawResult
-        ``objective`` and ``bound`` are those of the first level, ``further`` those of the others as far as they were searched.
-        ``optimal`` only where every level was closed. ``earlier`` holds the answers of levels before the last one.
-
-    Raises
-    ------
-    UnsupportedError
-        If the first objective is quadratic, which no row can hold.
+    ``who``: name of the solver. ``run``: searches a program of one objective. In the result, ``objective`` and ``bound`` are those of the
+    first level, ``further`` those of the others as far as they were searched. ``optimal`` only where every level was closed. ``earlier``
+    holds the answers of levels before the last one. Raises UnsupportedError if the first objective is quadratic, which no row can hold.
     """
     if program.quadratic is not None:
         raise UnsupportedError(who, {"levels of priority after a quadratic objective"})

@@ -1,3 +1,1 @@
 """Bare programs as problems of their own."""
-
-from ... import _guard as _guard

@@ -35,6 +35,8 @@ class Aloft(NamedTuple):
 class ExchangeCase:
     """Places to be watched, and the robots that there are. All times are whole steps from now.
 
+    Raises InputError if arrays do not fit each other, or times are out of range.
+
     Parameters
     ----------
     travel : int array of shape (robots, places), steps, >= 1
@@ -47,12 +49,6 @@ class ExchangeCase:
         When a robot on its pad may take off; nothing of robots that are aloft.
     begin, end : int arrays of shape (places,)
         A place is watched in ``[begin, end)``.
-    aloft : mapping from robots to Aloft
-
-    Raises
-    ------
-    InputError
-        If arrays do not fit each other, or times are out of range.
     """
 
     travel: Integers

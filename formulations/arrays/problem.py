@@ -37,18 +37,9 @@ _WHOLE = 2**53
 class ArrayProblem(Problem):
     """Find a vector that a program allows, of the best value.
 
-    Parameters
-    ----------
-    program : Program
-        Linear or quadratic, mixed-integer or not, with or without cones and circuits. What it was compiled from is forgotten.
-    name : str, optional
-
-    Raises
-    ------
-    InputError
-        If its arrays do not fit each other, or hold a NaN or an infinite cost or coefficient.
-    UnsupportedError
-        If it has several objectives in order of priority, which are those of the problem that it was compiled from.
+    ``program``: linear or quadratic, mixed-integer or not, with or without cones and circuits. What it was compiled from is forgotten.
+    Raises InputError if its arrays do not fit each other, or hold a NaN or an infinite cost or coefficient. Raises UnsupportedError if it
+    has several objectives in order of priority, which are those of the problem that it was compiled from.
     """
 
     family: ClassVar[str] = "arrays"

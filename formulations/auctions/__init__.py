@@ -1,3 +1,1 @@
 """Problems of auctions and task allocation."""
-
-from ... import _guard as _guard

@@ -162,8 +162,6 @@ class BinAssignment(Problem):
     def pairs(self) -> int:
         return {"most": int((self.largest >= 0).sum()), "robots": self.num_robots, "bins": self.num_bins}[self.match]
 
-    # -- the contract ------------------------------------------------------------------------------------------------
-
     def digest(self) -> str:
         shape = self.num_robots, self.num_bins
         return digest("bin-assignment", self.objective, self.match, *shape, self.indptr, self.bins, self.cost)
@@ -266,8 +264,6 @@ class BinAssignment(Problem):
         only = [other(k) for k in np.nonzero(partners)[0].tolist()]
         shown = f"{few} {', '.join(names[:SHOWN])}{', ...' * (len(names) > SHOWN)}"
         return f"{shown}: {len(names)} of them, for whom there are {len(only)} {many} in all{': ' * bool(only)}{', '.join(only[:SHOWN])}"
-
-    # -- answers as files and tables ---------------------------------------------------------------------------------
 
     def answer_to_json(self, answer: Assignment) -> dict[str, Any]:
         return {"kind": "bin-assignment", "bin_of_robot": dict(self._named(answer))}

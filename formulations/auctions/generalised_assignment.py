@@ -77,8 +77,6 @@ class GeneralisedAssignment(Problem):
         most = np.array([room(row, b) for row, b in zip(data.consumption, data.capacity.tolist(), strict=True)])
         return np.asarray(data.listed & (data.consumption <= most[:, None]))
 
-    # -- the contract ------------------------------------------------------------------------------------------------
-
     @property
     def senses(self) -> tuple[str, ...]:
         return ("min",) if self.objective == "cost" else ("max",)
@@ -157,8 +155,6 @@ class GeneralisedAssignment(Problem):
         if len(lost):
             return f"job {self.instance.job_name(int(lost[0]))}: it fits no agent"
         return "capacity: all agents together have less than the jobs need, each with the agent that it takes the least of"
-
-    # -- answers as files and tables ---------------------------------------------------------------------------------
 
     def answer_to_json(self, answer: AgentOfJob) -> dict[str, Any]:
         data = self.instance

@@ -120,8 +120,6 @@ class JointAssignment(Problem):
         costs[:, :-1, :-1] = np.where(self.fetching[:, :, None], np.maximum(by, data.filled[None, :, None]), math.inf)
         return costs
 
-    # -- the contract ------------------------------------------------------------------------------------------------
-
     def digest(self) -> str:
         return digest("joint-assignment", self.instance.digest())
 
@@ -179,8 +177,6 @@ class JointAssignment(Problem):
     def answer_at_hand(self) -> Errands:
         """Bins and requests chosen independently, whatever the times."""
         return tuple(zip(self.fetched.tolist(), self.served.tolist(), strict=True))
-
-    # -- answers as files and tables ---------------------------------------------------------------------------------
 
     def answer_to_json(self, answer: Errands) -> dict[str, Any]:
         data = self.instance

@@ -91,8 +91,6 @@ class OrchardDay(Problem):
         """The objective, from the steps at which bins come home."""
         return float(times.max() if self.objective == "makespan" else times.sum())
 
-    # -- judging -----------------------------------------------------------------------------------------------------
-
     def evaluate(self, answer: Any) -> Evaluation:
         """Recompute when bins come home; test that each is brought and fetched as often as it must be, and that no robot waits for ever."""
         jobs = self.jobs
@@ -142,8 +140,6 @@ class OrchardDay(Problem):
     def answer_at_hand(self) -> Trips:
         """Bin after bin, each by the robot that has it home the soonest; those that are to be brought, on the way to the one before."""
         return in_order(self.jobs, range(self.jobs.num_bins))
-
-    # -- answers as files and tables ---------------------------------------------------------------------------------
 
     def answer_to_json(self, answer: Trips) -> dict[str, Any]:
         def part(k: int) -> int | None:

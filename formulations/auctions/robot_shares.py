@@ -63,8 +63,6 @@ class RobotShares(Problem):
         ]
         return tuple(check for check, _ in checks), tuple(fault for _, broken in checks for fault in broken)
 
-    # -- answers as files --------------------------------------------------------------------------------------------
-
     def answer_to_json(self, answer: Shares) -> dict[str, Any]:
         data = self.instance
         shares = [{"robot": data.robot_name(r), "tasks": [data.task_name(task) for task in share]} for r, share in enumerate(answer)]

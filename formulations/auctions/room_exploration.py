@@ -73,8 +73,6 @@ class RoomExploration(Problem):
     def facts(self) -> dict[str, Any]:
         return {"objective": "gains of visits and observations", "exploration": self.instance.facts()}
 
-    # -- judging -----------------------------------------------------------------------------------------------------
-
     def evaluate(self, answer: Any) -> Evaluation:
         """Add up the gains; test that each step leads through a door, that observers stay, and that contact is kept."""
         instance = self.instance
@@ -148,8 +146,6 @@ class RoomExploration(Problem):
     def answer_at_hand(self) -> Plans:
         """Everybody stays: an answer where all start in contact."""
         return tuple(((int(start), GO),) * self.instance.steps for start in self.instance.starts)
-
-    # -- answers as files and tables ---------------------------------------------------------------------------------
 
     def answer_to_json(self, answer: Plans) -> dict[str, Any]:
         name = self.instance.room_name

@@ -1,3 +1,1 @@
 """Checkers: one module a kind of evidence, in plain code of its own. Nothing here imports a form, a bound or a solver."""
-
-from ... import _guard as _guard

@@ -32,29 +32,20 @@ _KEYS = frozenset({"branch", "kind", "data"})
 def check_branching_tree(problem: Any, data: Mapping[str, Any]) -> float:
     """Bound that the leaves of a tree of statements prove together.
 
+    Returns the worst bound of all leaves; infinite with the sign of no proof where a leaf has none at all. Raises InputError if nodes are
+    missing or left over, if a statement or a piece of evidence is malformed or a tree itself, or if the tree is too deep.
+
+    Source: Land and Doig (1960), with leaves as in Applegate, Bixby, Chvátal, Cook (2009), "Certification of an optimal TSP tour through
+    85,900 cities"; docs/proofs.md#branching-trees.
+
     Parameters
     ----------
     problem : Problem
         Of a family that restricts its problems.
     data : dict
-        ``nodes``: a list of objects, each node before its subtrees. One that branches has ``branch``, a statement in the problem's words;
-        the subtree of the answers for which it holds follows, then that of the others. Any node may have ``kind`` and ``data``: evidence
-        on the problem restricted so. A leaf without it is open, and is bounded by what stands above it.
-
-    Returns
-    -------
-    float
-        The worst bound of all leaves; infinite with the sign of no proof where a leaf has none at all.
-
-    Raises
-    ------
-    InputError
-        If nodes are missing or left over, if a statement or a piece of evidence is malformed or a tree itself, or if the tree is too deep.
-
-    Notes
-    -----
-    Source: Land and Doig (1960), with leaves as in Applegate, Bixby, Chvátal, Cook (2009), "Certification of an optimal TSP tour through
-    85,900 cities"; docs/proofs.md#branching-trees.
+        ``nodes``: a list of objects, each node before its subtrees. One that branches has ``branch``, a statement in the problem's
+        words; the subtree of the answers for which it holds follows, then that of the others. Any node may have ``kind`` and ``data``:
+        evidence on the problem restricted so. A leaf without it is open, and is bounded by what stands above it.
     """
     nodes = data["nodes"]
     if not isinstance(nodes, list) or not nodes:

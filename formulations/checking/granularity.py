@@ -42,10 +42,7 @@ class Grain:
 def grain(coefficients: ArrayLike) -> Grain | None:
     """The largest number of which every coefficient is a whole multiple; None if none is found, or all are 0.
 
-    Parameters
-    ----------
-    coefficients : array of finite numbers
-        Of any scale: only ratios between them matter, and a number that is not 0 is never taken for the multiple 0.
+    Only ratios between ``coefficients`` matter, and a number that is not 0 is never taken for the multiple 0.
     """
     given = np.abs(np.asarray(coefficients, dtype=np.float64).ravel())
     if len(given) > _SAMPLE and _grain(given[:_SAMPLE]) is None and (given[:_SAMPLE] > 0).any():

@@ -63,8 +63,7 @@ def in_block(name: str, k: int) -> str:
 
 
 def readable_names(blocks: Iterable[Variables | Rows], prefix: str) -> list[str]:
-    """Different names made from those of blocks: ``time(17,4,2)`` from ``time[17,4,2]``, and ``prefix`` before reserved or numeric names.
-    Different names made from those of blocks: ``time(17,4,2)`` from ``time[17,4,2]``, and ``prefix`` before reserved or numeric names."""
+    """Different names made from those of blocks: ``time(17,4,2)`` from ``time[17,4,2]``, ``prefix`` before reserved or numeric ones."""
     readable: list[str] = []
     for block in blocks:
         start = _spelt(block.name)

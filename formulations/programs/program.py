@@ -32,14 +32,8 @@ CIRCUITS = frozenset({"circuits"})
 class Block:
     """Names of a block, made only when asked for.
 
-    Parameters
-    ----------
-    name : str
-        "x", "time", ...
-    keys : tuple of integer arrays
-        One array an index position, each with one entry a variable or row: (i, j, k) of ``x[i,j,k]``.
-    labels : tuple of sequences of str, or None
-        What an index is called (site ids); None leaves the number.
+    ``name``: "x", "time", ... ``keys``: one array an index position, each with one entry a variable or row: (i, j, k) of ``x[i,j,k]``.
+    ``labels``, or None: what an index is called (site ids); None leaves the number.
     """
 
     name: str

@@ -1,3 +1,1 @@
 """Problems under risk."""
-
-from ... import _guard as _guard

@@ -109,8 +109,7 @@ class MoveGraph:
         return self._reach + self.start_hazard
 
     def priced(self, prices: Floats) -> Floats:
-        """Least hazard of a walk from the start that ends with each move, where each state costs ``prices`` >= 0 of shape (states,) more.
-        Least hazard of a walk from the start that ends with each move, where each state costs ``prices`` >= 0 of shape (states,) more."""
+        """Least hazard of a walk from the start that ends with each move; states cost ``prices`` >= 0 of shape (states,) more."""
         from scipy.sparse.csgraph import dijkstra
 
         dearer = self._matrix.copy()

@@ -199,8 +199,6 @@ class RiskAllocation(Problem):
         x = self.answer_of(answer).decision
         return {name: x[at : at + math.prod(shape)].reshape(shape, order="F") for name, (at, shape) in self.places.items()}
 
-    # -- what it is --------------------------------------------------------------------------------------------------
-
     @property
     def senses(self) -> tuple[str, ...]:
         return (self.instance.sense,)
@@ -235,8 +233,6 @@ class RiskAllocation(Problem):
             "decisions": len(self.lower), "quantities": len(q.names), "constraints": len(self.row_lower),
             "chance_constraints": len(self.names), "risk": self.risk.kind, "budgets": {b.name: b.risk for b in self.budgets},
         }  # fmt: skip
-
-    # -- judging -----------------------------------------------------------------------------------------------------
 
     def value(self, x: Floats) -> tuple[float, float]:
         """Objective of a decision, and the sum of the absolute values of its terms."""
@@ -348,8 +344,6 @@ class RiskAllocation(Problem):
                 fewer.open[row] = False
         return fewer
 
-    # -- parts of all answers ----------------------------------------------------------------------------------------
-
     def check_statement(self, statement: Any) -> None:
         """``{"safest": row}``: of the rows of its constraint, this chance row has the least risk, or is the first that does."""
         row = statement.get("safest") if isinstance(statement, Mapping) and len(statement) == 1 else None
@@ -366,8 +360,6 @@ class RiskAllocation(Problem):
         if kind != "risk-allocation-duals":
             return super().why_none(kind, data)
         return contradiction(self, data)
-
-    # -- answers -----------------------------------------------------------------------------------------------------
 
     def answer_of(self, given: Any) -> Allocation:
         """An ``Allocation``, or a vector of shape (decisions,)."""

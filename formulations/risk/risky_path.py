@@ -119,8 +119,6 @@ class RiskyPath(Problem):
             "rewarding_states": int(np.count_nonzero(self.rewards)), "total_reward": float(self.rewards.sum()), "discount": g.discount,
         }  # fmt: skip
 
-    # -- judging -----------------------------------------------------------------------------------------------------------
-
     def risks(self, path: Sequence[int]) -> dict[str, list[float]]:
         """Risk of each element at each state of a path, by the element's label; empty lists of an empty path."""
         after = list(path)
@@ -201,8 +199,6 @@ class RiskyPath(Problem):
         walks = (self.moves.walk(end) for end in ends)
         return next((walk for walk in walks if walk is not None and len(set(walk)) == len(walk)), None)
 
-    # -- no answer -----------------------------------------------------------------------------------------------------------
-
     def infeasibility_reasons(self, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
         """The reason that no goal can be reached, with potentials that prove it."""
         g = self.graph
@@ -218,8 +214,6 @@ class RiskyPath(Problem):
     def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
         reasons = (reason.message for reason in self.infeasibility_reasons())
         return next(reasons, "no goal can be reached from the start at a risk below 1")
-
-    # -- answers ---------------------------------------------------------------------------------------------------------------
 
     def answer_to_json(self, answer: Any) -> dict[str, Any]:
         return {"kind": "path", "vertices": [self.graph.state_name(state) for state in answer]}

@@ -112,8 +112,6 @@ class UncertainPath(Problem):
             path.append(int(before[path[-1]]))
         return tuple(reversed(path))
 
-    # -- answers as files and tables ---------------------------------------------------------------------------------
-
     def answer_to_json(self, answer: Path) -> dict[str, Any]:
         return {"kind": "path", "vertices": [self.graph.vertex_name(v) for v in answer]}
 

@@ -253,7 +253,7 @@ def _compatible(problem: RoutingProblem, wanted: Longs) -> tuple[Flags, Flags]:
 
 
 def _keeps(uses: Iterable[Use]) -> Flags:
-    """Where no limit is exceeded."""
+    """Mask of the entries for which no limit is exceeded."""
     return functools.reduce(np.logical_and, (use.least <= widened(use.most) for use in uses))
 
 

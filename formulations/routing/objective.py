@@ -32,8 +32,23 @@ class Composable(ABC):
         return Objective(self.levels() + other.levels())
 
 
+class Level(Composable):
+    """One level of an objective: terms and weighted sums of them, which can be added, subtracted and weighted."""
+
+    def __mul__(self, weight: float) -> Weighted:
+        return Weighted(tuple((float(weight) * w, term) for w, term in _only_level(self).terms))
+
+    __rmul__ = __mul__
+
+    def __add__(self, other: Level) -> Weighted:
+        return Weighted(_only_level(self).terms + _only_level(other).terms)
+
+    def __sub__(self, other: Level) -> Weighted:
+        return self + _only_level(other) * -1.0
+
+
 @dataclass(frozen=True)
-class Term(Composable):
+class Term(Level):
     """One quantity of an answer. ``sense`` says whether less or more of it is better."""
 
     name: ClassVar[str]
@@ -41,17 +56,6 @@ class Term(Composable):
 
     def levels(self) -> tuple[Weighted, ...]:
         return (Weighted(((1.0, self),)),)
-
-    def __mul__(self, weight: float) -> Weighted:
-        return Weighted(((float(weight), self),))
-
-    __rmul__ = __mul__
-
-    def __add__(self, other: Term | Weighted) -> Weighted:
-        return Weighted(((1.0, self),)) + other
-
-    def __sub__(self, other: Term | Weighted) -> Weighted:
-        return Weighted(((1.0, self),)) - other
 
 
 @dataclass(frozen=True)
@@ -124,7 +128,7 @@ PEAKS = (Makespan.name, LongestRoute.name, LatestReturn.name)
 
 
 @dataclass(frozen=True)
-class Weighted(Composable):
+class Weighted(Level):
     """A weighted sum of terms: one level of an objective. Its sense is that of its first term.
 
     Raises UsageError if there is no term, or a weight is zero or not finite.
@@ -147,17 +151,6 @@ class Weighted(Composable):
         weight, term = self.terms[0]
         flipped = {"min": "max", "max": "min"}[term.sense]
         return term.sense if weight > 0 else flipped
-
-    def __mul__(self, weight: float) -> Weighted:
-        return Weighted(tuple((float(weight) * w, t) for w, t in self.terms))
-
-    __rmul__ = __mul__
-
-    def __add__(self, other: Term | Weighted) -> Weighted:
-        return Weighted(self.terms + _only_level(other).terms)
-
-    def __sub__(self, other: Term | Weighted) -> Weighted:
-        return self + _only_level(other) * -1.0
 
     def __str__(self) -> str:
         (first, *rest) = ((w, t.name if abs(w) == 1 else f"{_plain(abs(w))}*{t.name}") for w, t in self.terms)

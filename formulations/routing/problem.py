@@ -267,8 +267,6 @@ class RoutingProblem(Problem):
         """
         return cls(**parts_of(instance, problem, settings or {}))
 
-    # -- what it is --------------------------------------------------------------------------------------------------
-
     @property
     def senses(self) -> tuple[str, ...]:
         return self.objective.senses
@@ -332,8 +330,6 @@ class RoutingProblem(Problem):
     def linear_entries(self) -> int:
         return 8 * len(self.sites) ** 2  # an arc is in two rows of visits and in six of a resource
 
-    # -- parts of all answers ----------------------------------------------------------------------------------------
-
     check_statement = statements.check_statement
     restricted = statements.restricted
     given = statements.later_levels
@@ -345,8 +341,6 @@ class RoutingProblem(Problem):
         if kind in ("all-routes", "customer-sets"):
             return "none of all routes can be put together"
         return super().why_none(kind, data)
-
-    # -- judging answers ---------------------------------------------------------------------------------------------
 
     def evaluate(self, answer: Routes) -> Evaluation:
         """Recompute everything from the data: visits, loads, windows with waiting and service, durations, distances, energy, fleet size,
@@ -415,8 +409,6 @@ class RoutingProblem(Problem):
 
     left_out = left_out
 
-    # -- answers as files and tables ---------------------------------------------------------------------------------
-
     answer_to_json = routes_to_json
     answer_from_json = routes_from_json
     answer_of = routes_given
@@ -482,7 +474,7 @@ class RoutingProblem(Problem):
         return sol_text(self.sites, routes, objective) if suffix == ".sol" else tour_text(self.sites, routes, objective, self.name)
 
     def answer_from_text(self, text: str) -> tuple[Routes, float | None]:
-        """From CVRPLIB's ``.sol`` or TSPLIB's ``.tour``."""
+        """Routes from CVRPLIB's ``.sol`` or TSPLIB's ``.tour``."""
         file = routes_from_text(text, self.sites)
         self._need_one_type()
         return Routes.of(file.routes), file.cost

@@ -1,4 +1,4 @@
-"""From a plan in progress to the problem of the next horizon: vehicles under way start where they will be, with what they have left.
+"""The problem of the next horizon, from a plan in progress: vehicles under way start where they will be, with what they have left.
 
 The virtual nodes of Mitchell (2020), sections 3.2 and 5: each vehicle under way gets a start of its own, the next stop of its route, and
 must drive home from there whether it serves anybody else or not.

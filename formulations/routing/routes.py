@@ -52,7 +52,7 @@ class Timetable:
     digit: float = 0.0
 
     def leaves(self, first: float, own: float) -> float:
-        """When the vehicle departs, whose first move lasts ``first``; where nothing is stated at ``own``."""
+        """Departure of the vehicle, whose first move lasts ``first``; ``own`` where nothing is stated."""
         if self.departure is not None:
             return self.departure
         return own if not self.arrival or self.arrival[0] is None else self.arrival[0] - first

@@ -60,7 +60,7 @@ class Schedule:
 
     @property
     def ends(self) -> Floats:
-        """When service is done at each stop, and the vehicle leaves it."""
+        """Times at which service is done at each stop, and the vehicle leaves it."""
         return self.leaves[1:]
 
 

@@ -1,3 +1,1 @@
 """Bottleneck assignment, max-min programs, submodular selection and winner takes all."""
-
-from ... import _guard as _guard

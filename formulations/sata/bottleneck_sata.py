@@ -156,8 +156,6 @@ class BottleneckSATA(DecidedElements):
         evaluation = Evaluation((float(covered.min()),), (actions, single), (*faults, *doubled), quantities)
         return self.with_decided(evaluation, chosen)
 
-    # -- answers as files and tables ---------------------------------------------------------------------------------
-
     def _shares(self, answer: Any) -> Floats:
         x = vector_of(answer)
         if x.shape != (self.graph.num_actions,):

@@ -36,7 +36,7 @@ class Selection:
 
     @classmethod
     def of(cls, elements: Iterable[int], winners: Iterable[int] | None = None) -> Selection:
-        """From any whole numbers.
+        """A selection from any whole numbers.
 
         Parameters
         ----------

@@ -133,8 +133,6 @@ class SubmodularSelection(DecidedElements):
         rows = None if c.as_partition(n) is not None else c.rows(n)  # whole numbers are compared exactly
         return judge(self._constraint_name(), excess, message, 0.0 if rows is None else spendable(rows) - rows.limit)
 
-    # -- answers as files and tables ---------------------------------------------------------------------------------
-
     def answer_to_json(self, answer: Selection) -> dict[str, Any]:
         return {"kind": "selection", "elements": [self.element_name(e) for e in answer.elements]}
 

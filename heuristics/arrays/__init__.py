@@ -1,3 +1,1 @@
 """Heuristics beside bare programs."""
-
-from ... import _guard as _guard

@@ -53,7 +53,7 @@ def consensus_bundle(problem: TaskAllocation, context: Context, *, communication
 
 
 def graph_of(communication: str, robots: int) -> NDArray[np.bool_]:
-    """Who hears whom, shape (robots, robots)."""
+    """Pairs of robots that hear each other, shape (robots, robots)."""
     number = np.arange(robots)
     apart = np.abs(number[:, None] - number)
     if communication == "complete":
@@ -106,7 +106,7 @@ Integers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 Gains = Callable[[int, tuple[int, ...]], tuple[Floats, Integers]]
-"""From a robot and its path to what each task would add to its value, and at which place; tasks of the path are ignored."""
+"""Gains that each task would add to the value of a robot's path, and at which place; tasks of the path are ignored."""
 
 NOBODY = -1
 

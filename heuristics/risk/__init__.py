@@ -1,3 +1,1 @@
 """Approximations for problems under risk."""
-
-from ... import _guard as _guard

@@ -30,7 +30,7 @@ class Policy(ABC):
 
     @abstractmethod
     def next_vertex(self, at: int, known: Floats) -> int:
-        """Where to go from vertex ``at``, which is not the goal: the vertex that the last call returned, the graph's start at first.
+        """The vertex to go to from ``at``, which is not the goal: what the last call returned, the graph's start at first.
 
         ``known`` of shape (edges,) holds costs that are observed, those of the edges that leave ``at`` among them, and NaN elsewhere.
         """

@@ -6,9 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.risk.risky_path import Path, RiskyPath
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import Context, Outcome, heuristic
 
 
+@heuristic(
+    "additive-risk", "risky-path", {"objective:risk", "objective:hazard", "goals", "locale-risk", "action-risk", "traverse-risk"},
+    "least sum of the risks of places, as planners without history have it",
+)  # fmt: skip
 def run(problem: RiskyPath, context: Context, *, normalised: bool = False) -> Outcome:
     """A path of least sum of the locale risks of its states, of these one of few moves, judged by its true risk like any other.
 
@@ -46,13 +50,3 @@ def _shortest(problem: RiskyPath, cost: NDArray[np.float64]) -> Path | None:
     while path[-1] != graph.start:
         path.append(int(before[path[-1]]))
     return tuple(reversed(path))
-
-
-HEURISTICS.add(
-    "additive-risk",
-    Heuristic(
-        "additive-risk", ("risky-path",),
-        frozenset({"objective:risk", "objective:hazard", "goals", "locale-risk", "action-risk", "traverse-risk"}), run,
-        "least sum of the risks of places, as planners without history have it",
-    ),
-)  # fmt: skip

@@ -16,7 +16,7 @@ from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
 from ...solvers.engines.risk.convex_allocation_steps.session import open_session
 from ...solvers.engines.risk.convex_allocation_steps.units import Units
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import Context, Outcome, heuristic
 from .scenario import only_total, root
 
 MOST_ENTRIES = 5_000_000
@@ -24,6 +24,10 @@ TRIES = 6
 """Times that the level is halved at most until the plan is allowed."""
 
 
+@heuristic(
+    "cvar", "risk-allocation", {"joint-risk", "quadratic-cost", "cones"},
+    "the best plan by conditional value at risk over samples, validated by its true risk", refuses=only_total,
+)  # fmt: skip
 def cvar(problem: RiskAllocation, context: Context, *, samples: int = 1000) -> Outcome:
     """The best plan whose worst constraint, in deviations beyond its limit, has a conditional value at risk of 0 or less over samples.
 
@@ -84,13 +88,3 @@ def _program(problem: RiskAllocation, drawn: Floats, noisy: NDArray[np.int64], l
     zero, every = np.zeros(1, dtype=np.int64), np.arange(samples)
     blocks.rows.append(rows("risk", 1, [(zero, zero + at, 1.0), (0 * every, over + every, 1.0 / max(1.0, level * samples))], upper=0.0))
     return blocks.program("cvar")
-
-
-HEURISTICS.add(
-    "cvar",
-    Heuristic(
-        "cvar", ("risk-allocation",), frozenset({"joint-risk", "quadratic-cost", "cones"}), cvar,
-        "the best plan by conditional value at risk over samples, validated by its true risk",
-        "no guarantee", only_total,
-    ),
-)  # fmt: skip

@@ -14,12 +14,21 @@ from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
 from ...solvers.engines.risk.convex_allocation_steps.session import open_session
 from ...solvers.engines.risk.convex_allocation_steps.units import Units
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import Context, Outcome, heuristic
 
 ACTIVE = 1e-7
 """Deviations by which the argument of an active constraint's tail may lie above that of its allowed risk."""
 
 
+def _refuses(problem: RiskAllocation) -> frozenset[str]:
+    return frozenset() if len(problem.budgets) == 1 and problem.risk.total is not None else frozenset({"budgets other than the total"})
+
+
+@heuristic(
+    "iterative", "risk-allocation", {"allocated-risk", "joint-risk", "quadratic-cost", "cones"},
+    "iterative risk allocation: unused risk goes to the active constraints, plan after plan",
+    "no guarantee (never worse than equal risks; stalls where all constraints are active)", refuses=_refuses,
+)  # fmt: skip
 def iterative(
     problem: RiskAllocation, context: Context, *, alpha: float = 0.7, decay: float = 1.0, epsilon: float = 2e-7, rounds: int = 200
 ) -> Outcome:
@@ -95,17 +104,3 @@ def _said(end: str) -> str:
     if end == "infeasible":
         return "there is no plan with equal risks, from which it starts; convex-allocation finds one with others, or that there is none"
     return ""
-
-
-def _refuses(problem: RiskAllocation) -> frozenset[str]:
-    return frozenset() if len(problem.budgets) == 1 and problem.risk.total is not None else frozenset({"budgets other than the total"})
-
-
-HEURISTICS.add(
-    "iterative",
-    Heuristic(
-        "iterative", ("risk-allocation",), frozenset({"allocated-risk", "joint-risk", "quadratic-cost", "cones"}), iterative,
-        "iterative risk allocation: unused risk goes to the active constraints, plan after plan",
-        "no guarantee (never worse than equal risks; stalls where all constraints are active)", _refuses,
-    ),
-)  # fmt: skip

@@ -19,7 +19,7 @@ from ...formulations.risk.moves import Memories
 from ...formulations.risk.risky_path import Path, RiskyPath
 from ...formulations.stop import Stop, Stopped
 from ...instances.errors import UsageError
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import Context, Outcome, heuristic
 
 LOOK = 256
 
@@ -128,6 +128,11 @@ def exact_for(problem: RiskyPath, steps: int) -> tuple[str, ...]:
     return ("no traverse risks",) if steps > 1 else ("no traverse or action risks",)
 
 
+@heuristic(
+    "look-back", "risky-path", {"objective:risk", "objective:hazard", "goals", "locale-risk", "action-risk", "traverse-risk"},
+    "one label for the last states of a path: the approximate planner of risk-aware paths",
+    "least risk, without traverse risks and where no walk is less risky than all paths",
+)  # fmt: skip
 def run(problem: RiskyPath, context: Context, *, steps: int = 2) -> Outcome:
     """The least risky of the labels at a goal.
 
@@ -151,14 +156,3 @@ def run(problem: RiskyPath, context: Context, *, steps: int = 2) -> Outcome:
         return Outcome(best, statistics=statistics, message=message)
     guarantee = Guarantee(1.0, "least risk", (*reasons, "the walks found come to no state twice"), SOURCE)
     return Outcome(best, guarantee, (problem.moves.evidence(0.0),), statistics)
-
-
-HEURISTICS.add(
-    "look-back",
-    Heuristic(
-        "look-back", ("risky-path",),
-        frozenset({"objective:risk", "objective:hazard", "goals", "locale-risk", "action-risk", "traverse-risk"}), run,
-        "one label for the last states of a path: the approximate planner of risk-aware paths",
-        "least risk, without traverse risks and where no walk is less risky than all paths",
-    ),
-)  # fmt: skip

@@ -13,7 +13,7 @@ from ...formulations.tolerance import EQUAL
 from ...instances.errors import UsageError
 from ...instances.risk.uncertain_graph import Floats, UncertainGraph
 from ...solvers.engines.risk.non_dominated_paths import NonDominated, non_dominated_paths
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import Context, Outcome, heuristic
 from ._graph_policies import Following
 
 RULES = ("best", "scan")
@@ -116,6 +116,7 @@ def _ascending(sets: dict[int, PathSet]) -> list[int]:
     return sorted(sets, key=lambda vertex: (float(sets[vertex].means.min()) + sets[vertex].first_mean, vertex))
 
 
+@heuristic("rags", "uncertain-path", {"normal-costs", "risk-aversion"}, "risk-aware graph search, without observations on the way")
 def rags(
     problem: UncertainPath, context: Context, *, rule: str = "best", dominance: str = "weak", comparison: str = "independent",
     first_edges: str = "separate",
@@ -133,12 +134,3 @@ def rags(
     path = RiskAware(problem.graph, paths, rule, comparison, first_edges).route()
     statistics = {"non_dominated": len(paths.paths), "labels": paths.labels}
     return Outcome(path, statistics=statistics, limit="none" if paths.complete else stop.reached())
-
-
-HEURISTICS.add(
-    "rags",
-    Heuristic(
-        "rags", ("uncertain-path",), frozenset({"normal-costs", "risk-aversion"}), rags,
-        "risk-aware graph search, without observations on the way",
-    ),
-)  # fmt: skip

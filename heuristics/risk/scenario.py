@@ -13,7 +13,7 @@ from ...formulations.risk.risk_allocation import RiskAllocation
 from ...instances.errors import UsageError
 from ...solvers.engines.risk.convex_allocation_steps.session import open_session
 from ...solvers.engines.risk.convex_allocation_steps.units import Units
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import Context, Outcome, heuristic
 
 MOST_SAMPLES = 5_000_000
 PORTION = 2_000_000
@@ -46,6 +46,17 @@ def root(covariance: Floats) -> Floats:
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
+def only_total(problem: RiskAllocation) -> frozenset[str]:
+    """Features that methods of one joint probability lack."""
+    alone = problem.risk.total is not None and len(problem.budgets) == 1 and bool((problem.caps >= problem.risk.total).all())
+    return frozenset() if alone else frozenset({"budgets other than the total"})
+
+
+@heuristic(
+    "scenario", "risk-allocation", {"joint-risk", "quadratic-cost", "cones"},
+    "the best plan that keeps every constraint in each of so many samples",
+    "no guarantee of the cost; the joint risk is kept with the confidence asked for (Campi and Garatti 2008)", refuses=only_total,
+)  # fmt: skip
 def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0.999, samples: int = 0) -> Outcome:
     """The best plan that no sample of the noise breaks, of a problem with joint risk and a total alone.
 
@@ -83,19 +94,3 @@ def scenario(problem: RiskAllocation, context: Context, *, confidence: float = 0
         message = f"the program of {many} samples is {solved.status}"
         return Outcome(None, statistics=statistics, message=message, limit=stop.reached() or "none")
     return Outcome(Allocation(np.clip(solved.x[: problem.size] * units.columns, problem.lower, problem.upper)), statistics=statistics)
-
-
-def only_total(problem: RiskAllocation) -> frozenset[str]:
-    """Features that methods of one joint probability lack."""
-    alone = problem.risk.total is not None and len(problem.budgets) == 1 and bool((problem.caps >= problem.risk.total).all())
-    return frozenset() if alone else frozenset({"budgets other than the total"})
-
-
-HEURISTICS.add(
-    "scenario",
-    Heuristic(
-        "scenario", ("risk-allocation",), frozenset({"joint-risk", "quadratic-cost", "cones"}), scenario,
-        "the best plan that keeps every constraint in each of so many samples",
-        "no guarantee of the cost; the joint risk is kept with the confidence asked for (Campi and Garatti 2008)", only_total,
-    ),
-)  # fmt: skip

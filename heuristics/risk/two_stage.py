@@ -8,12 +8,17 @@ from ...formulations.evidence import Guarantee
 from ...formulations.risk.marked_paths import CutShortError, risky_path
 from ...formulations.risk.risky_path import Path, RiskyPath
 from ...formulations.stop import Stop, Stopped
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import Context, Outcome, heuristic
 from .look_back import exact_for, least_risky_paths
 
 SOURCE = "Xiao (2019), algorithm 3; the ratio: docs/formulations/risky-path.md#two-stages"
 
 
+@heuristic(
+    "two-stage", "risky-path", {"objective:reward-per-risk", "goals", "any-end", "locale-risk", "action-risk", "traverse-risk"},
+    "best reward per risk among the least risky paths to all states",
+    "all rewards over the least on a least risky path to one (1 where the last alone counts), without traverse risks",
+)  # fmt: skip
 def run(problem: RiskyPath, context: Context, *, steps: int = 2) -> Outcome:
     """The candidates of look-back, the start alone among them, compared by reward per risk.
 
@@ -66,14 +71,3 @@ def _guarantee(problem: RiskyPath, steps: int, paths: dict[int, Path], looped: f
     ratio = max(1.0, float(problem.rewards[rewarding].sum()) / collected)
     statement = "OPT / U <= reward of a best path / reward on the least risky path to its end"
     return Guarantee(ratio, statement, (*assumptions, "all rewards count in full", "a path may end anywhere"), SOURCE)
-
-
-HEURISTICS.add(
-    "two-stage",
-    Heuristic(
-        "two-stage", ("risky-path",),
-        frozenset({"objective:reward-per-risk", "goals", "any-end", "locale-risk", "action-risk", "traverse-risk"}), run,
-        "best reward per risk among the least risky paths to all states",
-        "all rewards over the least on a least risky path to one (1 where the last alone counts), without traverse risks",
-    ),
-)  # fmt: skip

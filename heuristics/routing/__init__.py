@@ -1,3 +1,1 @@
 """Approximations for routing problems."""
-
-from ... import _guard as _guard

@@ -42,9 +42,10 @@ class RelayRoles:
     other its sacrifice, which explores until it just comes back to the relay, hands its map over and ends there. New roles replace old
     ones (``overwritten``), or a relay keeps its own relay, to which it then returns (``chain``).
 
+    Source: Skeele (2016), section 4.3 and algorithm 4, repaired: docs/missions/unreliable-communication.md#errata.
+
     Parameters
     ----------
-    robots, base : int
     period : int, steps
         Of exploration, after which a robot goes to the place of its last meeting.
     margin : int, steps
@@ -53,10 +54,6 @@ class RelayRoles:
         For which a relay waits on the ground.
     credit : int, steps
         By which the way back to the relay may be shorter than to where it was seen: the reach of radios.
-
-    Notes
-    -----
-    Source: Skeele (2016), section 4.3 and algorithm 4, repaired: docs/missions/unreliable-communication.md#errata.
     """
 
     def __init__(

@@ -33,6 +33,9 @@ def insertion(
     (mu 1, lamda 1 and 2, and with windows alpha1 1 and 0, and both seeds); it may use more vehicles than the fleet has. Cut short,
     customers that were not inserted have a route each.
 
+    Source: Solomon (1987), Algorithms for the vehicle routing and scheduling problems with time window constraints, Operations Research 35,
+    254-265, section 3; docs/formulations/routing.md#approximations.
+
     Parameters
     ----------
     mu : float, >= 0
@@ -43,11 +46,6 @@ def insertion(
         Weight of the distance added, against the delay of the next stop, whose weight is ``1 - alpha1``.
     seeds : str
         ``farthest`` from the depot, or ``earliest-due``.
-
-    Notes
-    -----
-    Source: Solomon (1987), Algorithms for the vehicle routing and scheduling problems with time window constraints, Operations Research 35,
-    254-265, section 3; docs/formulations/routing.md#approximations.
     """
     for name, value, most in (("mu", mu, 1e6), ("lamda", lamda, 1e6), ("alpha1", alpha1, 1.0)):
         if value is not None and not (isinstance(value, int | float) and 0 <= value <= most):

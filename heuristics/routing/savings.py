@@ -54,17 +54,15 @@ def savings(problem: RoutingProblem, context: Context, *, shape: float = 1.0) ->
     Takes one depot and one vehicle type, every site required. May use more vehicles than the fleet has, since joins are never taken back.
     Cut short, it has joined fewer routes.
 
-    Parameters
-    ----------
-    shape : float, > 0
-        Weight of the joining arc: savings are ``c_i0 + c_0j - shape * c_ij`` (Yellow 1970). 1 is the original.
-
-    Notes
-    -----
     Source: Clarke and Wright (1964), Operations Research 12, 568-581; docs/formulations/routing.md#savings. Without windows and with
     symmetric data routes are joined at either end (reversed where needed), else last to first only. While there are more routes than
     vehicles, joins that save nothing are taken too, the least loss first. O(n^2 log n) up to ``ALL_PAIRS`` sites; with more, joins are
     tried between the ``NEIGHBOURS`` nearest sites, then between the nearest ends of the routes that are left, until little changes.
+
+    Parameters
+    ----------
+    shape : float, > 0
+        Weight of the joining arc: savings are ``c_i0 + c_0j - shape * c_ij`` (Yellow 1970). 1 is the original.
     """
     if not (isinstance(shape, int | float) and 0 < shape <= 1e6):
         raise UsageError(f"shape must be a positive number of at most 1e6, not {shape!r}", "out-of-range")

@@ -35,22 +35,20 @@ def split(problem: RoutingProblem, context: Context, *, tour: str = "christofide
     Takes one depot and one vehicle type, every site required. Where iterated tour partitioning has a guarantee for the same tour, so have
     these routes, which cost no more. May use more vehicles than the fleet has, where the order leaves no other way.
 
-    Parameters
-    ----------
-    tour : str
-        ``christofides``, ``double-tree`` or ``nearest-neighbour``; with windows or limits also the routes of ``insertion`` in a row. The
-        routes of a start, one after the other, take its place.
-    improve : bool
-        Shorten the tour by 2-opt and Or-opt.
-    starts : int, >= 1
-        Customers, evenly spread over the tour, at which it is opened to be cut; the first is that after the depot.
-
-    Notes
-    -----
     A shortest path over positions in the tour, of which each move stands for a route; with a limited fleet, over positions and
     numbers of routes. Where loads are whole numbers and the only limit, in linear time for each number of routes. Source: Beasley (1983),
     Omega 11; Prins (2004), Computers and Operations Research 31; Vidal (2016), Split algorithm in O(n) for the capacitated vehicle routing
     problem, Computers and Operations Research 69; docs/formulations/routing.md#approximations.
+
+    Parameters
+    ----------
+    tour : str
+        ``christofides``, ``double-tree`` or ``nearest-neighbour``; with windows or limits also the routes of ``insertion`` in a row.
+        The routes of a start, one after the other, take its place.
+    improve : bool
+        Shorten the tour by 2-opt and Or-opt.
+    starts : int, >= 1
+        Customers, evenly spread over the tour, at which it is opened to be cut; the first is that after the depot.
     """
     if not (isinstance(starts, int) and starts >= 1):
         raise UsageError(f"starts must be a whole number of at least 1, not {starts!r}", "out-of-range")

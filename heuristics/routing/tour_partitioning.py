@@ -89,18 +89,17 @@ def tour_partitioning(problem: RoutingProblem, context: Context, *, tour: str = 
     Takes one depot and one vehicle type, every site required, no windows and no limits but capacity. The guarantee holds where distances
     are symmetric and keep the triangle inequality, or miss it by little. May use more vehicles than the fleet has.
 
-    Parameters
-    ----------
-    tour : str
-        ``christofides``, ``double-tree`` (twice the shortest tour in place of one and a half times), or ``nearest-neighbour`` (no ratio).
-    improve : bool
-        Shorten the tour by 2-opt and Or-opt before it is cut.
-
-    Notes
-    -----
     Unequal demands: segments of half a vehicle; a customer across a cut belongs to the route before it, and customers above half a vehicle
     are served alone. Source: Haimovich and Rinnooy Kan (1985), Mathematics of Operations Research 10; Altinkemer and Gavish (1987, 1990),
     Operations Research Letters 6, Transportation Science 24; docs/formulations/routing.md#approximations.
+
+    Parameters
+    ----------
+    tour : str
+        ``christofides``, ``double-tree`` (twice the shortest tour in place of one and a half times), or ``nearest-neighbour`` (no
+        ratio).
+    improve : bool
+        Shorten the tour by 2-opt and Or-opt before it is cut.
     """
     from .tour_steps.splitting_kernels import cheapest_cut
 

@@ -29,17 +29,16 @@ def tour_splitting(problem: RoutingProblem, context: Context, *, tour: str = "ch
     Takes one depot and one vehicle type, every site required; the longest route, by duration or distance, is what counts. The guarantee
     holds where moves are symmetric and keep the triangle inequality, or miss it by little.
 
+    Source: Frederickson, Hecht and Kim (1978), whose cuts, at ``(j/k) (T - 2 d_max) + d_max`` along a tour of length T, are one of the ways
+    that are compared here. Half of each service is counted in the moves before and after it. docs/formulations/routing.md#approximations.
+
     Parameters
     ----------
     tour : str
-        ``christofides``, ``double-tree`` (twice the shortest tour in place of one and a half times), or ``nearest-neighbour`` (no ratio).
+        ``christofides``, ``double-tree`` (twice the shortest tour in place of one and a half times), or ``nearest-neighbour`` (no
+        ratio).
     improve : bool
         Shorten the tour by 2-opt and Or-opt before it is cut.
-
-    Notes
-    -----
-    Source: Frederickson, Hecht and Kim (1978), whose cuts, at ``(j/k) (T - 2 d_max) + d_max`` along a tour of length T, are one of the ways
-    that are compared here. Half of each service is counted in the moves before and after it. docs/formulations/routing.md#approximations.
     """
     from .tour_steps.splitting_kernels import even_split
 

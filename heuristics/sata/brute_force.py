@@ -19,7 +19,7 @@ from ...formulations.stop import Stop
 from ...formulations.tolerance import room
 from ...instances.errors import UsageError
 from ...solvers.bounds.sata.growing_sets import WeightedSet
-from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import CUT_SHORT, Context, Outcome, heuristic
 from .greedy_steps.limits import ANY_CONSTRAINT, ANY_FUNCTION, Limits, not_whole
 from .greedy_steps.outcomes import assumptions, concluded, sentences
 
@@ -38,6 +38,10 @@ CHUNK = 4096
 Floats = NDArray[np.float64]
 
 
+@heuristic(
+    "brute-force", ("selection", "max-min"), ANY_FUNCTION | ANY_CONSTRAINT | {"sensing", "whole-actions"},
+    f"all answers of small instances (up to {MOST_ANSWERS:,}); a measure for the others", "optimal", refuses=not_whole,
+)  # fmt: skip
 def brute_force(problem: SubmodularSelection | BottleneckSATA, context: Context) -> Outcome:
     """Enumerate all answers, but for branches that a bound shows to be no better, and keep the first of the best.
 
@@ -192,17 +196,3 @@ def _valued(problem: SubmodularSelection, limits: Limits | None, stop: Stop) -> 
     outcome = concluded(problem, stop, picks, holds, None, {"answers": total, "enumerated": looked}, message, whole=whole, in_order=False)
     said = "" if whole else sentences(outcome.message, _cut(looked, "sets"))
     return Outcome(outcome.answer, guarantee, outcome.evidence, outcome.statistics, said, outcome.limit)
-
-
-HEURISTICS.add(
-    "brute-force",
-    Heuristic(
-        name="brute-force",
-        families=("selection", "max-min"),
-        features=ANY_FUNCTION | ANY_CONSTRAINT | {"sensing", "whole-actions"},
-        run=brute_force,
-        summary=f"all answers of small instances (up to {MOST_ANSWERS:,}); a measure for the others",
-        stated="optimal",
-        refuses=not_whole,
-    ),
-)

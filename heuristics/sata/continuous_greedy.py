@@ -12,7 +12,7 @@ from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...instances.sata.set_functions import AT_ENTRY, AT_ITEM, IN_MATRIX, ItemWeights
-from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import CUT_SHORT, Context, Outcome, heuristic
 from .greedy_steps.limits import FUNCTIONS, GROUPED, Limits
 from .greedy_steps.outcomes import assumptions, concluded, rounded_down
 
@@ -30,6 +30,11 @@ MOST_ENTRIES = 50_000_000
 """Positive weights of a matrix that are turned into sparse form; each takes about 30 bytes."""
 
 
+@heuristic(
+    "continuous-greedy", "selection", FUNCTIONS | GROUPED, "climb on the multilinear extension in closed form, then pipage rounding",
+    "1 - (1 + 1/T)^-T with T steps (0.6302 for 100; 1 - 1/e in the limit) under a partition matroid or cardinality limit, "
+    "for coverage and facility location; deterministic",
+)  # fmt: skip
 def continuous_greedy(problem: SubmodularSelection, context: Context, *, steps: int = 100) -> Outcome:
     """Raise the probabilities of the elements along the best bases, in ``steps`` equal steps (1 to 1,000,000), and round them by pipage.
 
@@ -118,17 +123,3 @@ def _sparse(weights: ItemWeights) -> ItemWeights:
     element, item, weight = weights.edges()
     starts = np.searchsorted(element, np.arange(len(weights.matrix) + 1))
     return ItemWeights.sparse(AT_ENTRY, starts.astype(np.int32), item.astype(np.int32), weight, weights.num_items)
-
-
-HEURISTICS.add(
-    "continuous-greedy",
-    Heuristic(
-        name="continuous-greedy",
-        families=("selection",),
-        features=FUNCTIONS | GROUPED,
-        run=continuous_greedy,
-        summary="climb on the multilinear extension in closed form, then pipage rounding",
-        stated="1 - (1 + 1/T)^-T with T steps (0.6302 for 100; 1 - 1/e in the limit) under a partition matroid or cardinality limit, "
-        "for coverage and facility location; deterministic",
-    ),
-)

@@ -8,12 +8,19 @@ from ...formulations.sata.bottleneck_sata import BottleneckSATA
 from ...formulations.sata.selections import Selection
 from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
-from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import CUT_SHORT, Context, Outcome, heuristic
 from .greedy_steps.limits import ANY_FUNCTION, ASKED, GROUPED, chosen_elements, not_whole
 from .greedy_steps.outcomes import assumptions, concluded, greedy_guarantee, sentences
 from .greedy_steps.picking import check_threshold, pick
 
 
+@heuristic(
+    "greedy", ("selection", "max-min"), ANY_FUNCTION | GROUPED | ASKED | {"sensing", "whole-actions"},
+    "the largest gain again and again; for a bottleneck, the best worst target robot by robot",
+    "1 - (1 - 1/k)^k > 1 - 1/e under a cardinality limit, 1/2 under a partition matroid, for monotone submodular functions; "
+    "none for a bottleneck",
+    refuses=not_whole,
+)  # fmt: skip
 def greedy(problem: SubmodularSelection | BottleneckSATA, context: Context, *, eps: float = 0.0, evaluation: str = "auto") -> Outcome:
     """Take the element that gains most, until the constraint allows no more; for a bottleneck, robot by robot the action with the best
     worst target so far.
@@ -33,6 +40,10 @@ def greedy(problem: SubmodularSelection | BottleneckSATA, context: Context, *, e
     return _selection(problem, context, evaluation, eps, [])
 
 
+@heuristic(
+    "lazy-greedy", "selection", ANY_FUNCTION | GROUPED | ASKED, "greedy's answer with few evaluations: old gains are upper bounds",
+    "as greedy: 1 - (1 - 1/k)^k > 1 - 1/e under a cardinality limit, 1/2 under a partition matroid, for monotone submodular functions",
+)  # fmt: skip
 def lazy_greedy(problem: SubmodularSelection, context: Context, *, eps: float = 0.0, base: Sequence[int] | str = ()) -> Outcome:
     """Greedy that keeps the gains of earlier rounds as upper bounds, and evaluates again only the elements that could still be the best.
 
@@ -72,31 +83,3 @@ def _bottleneck(problem: BottleneckSATA, context: Context) -> Outcome:
         message = f"{asked:,} of {g.num_robots:,} robots chose: {CUT_SHORT}"
         return Outcome(answer, statistics={"robots_asked": int(asked)}, message=message, limit=stop.reached() or "time")
     return Outcome(answer, statistics={"evaluations": g.num_actions})
-
-
-HEURISTICS.add(
-    "greedy",
-    Heuristic(
-        name="greedy",
-        families=("selection", "max-min"),
-        features=ANY_FUNCTION | GROUPED | ASKED | {"sensing", "whole-actions"},
-        run=greedy,
-        summary="the largest gain again and again; for a bottleneck, the best worst target robot by robot",
-        stated="1 - (1 - 1/k)^k > 1 - 1/e under a cardinality limit, 1/2 under a partition matroid, for monotone submodular "
-        "functions; none for a bottleneck",
-        refuses=not_whole,
-    ),
-)
-
-HEURISTICS.add(
-    "lazy-greedy",
-    Heuristic(
-        name="lazy-greedy",
-        families=("selection",),
-        features=ANY_FUNCTION | GROUPED | ASKED,
-        run=lazy_greedy,
-        summary="greedy's answer with few evaluations: old gains are upper bounds",
-        stated="as greedy: 1 - (1 - 1/k)^k > 1 - 1/e under a cardinality limit, 1/2 under a partition matroid, for monotone "
-        "submodular functions",
-    ),
-)

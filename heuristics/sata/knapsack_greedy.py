@@ -19,7 +19,7 @@ from ...formulations.tolerance import room
 from ...instances.errors import UsageError
 from ...instances.sata.set_functions import Floats, ItemWeights
 from ...solvers.bounds.sata.growing_sets import GrowingSet, ValuedSet, WeightedSet
-from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import CUT_SHORT, Context, Outcome, heuristic
 from .greedy_steps.limits import ANY_FUNCTION
 from .greedy_steps.outcomes import assumptions, concluded, rounded_down, sentences
 
@@ -42,6 +42,11 @@ PROVED = {
 PROVED[1] = PROVED[0]
 
 
+@heuristic(
+    "knapsack-greedy", "selection", ANY_FUNCTION | {"constraint:knapsack"},
+    "gain per cost, from every starting set of up to three elements",
+    "1 - 1/e from starting sets of 3 (Sviridenko) or 2 elements, (1 - 1/e)/2 from 1 or 0, for monotone submodular functions",
+)  # fmt: skip
 def knapsack_greedy(problem: SubmodularSelection, context: Context, *, enumerate: int | None = None) -> Outcome:  # noqa: A002
     """Fill the knapsack by gain per cost, from every starting set of up to ``enumerate`` elements (0 to 3); the best filling wins.
 
@@ -171,16 +176,3 @@ class _ValuedFilling(_Filling):
             if chosen.value > most:
                 most, winner = chosen.value, picks
         return most, winner
-
-
-HEURISTICS.add(
-    "knapsack-greedy",
-    Heuristic(
-        name="knapsack-greedy",
-        families=("selection",),
-        features=ANY_FUNCTION | {"constraint:knapsack"},
-        run=knapsack_greedy,
-        summary="gain per cost, from every starting set of up to three elements",
-        stated="1 - 1/e from starting sets of 3 (Sviridenko) or 2 elements, (1 - 1/e)/2 from 1 or 0, for monotone submodular functions",
-    ),
-)

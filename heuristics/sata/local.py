@@ -20,7 +20,7 @@ from ...instances.errors import UsageError
 from ...instances.sata.sensing_graph import SensingGraph
 from ...solvers.engines.sata.local_max_min.cleaning import CleanGraph, clean
 from ...solvers.engines.sata.local_max_min.shares import MOST_LAYERS, check_options, local_shares
-from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import CUT_SHORT, Context, Outcome, heuristic
 from .rounding import check_ties, largest_shares
 
 SOURCE = (
@@ -29,6 +29,11 @@ SOURCE = (
 )
 
 
+@heuristic(
+    "local", "max-min", {"sensing", "whole-actions", "packing-covering"},
+    "the local algorithm for max-min LPs: each robot decides from what lies within 3h - 2 hops",
+    "OPT / value <= Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T) for shares; none for whole actions",
+)  # fmt: skip
 def local(
     problem: BottleneckSATA | MaxMinLP,
     context: Context,
@@ -238,16 +243,3 @@ def _statistics(task: _Task, best: _Run, runs: list[_Run]) -> dict[str, Any]:
         if task.whole:
             statistics["rounded_by_height"] = {str(run.h): run.rounded for run in runs}
     return statistics
-
-
-HEURISTICS.add(
-    "local",
-    Heuristic(
-        name="local",
-        families=("max-min",),
-        features=frozenset({"sensing", "whole-actions", "packing-covering"}),
-        run=local,
-        summary="the local algorithm for max-min LPs: each robot decides from what lies within 3h - 2 hops",
-        stated="OPT / value <= Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T) for shares; none for whole actions",
-    ),
-)

@@ -7,10 +7,14 @@ import numpy as np
 from ...formulations.sata.bottleneck_sata import BottleneckSATA
 from ...formulations.sata.selections import Selection
 from ...formulations.sata.submodular_selection import SubmodularSelection
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import Context, Outcome, heuristic
 from .greedy_steps.limits import ANY_CONSTRAINT, ANY_FUNCTION, Limits, first_allowed, not_whole
 
 
+@heuristic(
+    "random", ("selection", "max-min"), ANY_FUNCTION | ANY_CONSTRAINT | {"sensing", "whole-actions"},
+    "a random action for each robot, or a random maximal set", refuses=not_whole,
+)  # fmt: skip
 def random(problem: SubmodularSelection | BottleneckSATA, context: Context) -> Outcome:
     """A random maximal answer, without a guarantee.
 
@@ -24,16 +28,3 @@ def random(problem: SubmodularSelection | BottleneckSATA, context: Context) -> O
     if limits is not None:  # robot by robot
         picks = picks[np.argsort(limits.groups[picks], kind="stable")]
     return Outcome(Selection(tuple(picks.tolist())))
-
-
-HEURISTICS.add(
-    "random",
-    Heuristic(
-        name="random",
-        families=("selection", "max-min"),
-        features=ANY_FUNCTION | ANY_CONSTRAINT | {"sensing", "whole-actions"},
-        run=random,
-        summary="a random action for each robot, or a random maximal set",
-        refuses=not_whole,
-    ),
-)

@@ -17,7 +17,7 @@ from ...formulations.sata.selections import Selection
 from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...instances.errors import UnsupportedError, UsageError
 from ...instances.sata.sensing_graph import SensingGraph
-from ..heuristic import HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import Context, Outcome, heuristic
 from .greedy_steps.limits import FORMULATED, FUNCTIONS, first_allowed, not_whole
 
 Floats = NDArray[np.float64]
@@ -71,6 +71,11 @@ def _turns(count: int, ties: str, rng: np.random.Generator | None) -> NDArray[np
     return -rng.permutation(count)
 
 
+@heuristic(
+    "lp-rounding", ("selection", "max-min"), FUNCTIONS | FORMULATED | {"sensing", "whole-actions"},
+    "the largest shares of the linear relaxation, whose bound comes with the answer", "no guarantee (none is true for a bottleneck)",
+    refuses=not_whole,
+)  # fmt: skip
 def lp_rounding(problem: SubmodularSelection | BottleneckSATA, context: Context, *, ties: str = "last") -> Outcome:
     """Solve the linear relaxation of the problem's first linear form, and take the elements of largest share, of equal ones by ``ties``.
 
@@ -103,17 +108,3 @@ def lp_rounding(problem: SubmodularSelection | BottleneckSATA, context: Context,
     if result.row_duals is not None and compiled.dual_evidence is not None:
         evidence = (compiled.dual_evidence(units.duals(result.row_duals)),)
     return Outcome(answer, evidence=evidence, statistics=statistics)
-
-
-HEURISTICS.add(
-    "lp-rounding",
-    Heuristic(
-        name="lp-rounding",
-        families=("selection", "max-min"),
-        features=FUNCTIONS | FORMULATED | {"sensing", "whole-actions"},
-        run=lp_rounding,
-        summary="the largest shares of the linear relaxation, whose bound comes with the answer",
-        stated="no guarantee (none is true for a bottleneck)",
-        refuses=not_whole,
-    ),
-)

@@ -13,13 +13,18 @@ from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...formulations.stop import Stop
 from ...instances.errors import UsageError
 from ...solvers.bounds.sata.growing_sets import empty_set
-from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import CUT_SHORT, Context, Outcome, heuristic
 from .greedy_steps.limits import ANY_FUNCTION, Limits
 from .greedy_steps.outcomes import FNW, assumptions, concluded, sentences
 
 SOURCE = f"{FNW}; for winner takes all Sung (2019), Multi-Robot Coordination for Hazardous Environmental Monitoring, theorem 2"
 
 
+@heuristic(
+    "sequential-greedy", "selection", ANY_FUNCTION | {"constraint:partition"},
+    "robot after robot (group after group) takes its best action; each is asked once",
+    "1/2 for any order under a partition matroid, for monotone submodular functions (winner takes all is one)",
+)  # fmt: skip
 def sequential_greedy(problem: SubmodularSelection, context: Context, *, order: Sequence[int | str] | str | None = None) -> Outcome:
     """Each robot in its turn takes the action of largest gain over the actions taken so far, the first of equal ones.
 
@@ -85,16 +90,3 @@ def _valued(problem: SubmodularSelection, limits: Limits, turns: NDArray[np.int6
             picks.append(element)
             open_ = open_[open_ != element]
     return picks, chosen.evaluations, True
-
-
-HEURISTICS.add(
-    "sequential-greedy",
-    Heuristic(
-        name="sequential-greedy",
-        families=("selection",),
-        features=ANY_FUNCTION | {"constraint:partition"},
-        run=sequential_greedy,
-        summary="robot after robot (group after group) takes its best action; each is asked once",
-        stated="1/2 for any order under a partition matroid, for monotone submodular functions (winner takes all is one)",
-    ),
-)

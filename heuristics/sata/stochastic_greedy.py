@@ -10,13 +10,18 @@ from ...formulations.evidence import Guarantee
 from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
 from ...solvers.bounds.sata.growing_sets import empty_set
-from ..heuristic import CUT_SHORT, HEURISTICS, Context, Heuristic, Outcome
+from ..heuristic import CUT_SHORT, Context, Outcome, heuristic
 from .greedy_steps.limits import ANY_FUNCTION, Limits
 from .greedy_steps.outcomes import assumptions, concluded, rounded_down, sentences
 
 SOURCE = "Mirzasoleiman, Badanidiyuru, Karbasi, Vondrák and Krause (2015), Lazier than lazy greedy"
 
 
+@heuristic(
+    "stochastic-greedy", "selection", ANY_FUNCTION | {"constraint:cardinality"},
+    "the best of a random sample again and again: n ln(1/eps) evaluations",
+    "1 - 1/e - eps in expectation under a cardinality limit, for monotone submodular functions",
+)  # fmt: skip
 def stochastic_greedy(problem: SubmodularSelection, context: Context, *, eps: float = 0.1) -> Outcome:
     """In each of k rounds, take the best of ``(n / k) ln(1 / eps)`` elements drawn from those that are left, with 0 < eps < 1 - 1/e.
 
@@ -55,16 +60,3 @@ def stochastic_greedy(problem: SubmodularSelection, context: Context, *, eps: fl
         guarantee = Guarantee(1.0 / (most - eps), statement, (*holds, f"at most k = {k} elements, {size} drawn a round"), SOURCE)
     statistics = {"evaluations": chosen.evaluations, "plain_evaluations": limits.plain_evaluations(picks), "sample": size}
     return concluded(problem, stop, picks, holds, guarantee, statistics, message, whole=rounds == k)
-
-
-HEURISTICS.add(
-    "stochastic-greedy",
-    Heuristic(
-        name="stochastic-greedy",
-        families=("selection",),
-        features=ANY_FUNCTION | {"constraint:cardinality"},
-        run=stochastic_greedy,
-        summary="the best of a random sample again and again: n ln(1/eps) evaluations",
-        stated="1 - 1/e - eps in expectation under a cardinality limit, for monotone submodular functions",
-    ),
-)

@@ -22,6 +22,10 @@ MOST_TRIPLES = 50_000_000
 class JointAssignmentInstance(Declared):
     """Times of travel between robots, requests and bins, and when bins are full.
 
+    Raises InputError if an array has the wrong shape or holds what it must not.
+
+    Source: Zhang (2015), section 3.4.2, both decisions as one; docs/formulations/joint-assignment.md#model.
+
     Parameters
     ----------
     to_bin : array of shape (robots, bins)
@@ -36,15 +40,6 @@ class JointAssignmentInstance(Declared):
         None stands for "1", "2", ...
     name, format, problem, problems, notes
         See ``Instance``.
-
-    Raises
-    ------
-    InputError
-        If an array has the wrong shape or holds what it must not.
-
-    Notes
-    -----
-    Source: Zhang (2015), section 3.4.2, both decisions as one; docs/formulations/joint-assignment.md#model.
     """
 
     kind = "joint-assignment"

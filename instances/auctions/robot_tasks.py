@@ -91,7 +91,7 @@ class RobotTasks(Declared):
 
     @classmethod
     def of_positions(cls, robots: ArrayLike, tasks: ArrayLike, metric: str = "euclidean", **further: Any) -> RobotTasks:
-        """From places.
+        """Robots and tasks at places.
 
         Parameters
         ----------
@@ -105,7 +105,7 @@ class RobotTasks(Declared):
 
     @classmethod
     def of_distances(cls, starts: ArrayLike, between: ArrayLike, **further: Any) -> RobotTasks:
-        """From distances.
+        """Robots and tasks by their distances.
 
         Parameters
         ----------

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from ... import _guard as _guard
 from ..instance import Instance
 from ..registry import Registry
 
@@ -66,8 +65,3 @@ class Format:
 
 
 FORMATS: Registry[Format] = Registry("format", "waybound.instances.formats", "waybound.instances.*.formats", group="waybound.formats")
-
-
-def add_format(entry: Format) -> None:
-    """Register a format under its own name."""
-    FORMATS.add(entry.name, entry)

@@ -7,10 +7,12 @@ import io
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, UsageError
+from ..instance import Instance
 from ..number_arrays import Floats
 from ..text import label, number, shown
 
@@ -147,6 +149,25 @@ def _titles(cells: list[str], line: int, columns: Collection[str] | Callable[[st
         if title in titles[:k]:
             raise InputError(f"column {title} stands twice", "duplicate", line=line)
     return titles
+
+
+def check_name(what: str, cell: str, line: int, *, optional: bool = False) -> None:
+    """Raise InputError for a cell that is no printable name; an empty one may be ``optional``."""
+    if not cell.isprintable() or not (cell or optional):
+        message, found = f"{what} must have a name", ascii(cell)[:40]
+        raise InputError(message, "malformed" if cell else "missing", line=line, expected="a printable name", found=found)
+
+
+def check_kind(instance: Any, kind: type, lacks: str, format_name: str) -> None:
+    """Raise UsageError unless ``instance`` is of the kind that a format writes."""
+    if not isinstance(instance, kind):
+        name = getattr(instance, "name", "this")
+        raise UsageError(f"{name} holds no {lacks}, so it cannot be written as {format_name}; use json", "unsupported")
+
+
+def no_place(instance: Instance, format_name: str, what: str) -> UsageError:
+    """The error for an instance with something that a format cannot hold."""
+    return UsageError(f"{instance.name} cannot be written as {format_name}, which has no place for {what}; use json", "unsupported")
 
 
 def written(settings: Iterable[tuple[str, str]], titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -10,7 +10,7 @@ from ..document import dump_json, fields, integer, kind_of, parse_json, string
 from ..errors import InputError, UsageError, in_words
 from ..instance import Instance, settings_of, with_settings
 from ..kinds import KINDS
-from . import Format, add_format
+from . import FORMATS, Format
 
 VERSION = 1
 
@@ -72,7 +72,7 @@ def write(instance: Any) -> str:
     return dump_json({"waybound": VERSION, "kind": instance.kind, **KINDS[instance.kind].encode(instance), **more})
 
 
-add_format(
+FORMATS.enter(
     Format(
         "json", "waybound JSON (every kind of instance)", recognises, read, write, (".json",), sense="of the problem",
         answer="of the problem", kinds=(),

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ... import _guard as _guard
 from ..errors import UsageError
 from ..instance import Instance
 from ..registry import Registry
@@ -50,8 +49,3 @@ class Generator:
 
 
 GENERATORS: Registry[Generator] = Registry("generator", "waybound.instances.*.generators", group="waybound.generators")
-
-
-def add_generator(entry: Generator) -> None:
-    """Register a generator under its own name."""
-    GENERATORS.add(entry.name, entry)

@@ -1,3 +1,1 @@
 """Data of problems under risk."""
-
-from ... import _guard as _guard

@@ -28,11 +28,7 @@ MOST_RISK = 0.5
 class Affine:
     """Rows ``D x + Q y + constant`` over decisions x and quantities y, which stand for their means outside of chance constraints.
 
-    Parameters
-    ----------
-    decisions : array of shape (rows, decisions)
-    quantities : array of shape (rows, quantities)
-    constant : array of shape (rows,)
+    Shapes: ``decisions`` (rows, decisions), ``quantities`` (rows, quantities), ``constant`` (rows,).
     """
 
     decisions: Floats
@@ -102,15 +98,8 @@ class Budget:
 class ChanceConstraints:
     """Rows of quantities that must not exceed their limits, but for the risk.
 
-    Parameters
-    ----------
-    rows : Affine
-    limits : array of shape (rows,)
-    names : tuple of str
-        One a constraint.
-    constraint : array of shape (rows,)
-        The constraint that each row belongs to, from 0. One of several rows holds where any of them does: alternatives, such as the sides
-        of an obstacle.
+    ``limits`` has the shape (rows,). ``names``: one a constraint. ``constraint``, shape (rows,): the constraint that each row belongs to,
+    from 0. One of several rows holds where any of them does: alternatives, such as the sides of an obstacle.
     """
 
     rows: Affine
@@ -136,16 +125,9 @@ class ChanceConstraints:
 class Risk:
     """The allowed probability of failure, and how it is counted.
 
-    Parameters
-    ----------
-    kind : str
-        ``allocated``: each constraint is given a risk, and the risks add up to the budgets at most (Boole). ``joint``: the probability that
-        any of a budget's constraints fails is at most the budget.
-    total : float, optional
-        Budget of all constraints together, in (0, 1).
-    each : array of shape (constraints,)
-        Most that one constraint may have, at most 1/2.
-    budgets : tuple of Budget
+    ``kind``: ``allocated``: each constraint is given a risk, and the risks add up to the budgets at most (Boole). ``joint``: the
+    probability that any of a budget's constraints fails is at most the budget. ``total``: budget of all constraints together, in (0, 1).
+    ``each``, shape (constraints,): most that one constraint may have, at most 1/2.
     """
 
     kind: str

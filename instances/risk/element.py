@@ -33,23 +33,23 @@ class Space(Protocol):
 class RiskElement(ABC):
     """One source of risk.
 
-    Attributes
-    ----------
-    kind : str
-        Its name in files.
-    category : str
-        ``locale``, ``action`` or ``traverse``.
-    label : str
-        Its name for people.
+    ``kind``: its name in files. ``category``: ``locale``, ``action`` or ``traverse``. ``label``: its name for people.
+    ``rates``: the fields that are numbers of at least 0.
     """
 
     kind: ClassVar[str]
     category: ClassVar[str]
+    rates: ClassVar[tuple[str, ...]] = ()
     label: str
 
-    @abstractmethod
+    def __post_init__(self) -> None:
+        for key in self.rates:
+            what = f"the rate of {self.label}" if key == "rate" and len(self.rates) == 1 else f"{key} of {self.label}"
+            object.__setattr__(self, key, rate_of(what, getattr(self, key)))
+
     def check(self, space: Space) -> None:
-        """Raise InputError where it does not fit the states, or is no probability."""
+        """Raise InputError where it does not fit the states, or is no probability; by default where these have no places."""
+        placed(self, space)
 
     def parts(self) -> tuple[Any, ...]:
         """All data that risks depend on, for digests: by default the kind and the fields of a dataclass, but for its label."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..number_arrays import reals, refuse_outside, whole_numbers
-from .element import MemorylessElement, Space, placed, probabilities, rate_of
+from .element import MemorylessElement, Space, placed, probabilities
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -27,10 +27,7 @@ Indices = NDArray[np.int64]
 class LocaleRisk(MemorylessElement):
     """A risk for each state: of its clearance, visibility, terrain, traffic.
 
-    Parameters
-    ----------
-    risk : array-like, shape (states,)
-    label : str
+    ``risk`` has the shape (states,).
     """
 
     kind: ClassVar[str] = "locale"
@@ -59,27 +56,20 @@ class LengthRisk(MemorylessElement):
     """The risk of a move of length L: ``rate * L`` (linear, as the source has it) or ``1 - exp(-rate * L)``, which is the same when a move
     is cut into shorter ones.
 
-    Parameters
-    ----------
-    rate : float, per unit of length
-    growth : str
-        ``linear`` or ``exponential``.
-    label : str
+    ``rate`` is per unit of length, ``growth`` ``linear`` or ``exponential``.
     """
 
     kind: ClassVar[str] = "length"
+    rates: ClassVar[tuple[str, ...]] = ("rate",)
     rate: float
     growth: str = "exponential"
     label: str = "length"
     category: ClassVar[str] = "action"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "rate", rate_of(f"the rate of {self.label}", self.rate))
+        super().__post_init__()
         if self.growth not in GROWTHS:
             raise InputError(f"the growth of {self.label} is unknown", "unknown-name", expected=", ".join(GROWTHS), found=str(self.growth))
-
-    def check(self, space: Space) -> None:
-        placed(self, space)
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         at = placed(self, space)
@@ -96,31 +86,24 @@ ROUNDED = 1e-12
 class TurnRisk(MemorylessElement):
     """The risk of a turn, which takes three states: ``rate`` times a measure of the turn.
 
-    Parameters
-    ----------
-    rate : float
-        Per unit of length (``norm``), per 45 degrees (``angle``), or for any change (``change``).
-    measure : str
-        ``norm``: of the difference of the two moves, as the source's text has it; it charges a change of length as well. ``angle``: of the
-        headings, as its table 3.1. ``change``: 1 where the moves differ, as its chapter 7.
-    label : str
+    ``rate``: per unit of length (``norm``), per 45 degrees (``angle``), or for any change (``change``). ``measure``: ``norm``: of the
+    difference of the two moves, as the source's text has it; it charges a change of length as well. ``angle``: of the headings, as its
+    table 3.1. ``change``: 1 where the moves differ, as its chapter 7.
     """
 
     kind: ClassVar[str] = "turn"
+    rates: ClassVar[tuple[str, ...]] = ("rate",)
     rate: float
     measure: str = "angle"
     label: str = "turn"
     category: ClassVar[str] = "action"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "rate", rate_of(f"the rate of {self.label}", self.rate))
+        super().__post_init__()
         if self.measure not in MEASURES:
             raise InputError(
                 f"the measure of {self.label} is unknown", "unknown-name", expected=", ".join(MEASURES), found=str(self.measure)
             )
-
-    def check(self, space: Space) -> None:
-        placed(self, space)
 
     def least(self, space: Space, before: Indices, state: Indices, after: Indices) -> Floats:
         at = placed(self, space)
@@ -144,14 +127,11 @@ class AccessRisk(MemorylessElement):
     """The risk of a change in width, higher in one direction than in the other: ``narrowing`` times what a move loses of the
     width, or ``widening`` times what it gains.
 
-    Parameters
-    ----------
-    width : array-like, shape (states,)
-    narrowing, widening : float, per unit of width
-    label : str
+    ``width`` has the shape (states,); ``narrowing`` and ``widening`` are per unit of width.
     """
 
     kind: ClassVar[str] = "access"
+    rates: ClassVar[tuple[str, ...]] = ("narrowing", "widening")
     width: Floats
     narrowing: float
     widening: float = 0.0
@@ -159,9 +139,8 @@ class AccessRisk(MemorylessElement):
     category: ClassVar[str] = "action"
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         object.__setattr__(self, "width", reals(f"widths of {self.label}", self.width))
-        for key in ("narrowing", "widening"):
-            object.__setattr__(self, key, rate_of(f"{key} of {self.label}", getattr(self, key)))
 
     def check(self, space: Space) -> None:
         if self.width.shape != (space.num_states,) or not np.isfinite(self.width).all():
@@ -176,12 +155,8 @@ class AccessRisk(MemorylessElement):
 class MoveRisk(MemorylessElement):
     """A table: risks of some moves, or of some pairs of moves; all others have none.
 
-    Parameters
-    ----------
-    before, state, after : array-like of int, shape (entries,)
-        States; -1 in ``before`` stands for any, the start of the path included.
-    risk : array-like, shape (entries,)
-    label : str
+    ``before``, ``state``, ``after``, shape (entries,): states; -1 in ``before`` stands for any, the start of the path included. ``risk``
+    has the shape (entries,).
     """
 
     kind: ClassVar[str] = "moves"

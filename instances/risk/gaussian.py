@@ -23,17 +23,8 @@ class Dynamics:
 
     The decisions are the inputs, step after step.
 
-    Parameters
-    ----------
-    state : array of shape (states, states)
-        A.
-    input : array of shape (states, inputs)
-        B.
-    noise, start_covariance : array of shape (states, states)
-        W and P.
-    start : array of shape (states,)
-    steps : int
-    state_names, input_names : tuple of str
+    ``state``, shape (states, states): A. ``input``, shape (states, inputs): B. ``noise`` and ``start_covariance``, shape (states, states):
+    W and P. ``start`` has the shape (states,).
     """
 
     state: Floats
@@ -96,7 +87,6 @@ class Quantities:
     offset : array of shape (quantities,)
     covariance : array of shape (quantities, quantities)
         Positive semidefinite.
-    names : tuple of str
     dynamics : Dynamics, optional
         Where they come from.
     checked : bool

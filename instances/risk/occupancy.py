@@ -49,11 +49,8 @@ def elevation(reel: ArrayLike, positions: ArrayLike) -> Floats:
 class OccupancyGrid:
     """Cells of a map, free or occupied.
 
-    Parameters
-    ----------
-    occupied : array-like of bool, shape (rows, columns) or (layers, rows, columns)
-    cell : float
-        Side of a cell. The centre of cell (row, column) lies at ``((column + 1/2) cell, (row + 1/2) cell)``.
+    ``occupied`` has the shape (rows, columns) or (layers, rows, columns). ``cell``: side of a cell. The centre of cell (row, column) lies
+    at ``((column + 1/2) cell, (row + 1/2) cell)``.
     """
 
     occupied: NDArray[np.bool_]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .element import Space, TraverseElement, placed, probabilities, rate_of
+from .element import Space, TraverseElement, placed, probabilities
 from .elements import Floats, Indices
 from .tether import Contacts, Tether
 
@@ -23,20 +23,14 @@ from .tether import Contacts, Tether
 class CollectedRisk(TraverseElement):
     """The risk of what the path has collected, such as mud at the wheels or dust on a lens.
 
-    Parameters
-    ----------
-    collects : array-like of bool, shape (states,)
-        Where one more is collected, once the state is passed.
-    risk : array-like, shape (levels, states)
-        Row k: the risk of each state with k collected before it; the last row stands for all beyond.
-    label : str
+    ``collects``, shape (states,): where one more is collected, once the state is passed. ``risk``, shape (levels, states): row k: the risk
+    of each state with k collected before it; the last row stands for all beyond.
     """
 
     kind: ClassVar[str] = "collected"
     collects: NDArray[np.bool_]
     risk: Floats
     label: str = "collected"
-    category: ClassVar[str] = "traverse"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "risk", probabilities(f"risks of {self.label}", self.risk))
@@ -69,25 +63,14 @@ class CollectedRisk(TraverseElement):
 class TravelledRisk(TraverseElement):
     """The risk of the way travelled so far, as a battery has it: ``1 - exp(-rate * (way - free))`` at each state beyond ``free``.
 
-    Parameters
-    ----------
-    rate : float, per unit of length
-    free : float, in units of length
-    label : str
+    ``rate`` is per unit of length, ``free`` a length.
     """
 
     kind: ClassVar[str] = "travelled"
+    rates: ClassVar[tuple[str, ...]] = ("rate", "free")
     rate: float
     free: float = 0.0
     label: str = "travelled"
-    category: ClassVar[str] = "traverse"
-
-    def __post_init__(self) -> None:
-        for key in ("rate", "free"):
-            object.__setattr__(self, key, rate_of(f"{key} of {self.label}", getattr(self, key)))
-
-    def check(self, space: Space) -> None:
-        placed(self, space)
 
     def begin(self, space: Space, state: int) -> tuple[float, float]:
         return 0.0, 0.0
@@ -105,24 +88,15 @@ class TravelledRisk(TraverseElement):
 class TetherRisk(TraverseElement):
     """The risk of a tether: ``length_rate`` times its length, and ``contact_rate`` times its contacts, each 1 at most.
 
-    Parameters
-    ----------
-    tether : Tether
-    length_rate : float, per unit of length
-    contact_rate : float, per contact
-    label : str
+    ``length_rate`` is per unit of length, ``contact_rate`` per contact.
     """
 
     kind: ClassVar[str] = "tether"
+    rates: ClassVar[tuple[str, ...]] = ("length_rate", "contact_rate")
     tether: Tether
     length_rate: float = 0.0
     contact_rate: float = 0.03
     label: str = "tether"
-    category: ClassVar[str] = "traverse"
-
-    def __post_init__(self) -> None:
-        for key in ("length_rate", "contact_rate"):
-            object.__setattr__(self, key, rate_of(f"{key} of {self.label}", getattr(self, key)))
 
     def check(self, space: Space) -> None:
         if placed(self, space).shape[1] != 2:
@@ -157,11 +131,7 @@ class TetherRisk(TraverseElement):
 class FunctionRisk(TraverseElement):
     """A user's function of the whole path so far: from a tuple of states, the last one new, to its risk.
 
-    Parameters
-    ----------
-    function : callable
-    label : str
-        Stands for the function in digests: another function needs another label.
+    ``label``: stands for the function in digests: another function needs another label.
     """
 
     kind: ClassVar[str] = "function"

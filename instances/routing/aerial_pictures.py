@@ -36,28 +36,10 @@ class Layer:
 class Arms:
     """All places from which pictures are taken: at each altitude one above each square of cells that is as large as the footprint there.
 
-    Parameters
-    ----------
-    shape : (int, int)
-        Rows and columns of cells of 1 m.
-    altitudes : sequence of float, m
-    view : float
-        Side of a footprint for each metre of altitude, m; footprints are rounded to whole cells.
-    noise : float
-        Variance of a measurement for each metre of altitude.
+    ``shape``: rows and columns of cells of 1 m. ``altitudes``, m. ``view``: side of a footprint for each metre of altitude, m; footprints
+    are rounded to whole cells. ``noise``: variance of a measurement for each metre of altitude. ``places`` has the shape (arms, 3), m.
+    Raises InputError if there is no altitude, one is given twice, or a footprint is larger than the field.
 
-    Attributes
-    ----------
-    places : array of shape (arms, 3), m
-    layers : tuple of Layer
-
-    Raises
-    ------
-    InputError
-        If there is no altitude, one is given twice, or a footprint is larger than the field.
-
-    Notes
-    -----
     Source: Sung (2019), sections 5.3 and 5.4.
     """
 

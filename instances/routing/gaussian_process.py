@@ -36,16 +36,8 @@ class SquaredExponential:
 class GaussianProcess:
     """Belief about a quantity at test points, from the measurements given so far. Begin with ``prior``.
 
-    Parameters
-    ----------
-    kernel : SquaredExponential
-    points : array of shape (points, 2), m
-        Test points.
-    mean : array of shape (points,)
-    covariance : array of shape (points, points)
+    ``points`` are the test points, shape (points, 2), m; ``mean`` has the shape (points,), ``covariance`` (points, points).
 
-    Notes
-    -----
     Source: Sung (2019), (5.2)-(5.5). A measurement adds rows to the Cholesky factor of K(X, X) + Q, so that nothing is factorised twice;
     docs/missions/hotspot-identification.md#belief.
     """

@@ -13,7 +13,7 @@ from ..document import array, fields, flags, integer, json_number, json_numbers,
 from ..errors import InputError, UsageError
 from ..kinds import KINDS, Kind
 from .instance import Group, RoutingInstance, Shipment, Sites
-from .json_vehicles import decode_travel, decode_vehicle, encode_travel, encode_vehicle, optional_real
+from .json_vehicles import decode_travel, decode_vehicle, encode_travel, encode_vehicle, optional_real, site_of
 from .reach import refuse_powerless, refuse_unreachable
 from .sites import with_unused
 
@@ -117,7 +117,7 @@ def decode(data: dict[str, Any]) -> RoutingInstance:
 def _forbidden(data: Any, index: dict[str, int]) -> NDArray[np.bool_]:
     moves = np.zeros((len(index), len(index)), dtype=bool)
     for k, pair in enumerate(array(data, "forbidden")):
-        tail, head = (_site(name, f"forbidden[{k}]", index) for name in array(pair, f"forbidden[{k}]", 2))
+        tail, head = (site_of(name, f"forbidden[{k}]", index) for name in array(pair, f"forbidden[{k}]", 2))
         moves[tail, head] = True
     return moves
 
@@ -202,17 +202,10 @@ def _loads(data: Any, path: str, n: int) -> Any:
     return matrix(rows, path, n, width)
 
 
-def _site(data: Any, path: str, index: dict[str, int]) -> int:
-    name = string(data, path)
-    if name not in index:
-        raise InputError(f"{path} names no site", "unknown-name", expected="an id of sites.id", found=name)
-    return index[name]
-
-
 def _by_site(data: Any, path: str, index: dict[str, int]) -> list[tuple[int, Any]]:
     """The values of an object with one key a site."""
     values = fields(data, path, data if isinstance(data, dict) else ())
-    return [(_site(name, f"a key of {path}", index), value) for name, value in values.items()]
+    return [(site_of(name, f"a key of {path}", index), value) for name, value in values.items()]
 
 
 def _windows(data: Any, path: str) -> list[tuple[float, float]]:
@@ -224,7 +217,7 @@ def _shipment(data: Any, path: str, index: dict[str, int]) -> Shipment:
     fields(data, path, ("pickup", "delivery", "load"), ("pickup", "delivery"))
     load = data.get("load", 0)
     loads = [real(v, f"{path}.load") for v in (load if isinstance(load, list) else [load])]
-    return Shipment(_site(data["pickup"], f"{path}.pickup", index), _site(data["delivery"], f"{path}.delivery", index), tuple(loads))
+    return Shipment(site_of(data["pickup"], f"{path}.pickup", index), site_of(data["delivery"], f"{path}.delivery", index), tuple(loads))
 
 
 def _group(data: Any, path: str, index: dict[str, int]) -> Group:
@@ -232,7 +225,7 @@ def _group(data: Any, path: str, index: dict[str, int]) -> Group:
     required = data.get("required", True)
     if not isinstance(required, bool):
         raise InputError(f"{path}.required must be true or false")
-    return Group(tuple(_site(name, f"{path}.sites", index) for name in strings(data["sites"], f"{path}.sites")), required)
+    return Group(tuple(site_of(name, f"{path}.sites", index) for name in strings(data["sites"], f"{path}.sites")), required)
 
 
 KINDS.add("routing", Kind("routing", encode, decode))

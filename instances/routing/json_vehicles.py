@@ -100,14 +100,19 @@ COST = Key(0.0, real)
 ONE = Key(1.0, real)
 
 
+def site_of(data: Any, path: str, index: Mapping[str, int]) -> int:
+    """Index of the site whose id stands there."""
+    name = string(data, path)
+    if name not in index:
+        raise InputError(f"{path} names no site", "unknown-name", expected="an id of sites.id", found=name)
+    return index[name]
+
+
 def vehicle_keys(sites: Sites, index: Mapping[str, int]) -> dict[str, Key]:
     """Keys of a vehicle type but for its capacity and travel, in the order of JSON."""
 
     def site(data: Any, path: str) -> int:
-        name = string(data, path)
-        if name not in index:
-            raise InputError(f"{path} names no site", "unknown-name", expected="an id of sites.id", found=name)
-        return index[name]
+        return site_of(data, path, index)
 
     def places(data: Any, path: str) -> tuple[int, ...]:
         return tuple(site(value, f"{path}[{k}]") for k, value in enumerate(array(data, path)))

@@ -161,11 +161,6 @@ def csqmi(joint: Floats) -> Floats:
         return np.asarray(np.maximum(-np.log2(cross / ((joint**2).sum(axis=(0, 1)) * (apart**2).sum(axis=(0, 1)))), 0.0))
 
 
-def beams_needed(field: float, reach: float, gap: float) -> float:
-    """Beams over ``field`` degrees whose ends, ``reach`` away, lie no more than ``gap`` apart: section 6.4."""
-    return math.radians(field) / math.acos(1.0 - gap**2 / (2.0 * reach**2))
-
-
 # -- views and ways -------------------------------------------------------------------------------------------------------------
 
 

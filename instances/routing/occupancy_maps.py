@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -30,26 +30,15 @@ RAREST_RATE = 1e-4
 """Least probability of a change in a step: with none a cell could never be doubted again."""
 
 
-class OccupancyMap(Protocol):
-    """A belief about cells: ``p`` are their probabilities of being occupied now, NaN never."""
-
-    p: Floats
-
-    def update(self, seen: Integers, hits: Flags) -> None:
-        """Let a step pass, then take the readings of the cells ``seen``, none twice."""
-
-    def closes(self, threshold: float) -> Floats:
-        """Seconds from now until each cell is no longer believed free, with less than ``threshold``; minus infinity for those not now."""
-
-
 class MarkovMap:
     """Each cell a hidden Markov model of free and occupied whose rates are learnt by online expectation maximisation.
+
+    Source: Mitchell (2020), section 4.2; the map is taken for what it is now when ways are planned, as in chapter 5.
 
     Parameters
     ----------
     prior : array of shape (cells,)
         Probabilities of occupied at the start.
-    sensor : RangeSensor
     seconds : float
         Time of a step.
     rate : float
@@ -61,10 +50,6 @@ class MarkovMap:
     counted : str
         ``observed``: a transition is counted with each reading, from what was more probable after the reading before; ``believed``: one
         a step.
-
-    Notes
-    -----
-    Source: Mitchell (2020), section 4.2; the map is taken for what it is now when ways are planned, as in chapter 5.
     """
 
     def __init__(
@@ -121,6 +106,8 @@ class MarkovMap:
 class DecayMap:
     """Each cell's log-odds shrink at a rate that goes with its learnt period of change; without ``learning`` they stay.
 
+    Source: Mitchell (2020), (3.2)-(3.6), with (3.4) of log-odds.
+
     Parameters
     ----------
     prior, sensor
@@ -135,10 +122,6 @@ class DecayMap:
         Largest confidence (``1 - surest`` the least), and thresholds of occupied and free.
     since : str
         What a change is measured from: ``shift``, the change before, or ``last``, the reading before, as (3.5) prints.
-
-    Notes
-    -----
-    Source: Mitchell (2020), (3.2)-(3.6), with (3.4) of log-odds.
     """
 
     def __init__(

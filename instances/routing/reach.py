@@ -25,10 +25,10 @@ from .travel import Travel
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 Move = Callable[[ArrayLike, ArrayLike], Floats]
-"""From origins and destinations, which broadcast, to lengths of direct moves: ``Travel.distance``, ``Travel.duration``, ..."""
+"""Lengths of direct moves between origins and destinations, which broadcast: ``Travel.distance``, ``Travel.duration``, ..."""
 
 Legs = Callable[[str], Sequence[Floats]]
-"""From ``time, travel`` or ``distance`` to shortest ways: to the first stop, between stops, and from the last one to the end of a route."""
+"""Shortest ways by ``time, travel`` or ``distance``: to the first stop, between stops, and from the last one to the end of a route."""
 
 STRIP = 1 << 17
 """Number of moves that are computed at once."""

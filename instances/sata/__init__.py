@@ -1,3 +1,1 @@
 """Sensing graphs, set functions with constraints, and max-min linear programs, as data."""
-
-from ... import _guard as _guard

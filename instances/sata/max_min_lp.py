@@ -84,13 +84,8 @@ class MaxMinInstance(Declared):
     ``sense`` ``max``: maximise the least entry of C x subject to A x <= 1. ``sense`` ``min``: minimise the largest entry of A x
     subject to C x >= 1.
 
-    Parameters
-    ----------
-    packing, covering : SparseMatrix
-        At least one row each; for ``max`` every variable of C stands in a row of A (else it is unbounded), for ``min`` every
-        row of C holds a variable (else nothing covers it).
-    variable_names : tuple of str, optional
-        None stands for "1", "2", ...
+    ``packing`` and ``covering``: at least one row each; for ``max`` every variable of C stands in a row of A (else it is unbounded), for
+    ``min`` every row of C holds a variable (else nothing covers it). ``variable_names``: none stands for "1", "2", ...
     """
 
     kind = "max-min"

@@ -43,6 +43,10 @@ class Mixture:
 class PHDFilter:
     """Rules of the filter; a method a stage.
 
+    Raises InputError if a probability lies outside [0, 1], or another number is negative.
+
+    Source: Sung (2019), section 2.4, after Vo and Ma (2006); readings and errata: docs/missions/search-and-track.md.
+
     Parameters
     ----------
     sensing : float
@@ -62,15 +66,6 @@ class PHDFilter:
     repulsion : str
         Which components at the border of the disc are pushed out of it, (2.11): ``all`` (the part of each that was not detected, as
         printed), ``undetected`` (of those alone that no detection is more likely to come from) or ``none``.
-
-    Raises
-    ------
-    InputError
-        If a probability lies outside [0, 1], or another number is negative.
-
-    Notes
-    -----
-    Source: Sung (2019), section 2.4, after Vo and Ma (2006); readings and errata: docs/missions/search-and-track.md.
     """
 
     sensing: float = 25.0

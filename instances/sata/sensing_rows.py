@@ -44,7 +44,7 @@ class Named:
 
     @classmethod
     def of(cls, cells: Iterable[str]) -> Named:
-        """From the cells of a column, "" for an empty one."""
+        """Names from the cells of a column, "" for an empty one."""
         number: dict[str, int] = {"": -1}
         codes = np.array([number.setdefault(cell, len(number) - 1) for cell in cells], dtype=np.int64)
         return cls(codes, list(number)[1:])

@@ -27,6 +27,8 @@ class Track:
 class TrackRules:
     """Rules of tracks, and of their motion.
 
+    Source: Sung (2019), sections 2.4 and 2.5, (2.7) and (2.8); docs/missions/search-and-track.md.
+
     Parameters
     ----------
     threshold : float
@@ -41,10 +43,6 @@ class TrackRules:
         Latest positions from which motion is learnt; 0: tracks stay, as other components do.
     length_scale, kernel_noise : float
         Of the Gaussian process: steps, and standard deviation of a position as a share of that of the motion.
-
-    Notes
-    -----
-    Source: Sung (2019), sections 2.4 and 2.5, (2.7) and (2.8); docs/missions/search-and-track.md.
     """
 
     threshold: float = 0.5

@@ -1,3 +1,1 @@
 """Backends and engines by name: each module registers itself, and imports its package only when it runs."""
-
-from ... import _guard as _guard

@@ -53,7 +53,6 @@ class CpSat(ProgramBackend):
     name, title = "cpsat", "CP-SAT"
     engine = "CP-SAT"
     package = "ortools"
-    modules = ("ortools",)
     summary = "OR-Tools CP-SAT: integer programs, products of variables and circuits included, counted in 64 bits"
     options = None
     order = 60

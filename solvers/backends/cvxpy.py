@@ -45,7 +45,6 @@ class CVXPY(ProgramBackend):
 
     name, title = "cvxpy", "CVXPY's solver"
     package = "cvxpy"
-    modules = ("cvxpy",)
     summary = "CVXPY: Clarabel for linear, quadratic and cone programs; SCS, ECOS or HiGHS as cvxpy:NAME"
     options = None
     order = 80

@@ -75,7 +75,6 @@ class Highs(ProgramBackend):
     name, title = "highs", "HiGHS"
     engine = "HiGHS"
     package = "highspy"
-    modules = ("highspy",)
     summary = "HiGHS: LP, MILP and convex QP, arrays straight into the solver"
     options = None
     order = 30

@@ -86,7 +86,6 @@ class MathOpt(ProgramBackend):
 
     name = "mathopt"
     package = "ortools"
-    modules = ("ortools",)
     summary = "OR-Tools MathOpt: SCIP (nonconvex quadratics too) and GLOP, others as mathopt:NAME"
     options = None
     order = 50

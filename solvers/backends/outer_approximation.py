@@ -48,7 +48,6 @@ class OuterApproximation(ProgramBackend):
 
     name, title = "outer-approximation", "outer approximation"
     package = "highspy"
-    modules = ("highspy",)
     summary = "MILP with second-order cones, by rows that touch them; HiGHS, or another MILP solver by name"
     options = None
     order = 45

@@ -37,7 +37,6 @@ class PuLP(ProgramBackend):
 
     name = "pulp"
     package = "pulp"
-    modules = ("pulp",)
     summary = "PuLP: CBC by default, any solver that PuLP finds as pulp:NAME"
     options = None
     order = 70

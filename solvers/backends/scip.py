@@ -61,7 +61,6 @@ class Scip(ProgramBackend):
     name, title = "scip", "SCIP"
     engine = "SCIP"
     package = "pyscipopt"
-    modules = ("pyscipopt",)
     summary = "SCIP through PySCIPOpt: MILP, second-order cones, and quadratic programs, convex or not"
     options = None
     order = 40

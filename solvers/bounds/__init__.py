@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from ... import _guard as _guard
 from ...formulations.evidence import Evidence
 from ...formulations.stop import Stop
 from ...instances.registry import Registry

@@ -57,16 +57,9 @@ LEAST_GAIN = 1e-6
 class _Node(Node):
     """A node and its linear relaxation.
 
-    Attributes
-    ----------
-    column, low, high : int, float, float
-        The column that it bounds, and its new bounds.
-    value : float
-        Of its linear relaxation, of a minimisation.
-    columns, values : arrays
-        Columns that are fractional, or that are left to decide on where none is.
-    basis : object
-        Where its children begin.
+    ``column``, ``low``, ``high``: the column that it bounds, and its new bounds. ``value``: of its linear relaxation, of a
+    minimisation. ``columns`` and ``values``: columns that are fractional, or that are left to decide on where none is. ``basis``: where its
+    children begin.
     """
 
     column: int = -1
@@ -277,20 +270,10 @@ def branching_tree_bound(
 ) -> Evidence | None:
     """Evidence from branch and bound over the first form of ``problem`` whose duals its checkers understand.
 
-    Parameters
-    ----------
-    problem : Problem
-    stop : Stop
-    linear : LinearPrograms, optional
-        Its seed counts. The programs of all nodes are solved by HiGHS, which goes on from where the last one ended, whoever solves others.
-    target : float, optional
-        Value of an answer: the tree ends where its bound reaches it. Better answers that it meets on the way take its place.
-
-    Returns
-    -------
-    Evidence or None
-        Of kind ``branching-tree``, or of the kind of the root's where no branching was needed; None where the form lacks what it takes,
-        or there was no time for the root.
+    Of ``linear`` the seed counts. The programs of all nodes are solved by HiGHS, which goes on from where the last one ended, whoever
+    solves others. ``target``: value of an answer: the tree ends where its bound reaches it. Better answers that it meets on the way take
+    its place. It is of kind ``branching-tree``, or of that of the root's evidence where no branching was needed; None where the form lacks
+    what it takes, or there was no time for the root.
     """
     most = ENTRIES_PER_SECOND * stop.seconds_left
     if stop.reached() or problem.linear_entries() > most:
@@ -317,4 +300,4 @@ def _missing(problem: Problem) -> frozenset[str]:
     return frozenset() if any(FORMS[form].makes(problem) == INTEGERS for form in problem.forms()) else frozenset({"integers alone"})
 
 
-BOUNDS.add("branching-tree", BoundMethod("branching-tree", _missing, branching_tree_bound, order=9, aims=True))
+BOUNDS.enter(BoundMethod("branching-tree", _missing, branching_tree_bound, order=9, aims=True))

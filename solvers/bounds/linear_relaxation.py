@@ -43,17 +43,7 @@ ENTRIES_PER_SECOND = 20_000
 def linear_relaxation_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from the duals of a form's linear relaxation.
 
-    Parameters
-    ----------
-    problem : Problem
-    stop : Stop
-        Compiling counts too.
-    linear : LinearPrograms, optional
-
-    Returns
-    -------
-    Evidence or None
-        None where the LP exceeds the budget, was not solved in it, or has no evidence to give.
+    Compiling counts for ``stop``, too. None where the LP exceeds the budget, was not solved in it, or has no evidence to give.
     """
     linear, seconds = linear or LinearPrograms(), stop.seconds_left
     if stop.reached():
@@ -103,4 +93,4 @@ def _missing(problem: Problem) -> frozenset[str]:
     return frozenset() if problem.forms() else frozenset({f"{problem.family} problems"})
 
 
-BOUNDS.add("linear-relaxation", BoundMethod("linear-relaxation", _missing, linear_relaxation_bound, order=2))
+BOUNDS.enter(BoundMethod("linear-relaxation", _missing, linear_relaxation_bound, order=2))

@@ -35,7 +35,6 @@ class Node:
 
     Attributes
     ----------
-    parent : Node or None
     decision : Decision or None
         What it adds to the decisions of its parent.
     bound : float
@@ -73,15 +72,7 @@ N = TypeVar("N", bound=Node)
 class ProofTree(ABC, Generic[N]):
     """Best bound first.
 
-    Parameters
-    ----------
-    problem : Problem
-    root : Node
-    target : float or None
-        Value of a known answer.
-    stop : Stop
-    share : float
-        Of the time, for the root.
+    ``target``: value of a known answer. ``share``: part of the time for the root.
     """
 
     def __init__(self, problem: Problem, root: N, target: float | None, stop: Stop, share: float = ROOT) -> None:

@@ -1,3 +1,1 @@
 """Engines: a problem in, an answer out. One module each."""
-
-from ... import _guard as _guard

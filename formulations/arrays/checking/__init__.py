@@ -1,3 +1,1 @@
 """Checkers of evidence on bare programs, in plain code of their own."""
-
-from .... import _guard as _guard

@@ -121,8 +121,7 @@ def _size(problem: ArrayProblem) -> ProgramSize:
 
 FEATURES = frozenset({"LP", "integer", "quadratic", "cones", "circuits"})
 
-FORMS.add("arrays", Form("arrays", "arrays", FEATURES, build, makes=lambda problem: problem.program.features(), size=size))
-FORMS.add(
-    "linear-products",
+FORMS.enter(Form("arrays", "arrays", FEATURES, build, makes=lambda problem: problem.program.features(), size=size))
+FORMS.enter(
     Form("linear-products", "arrays", frozenset({"LP", "integer", "quadratic"}), build_products, refuses=_refuses, order=1, size=_size),
 )

@@ -1,3 +1,1 @@
 """Forms of problems of auctions and task allocation."""
-
-from .... import _guard as _guard

@@ -65,7 +65,6 @@ def _size(problem: GeneralisedAssignment) -> ProgramSize:
     return ProgramSize(pairs, problem.num_agents + problem.num_jobs, 2.0 * pairs)
 
 
-FORMS.add(
-    "assignment-knapsacks",
+FORMS.enter(
     Form("assignment-knapsacks", "generalised-assignment", frozenset({"objective:cost", "objective:profit"}), build, size=_size),
 )

@@ -88,7 +88,7 @@ def bipartite(problem: BinAssignment) -> Compiled:
     return Compiled(program, problem, lambda v: decoded(problem, v), lambda a: encoded(problem, a), dual_evidence)
 
 
-FORMS.add("bipartite", Form("bipartite", "bin-assignment", frozenset({"objective:sum"}), bipartite, size=pairs_size))
+FORMS.enter(Form("bipartite", "bin-assignment", frozenset({"objective:sum"}), bipartite, size=pairs_size))
 
 
 def largest_cost(problem: BinAssignment) -> Compiled:
@@ -119,4 +119,4 @@ def _capped_size(problem: BinAssignment) -> ProgramSize:
     return pairs_size(problem) + ProgramSize(1.0, problem.num_robots, problem.num_robots + float(len(problem.bins)))
 
 
-FORMS.add("largest-cost", Form("largest-cost", "bin-assignment", frozenset({"objective:bottleneck"}), largest_cost, size=_capped_size))
+FORMS.enter(Form("largest-cost", "bin-assignment", frozenset({"objective:bottleneck"}), largest_cost, size=_capped_size))

@@ -81,4 +81,4 @@ def _size(problem: JointAssignment) -> ProgramSize:
     return ProgramSize(errands, problem.num_robots + problem.num_bins + problem.num_requests + 2.0, 5.0 * errands)
 
 
-FORMS.add("errand-choice", Form("errand-choice", "joint-assignment", frozenset({"triples"}), build, size=_size))
+FORMS.enter(Form("errand-choice", "joint-assignment", frozenset({"triples"}), build, size=_size))

@@ -102,8 +102,7 @@ def _size(problem: BalancedPartition) -> ProgramSize:
     )  # fmt: skip
 
 
-FORMS.add(
-    "part-choice",
+FORMS.enter(
     Form(
         "part-choice", "balanced-partition",
         frozenset({*(f"objective:{objective}" for objective in OBJECTIVES), "edges:none", "edges:clique"}), build, size=_size,

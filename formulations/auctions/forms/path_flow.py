@@ -136,6 +136,4 @@ def _size(problem: TaskAllocation) -> ProgramSize:
     return ProgramSize((2.0 + longest) * arcs + 1.0, (1.0 + longest) * arcs + 3.0 * nodes, (6.0 + 6.0 * longest) * arcs + nodes)
 
 
-FORMS.add(
-    "path-flow", Form("path-flow", "task-allocation", frozenset(f"objective:{objective}" for objective in OBJECTIVES), build, size=_size)
-)
+FORMS.enter(Form("path-flow", "task-allocation", frozenset(f"objective:{objective}" for objective in OBJECTIVES), build, size=_size))

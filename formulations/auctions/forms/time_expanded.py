@@ -201,4 +201,4 @@ def _size(problem: RoomExploration) -> ProgramSize:
     )  # fmt: skip
 
 
-FORMS.add("time-expanded", Form("time-expanded", "room-exploration", frozenset({"contact"}), build, refuses=_refuses, size=_size))
+FORMS.enter(Form("time-expanded", "room-exploration", frozenset({"contact"}), build, refuses=_refuses, size=_size))

@@ -43,7 +43,7 @@ def latest_end(problem: OrchardDay) -> int:
 
 
 def _first_ends(problem: OrchardDay) -> Integers:
-    """When a robot in the field would be home with each bin as its first; shape (robots, bins)."""
+    """Steps at which a robot in the field would be home with each bin as its first; shape (robots, bins)."""
     jobs = problem.jobs
     reached = jobs.robot_free[:, None] + jobs.grid.empty_times[np.ix_(jobs.robot_cells, jobs.bin_cells)]
     return np.asarray(np.maximum(reached, full_at(problem)) + jobs.home)
@@ -186,7 +186,6 @@ def _size(problem: OrchardDay) -> ProgramSize:
     )  # fmt: skip
 
 
-FORMS.add(
-    "time-indexed",
+FORMS.enter(
     Form("time-indexed", "orchard-day", frozenset({"objective:makespan", "objective:completion"}), build, refuses=_refuses, size=_size),
 )

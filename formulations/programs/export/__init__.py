@@ -6,7 +6,6 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .... import _guard as _guard
 from ....instances.errors import UsageError
 
 if TYPE_CHECKING:
@@ -18,23 +17,11 @@ SUFFIXES = (".mps", ".lp")
 def write_program(program: Program, path: str | PathLike[str], *, names: bool = True) -> None:
     """Write a program as free MPS or as LP (the format of CPLEX), by the suffix; whole or not at all.
 
-    Parameters
-    ----------
-    program : Program
-        Linear or with a quadratic objective, without cones and circuits, with one objective.
-    path : path-like
-        Ends in ``.mps`` or ``.lp``.
-    names : bool
-        Write the names of variables and rows, such as ``time(17,4,2)``; without, ``x0, x1, ...`` and ``r0, r1, ...``.
-
-    Raises
-    ------
-    UsageError
-        If the suffix is another one.
-    UnsupportedError
-        If the program has cones, circuits, or several objectives in order of priority.
-    InputError
-        If the data hold a NaN or sides that cross, which neither format can express, or the file cannot be written.
+    ``program``: linear or with a quadratic objective, without cones and circuits, with one objective. ``path``: ends in ``.mps`` or
+    ``.lp``. ``names``: write the names of variables and rows, such as ``time(17,4,2)``; without, ``x0, x1, ...`` and ``r0, r1, ...``.
+    Raises UsageError if the suffix is another one. Raises UnsupportedError if the program has cones, circuits, or several objectives in
+    order of priority. Raises InputError if the data hold a NaN or sides that cross, which neither format can express, or the file cannot be
+    written.
     """
     from ....instances.atomic import atomic_write
     from ._checks import check_export, refuse_crossing

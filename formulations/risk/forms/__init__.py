@@ -1,3 +1,1 @@
 """Forms of problems under risk."""
-
-from .... import _guard as _guard

@@ -100,4 +100,4 @@ def _size(problem: RiskyPath) -> ProgramSize:
 
 FEATURES = frozenset({"objective:hazard", "goals", "locale-risk", "action-risk"})
 
-FORMS.add("consecutive-moves", Form("consecutive-moves", "risky-path", FEATURES, build, refuses=_refuses, size=_size))
+FORMS.enter(Form("consecutive-moves", "risky-path", FEATURES, build, refuses=_refuses, size=_size))

@@ -150,8 +150,7 @@ for _name, _build, _refuses, _order in (
     ("uniform", build_uniform, refuses, 2),
     ("ellipsoid", build_ellipsoid, ellipsoid_refuses, 3),
 ):
-    FORMS.add(
-        _name,
+    FORMS.enter(
         Form(
             _name, "risk-allocation", FEATURES, _build, Exactness.RESTRICTION, refuses=_refuses, makes=makes, order=_order, size=size_of,
         ),

@@ -188,8 +188,7 @@ for _order, _name, _build, _exactness in (
     (0, "secants", build_secants, Exactness.RESTRICTION),
     (1, "tangents", build_tangents, Exactness.RELAXATION),
 ):
-    FORMS.add(
-        _name,
+    FORMS.enter(
         Form(
             _name, "risk-allocation", FEATURES, _build, _exactness, refuses=refuses, makes=makes, order=_order,
             size=partial(size_of, pieces=POINTS),

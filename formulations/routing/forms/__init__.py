@@ -1,3 +1,1 @@
 """Forms of routing problems."""
-
-from .... import _guard as _guard

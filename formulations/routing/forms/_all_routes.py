@@ -171,7 +171,7 @@ class Walk:
         return None if team is not None and overrun > team * (1.0 + EQUAL) else overrun
 
     def _run(self, stops: tuple[int, ...], departure: float, home: bool = True) -> float | None:
-        """When the last stop is reached, or begun where it is not the return; None where somebody is late."""
+        """Time at which the last stop is reached, or begun where it is not the return; None where somebody is late."""
         clock, size = departure, abs(self.opens)
         for k, (i, j) in enumerate(pairwise(stops)):
             leaves = clock + (self.service[i] if k else 0.0)

@@ -81,8 +81,7 @@ def _of_each_vehicle(blocks: VehicleBlocks) -> tuple[Circuit, ...]:
     return tuple(circuits)
 
 
-FORMS.add(
-    "circuit",
+FORMS.enter(
     Form(
         "circuit", "routing", three_index.FEATURES, build, refuses=refuses, makes=lambda problem: INTEGERS | CIRCUITS, order=6,
         size=lambda problem: _sizes.circuit(problem, arcs_say_enough(problem)),

@@ -198,8 +198,6 @@ class _RouteColumns(Blocks):
             self.rows.append(rows(f"{name}-home", 1, entries, least, keys=key, labels=label))
         self.maximum[column] = (what, least)
 
-    # -- answers -----------------------------------------------------------------------------------------------------
-
     def _decode(self, x: Floats) -> Routes:
         chosen = np.nonzero(used(x[: len(self.routes)]))[0]
         return Routes(tuple(Route(self.routes[p].visits, self.routes[p].kind) for p in chosen.tolist()))
@@ -253,8 +251,7 @@ def _share(r: Priced, weight: Weights) -> float:
     return math.fsum(each * amounts.get(name, 0.0) for name, each in weight.items())
 
 
-FORMS.add(
-    "set-partitioning",
+FORMS.enter(
     Form(
         "set-partitioning",
         "routing",

@@ -131,9 +131,6 @@ def written(
     return Compiled(bare, problem, partial(_decode, problem, types), partial(_encode, blocks, bare))
 
 
-# -- answers ---------------------------------------------------------------------------------------------------------
-
-
 def _decode(problem: RoutingProblem, types: list[VehicleColumns], x: Floats) -> Routes:
     routes: list[Route] = []
     for kind in types:
@@ -238,4 +235,4 @@ def _in_time(kind: VehicleColumns, nodes: NDArray[np.int64], arcs: NDArray[np.in
     return bool((times <= kind.upper[nodes] + slack).all() and (begins <= kind.closing[kind.arc_of[arcs]] + slack).all())
 
 
-FORMS.add("three-index", Form("three-index", "routing", FEATURES, build, refuses=refuses, order=4, size=_sizes.three_index))
+FORMS.enter(Form("three-index", "routing", FEATURES, build, refuses=refuses, order=4, size=_sizes.three_index))

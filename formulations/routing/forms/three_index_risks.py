@@ -293,8 +293,7 @@ def _size(problem: RoutingProblem) -> ProgramSize:
     return _sizes.three_index_pieces(problem, 1.0 + many * PIECES)
 
 
-FORMS.add(
-    "three-index-cones",
+FORMS.enter(
     Form(
         "three-index-cones", "routing", KNOWN, partial(build, form="three-index-cones", add=_add_risks),
         refuses=partial(_refuses, risks=frozenset({"route-risk"})), makes=lambda problem: INTEGERS | SECOND_ORDER,

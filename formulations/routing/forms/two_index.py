@@ -297,6 +297,6 @@ for _order, (_name, _flows) in enumerate(
     )
 ):
     _size = partial(_sizes.two_index, flows=_flows, connected=_name == UNIT_FLOW)
-    FORMS.add(
-        _name, Form(_name, "routing", FEATURES, partial(_with_levels, form=_name, flows=_flows), refuses=refuses, order=_order, size=_size)
+    FORMS.enter(
+        Form(_name, "routing", FEATURES, partial(_with_levels, form=_name, flows=_flows), refuses=refuses, order=_order, size=_size)
     )

@@ -1,3 +1,1 @@
 """Checkers of bounds on selections and max-min programs: they read problem data and evidence, nothing else."""
-
-from .... import _guard as _guard

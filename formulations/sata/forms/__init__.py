@@ -1,3 +1,1 @@
 """Forms of selections and max-min programs."""
-
-from .... import _guard as _guard

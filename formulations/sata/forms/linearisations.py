@@ -244,20 +244,16 @@ def _one_creditor(edges: Edges, credit: Credits) -> Rows:
     return rows("item", edges.items, parts, **at_most(1.0), keys=(np.arange(edges.items),), labels=(edges.item_names,))
 
 
-FORMS.add(
-    "facility-location",
+FORMS.enter(
     Form("facility-location", "selection", FEATURES, facility_location, size=partial(edges_size, each=(1.0, 1.0, 0.0, 3.0))),
 )
-FORMS.add(
-    "strong-linearisation",
+FORMS.enter(
     Form("strong-linearisation", "selection", FEATURES, strong_linearisation, order=1, size=partial(edges_size, each=(1.0, 1.0, 1.0, 3.0))),
 )
-FORMS.add(
-    "weak-linearisation",
+FORMS.enter(
     Form("weak-linearisation", "selection", FEATURES, weak_linearisation, order=2, size=partial(edges_size, each=(2.0, 2.0, 1.0, 5.0))),
 )
-FORMS.add(
-    "product",
+FORMS.enter(
     Form(
         "product",
         "selection",

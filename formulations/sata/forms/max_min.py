@@ -223,4 +223,4 @@ def _makes(problem: BottleneckSATA | MaxMinLP) -> frozenset[str]:
 
 
 FEATURES = frozenset({"sensing", "whole-actions", "packing-covering", "min-max", "several-packing-rows"})
-FORMS.add("max-min", Form("max-min", "max-min", FEATURES, build, size=_size, makes=_makes))
+FORMS.enter(Form("max-min", "max-min", FEATURES, build, size=_size, makes=_makes))

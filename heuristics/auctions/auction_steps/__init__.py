@@ -1,3 +1,1 @@
 """Parts of auctions of tasks: bids, paths and consensus."""
-
-from .... import _guard as _guard

@@ -1,3 +1,1 @@
 """Steps of the savings heuristic."""
-
-from .... import _guard as _guard

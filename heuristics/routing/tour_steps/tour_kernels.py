@@ -94,7 +94,7 @@ def shortcut(tails, heads, n):  # type: ignore[no-untyped-def]
 
 @kernel("(i8[::1], f8[:, ::1])")
 def nearest_neighbour(flag, costs):  # type: ignore[no-untyped-def]
-    """From node 0 to the nearest node that is left, again and again; where it was asked to stop, the others in their order."""
+    """A tour from node 0, each time to the nearest node that is left; where it was asked to stop, the others in their order."""
     n = len(costs)
     order, left = np.zeros(n, np.int64), np.empty(max(0, n - 1), np.int64)
     for k in range(1, n):

@@ -1,3 +1,1 @@
 """Worlds whose decisions are bare programs."""
-
-from .... import _guard as _guard

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...generators import Draw, Flags, Floats, Integers
-from ...worlds import WORLDS, Setting, World, WorldKind
+from ...worlds import WORLDS, Setting, World, WorldKind, check_robot
 
 DISPATCH = -1
 """Number of the agent whose action is the set of jobs that the team has taken on."""
@@ -70,19 +70,10 @@ def ways(pads: Floats, places: Floats, reach: float) -> Integers:
 class FleetWorld(World):
     """In a step each robot on its pad charges, or takes off for a place; each in the air goes on, or turns home.
 
-    Parameters
-    ----------
-    pads : array of shape (robots, 2), metres
-    endurance, recharge : int arrays of shape (robots,), steps
-        From a full battery to the low voltage, and from an empty one to a full one.
-    jobs : sequence of Job
-    reach : float, metres
-        Flown in a step.
-    reserve : int, steps
-        From the low voltage to an empty battery. A robot whose battery is empty in the air is lost there, and carried to its pad.
+    ``pads`` has the shape (robots, 2), metres. ``endurance`` and ``recharge``, shape (robots,), steps: from a full battery to the low
+    voltage, and from an empty one to a full one. ``reach``, metres: flown in a step. ``reserve``, steps: from the low voltage to an empty
+    battery. A robot whose battery is empty in the air is lost there, and carried to its pad.
 
-    Notes
-    -----
     Source: Mitchell (2020), appendix A; docs/missions/fleet-energy.md.
     """
 
@@ -170,8 +161,7 @@ class FleetWorld(World):
             if not all(isinstance(k, int) and 0 <= k < len(self.jobs) for k in deed):
                 raise InputError("a job that is taken on does not exist", "unknown-name", found=str(sorted(deed))[:40])
             return
-        if not isinstance(agent, int) or not 0 <= agent < len(self.pads):
-            raise InputError("there is no such robot", "unknown-name", expected=f"0 to {len(self.pads) - 1}", found=str(agent)[:40])
+        check_robot(agent, len(self.pads))
         if deed == HOME:
             if self.watches[agent] is None:
                 raise InputError(f"robot {agent} is on its way home, or there", "contradiction")
@@ -204,8 +194,7 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> FleetWorld:
     return FleetWorld(pads, endurance, recharge, jobs, values["speed"] * unit, round(values["reserve"] / unit))
 
 
-WORLDS.add(
-    "fleet-energy",
+WORLDS.enter(
     WorldKind(
         "fleet-energy", "robots with small batteries take turns so that jobs never stop",
         {

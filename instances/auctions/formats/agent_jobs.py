@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError, UsageError
-from ...formats import Format, add_format
-from ...formats.table import name_of, settings_of, table_of, titles_of, written
+from ...formats import FORMATS, Format
+from ...formats.table import check_kind, check_name, name_of, settings_of, table_of, titles_of, written
 from ...text import number, plain, shown
 from ..generalised_assignment import OBJECTIVES, PROBLEMS, GeneralisedAssignmentInstance
 
@@ -36,12 +36,8 @@ def read(text: str, path: Path) -> GeneralisedAssignmentInstance:
     pairs: dict[tuple[str, str], int] = {}
     numbers: list[tuple[float, float]] = []
     for k, line in enumerate(table.at):
-        for what, cell in (("agent", agent[k]), ("job", job[k])):
-            if (not cell and not (what == "job" and most[k])) or (cell and not cell.isprintable()):
-                raise InputError(
-                    f"{what} must have a name", "malformed" if cell else "missing", line=line, expected="a printable name",
-                    found=ascii(cell)[:40],
-                )  # fmt: skip
+        check_name("agent", agent[k], line)
+        check_name("job", job[k], line, optional=bool(most[k]))
         if bool(job[k]) == bool(most[k]):
             raise InputError(
                 "a row is that of a capacity or of a job", "contradiction", line=line, expected="a job, or a capacity and no job"
@@ -75,11 +71,7 @@ def read(text: str, path: Path) -> GeneralisedAssignmentInstance:
 
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
-    if not isinstance(instance, GeneralisedAssignmentInstance):
-        raise UsageError(
-            f"{getattr(instance, 'name', 'this')} has no agents with capacities and cannot be written as agent-jobs; use json",
-            "unsupported",
-        )
+    check_kind(instance, GeneralisedAssignmentInstance, "agents with capacities", "agent-jobs")
     there = instance.listed
     if not there.any(axis=0).all():
         raise UsageError(f"{instance.name} cannot be written as agent-jobs: a job has no agent; use json", "unsupported")
@@ -90,7 +82,7 @@ def write(instance: Any) -> str:
     return written([("name", instance.name)], ("agent", "job", instance.objective, "consumption", "capacity"), rows)
 
 
-add_format(
+FORMATS.enter(
     Format(
         "agent-jobs", "agents' capacities, and jobs' costs or profits and consumption from CSV, one row each", recognises, read, write,
         (".csv",), PROBLEMS[0], PROBLEMS, sense="min or max", answer="agent of each job", solutions=(".json",),

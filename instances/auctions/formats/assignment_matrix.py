@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError, UsageError
-from ...formats import Format, add_format
-from ...formats.table import CORNER, delimiter_of, name_of, rows_of, settings_of, written
+from ...errors import InputError
+from ...formats import FORMATS, Format
+from ...formats.table import CORNER, check_kind, delimiter_of, name_of, no_place, rows_of, settings_of, written
 from ...text import number, plain, shown
 from ..assignment import PROBLEMS, AssignmentInstance
 
@@ -70,22 +70,18 @@ def read(text: str, path: Path) -> AssignmentInstance:
 
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
-    if not isinstance(instance, AssignmentInstance):
-        name = getattr(instance, "name", "this")
-        raise UsageError(f"{name} has no costs of robots and bins and cannot be written as assignment-matrix; use json", "unsupported")
+    check_kind(instance, AssignmentInstance, "costs of robots and bins", "assignment-matrix")
     positions = (instance.robot_positions, instance.bin_positions)
     for what, values in (("times of being filled", instance.filled), *(("positions", places) for places in positions)):
         if values is not None:
-            raise UsageError(
-                f"{instance.name} cannot be written as assignment-matrix, which has no place for {what}; use json", "unsupported"
-            )
+            raise no_place(instance, "assignment-matrix", what)
     rows = (
         [instance.robot_name(i), *("-" if math.isinf(c) else plain(c) for c in costs)] for i, costs in enumerate(instance.matrix().tolist())
     )
     return written([("name", instance.name)], (CORNER, *(instance.bin_name(j) for j in range(instance.num_bins))), rows)
 
 
-add_format(
+FORMATS.enter(
     Format(
         "assignment-matrix", "costs from CSV, one row a robot and one column a bin", recognises, read, write, (), PROBLEMS[0], PROBLEMS,
         answer="assignment", solutions=(".json", ".csv"), kinds=("assignment",), lacks=lacks,

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError, UsageError
-from ...formats import Format, add_format
-from ...formats.table import Table, name_of, settings_of, table_of, titles_of, written
+from ...errors import InputError
+from ...formats import FORMATS, Format
+from ...formats.table import Table, check_kind, check_name, name_of, settings_of, table_of, titles_of, written
 from ...number_arrays import Floats
 from ...text import an, number, plain, shown
 from ..assignment import PROBLEMS, AssignmentInstance
@@ -34,11 +34,7 @@ def read(text: str, path: Path) -> AssignmentInstance:
     costs = []
     for robot, name, cost, line in zip(cells["robot"], cells["bin"], cells["cost"], table.at, strict=True):
         for what, own, other in (("robot", robot, name), ("bin", name, robot)):
-            if not own.isprintable() or (not own and (cost or not other)):
-                raise InputError(
-                    f"{what} must have a name", "malformed" if own else "missing", line=line, expected="a printable name",
-                    found=ascii(own)[:40],
-                )  # fmt: skip
+            check_name(what, own, line, optional=bool(other) and not cost)
         if not robot or not name:
             continue  # a robot or a bin that has no pair, perhaps
         if (robot, name) in seen:
@@ -88,9 +84,7 @@ def _further(table: Table, owners: dict[str, list[str]]) -> dict[str, Floats]:
 
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
-    if not isinstance(instance, AssignmentInstance):
-        name = getattr(instance, "name", "this")
-        raise UsageError(f"{name} has no costs of robots and bins and cannot be written as assignment-pairs; use json", "unsupported")
+    check_kind(instance, AssignmentInstance, "costs of robots and bins", "assignment-pairs")
     further: dict[str, Floats | None] = {"filled": instance.filled}
     for what in ("robot", "bin"):
         places = getattr(instance, f"{what}_positions")
@@ -123,7 +117,7 @@ def _cells(instance: AssignmentInstance, held: Mapping[str, list[float]], robot:
     return [*row, *("" if k < 0 else "inf" if math.isinf(own[k]) else plain(own[k]) for own, k in values)]
 
 
-add_format(
+FORMATS.enter(
     Format(
         "assignment-pairs", "robots, bins and costs of pairs from CSV, one row each", recognises, read, write, (".csv",), PROBLEMS[0],
         PROBLEMS, answer="assignment", solutions=(".json", ".csv"), kinds=("assignment",),

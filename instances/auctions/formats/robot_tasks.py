@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError, UsageError
-from ...formats import Format, add_format
-from ...formats.table import Table, name_of, settings_of, table_of, titles_of, written
+from ...errors import InputError
+from ...formats import FORMATS, Format
+from ...formats.table import Table, check_kind, check_name, name_of, no_place, settings_of, table_of, titles_of, written
 from ...text import an, plain, shown
 from ..robot_tasks import METRICS, PROBLEMS, RobotTasks
 
@@ -57,11 +57,7 @@ def _names(table: Table, members: list[int], role: str) -> tuple[str, ...] | Non
         return None
     seen: dict[str, int] = {}
     for k in members:
-        if not column[k] or not column[k].isprintable():
-            raise InputError(
-                f"{an(role)} must have a name", "malformed" if column[k] else "missing", line=table.at[k], expected="a printable name",
-                found=ascii(column[k])[:40],
-            )  # fmt: skip
+        check_name(an(role), column[k], table.at[k])
         if column[k] in seen:
             raise InputError(f"the {role} {shown(column[k])} stands twice, first in line {seen[column[k]]}", "duplicate", line=table.at[k])
         seen[column[k]] = table.at[k]
@@ -70,15 +66,9 @@ def _names(table: Table, members: list[int], role: str) -> tuple[str, ...] | Non
 
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
-    if not isinstance(instance, RobotTasks):
-        raise UsageError(
-            f"{getattr(instance, 'name', 'this')} holds no robots and tasks, so it cannot be written as robot-tasks; use json",
-            "unsupported",
-        )
+    check_kind(instance, RobotTasks, "robots and tasks", "robot-tasks")
     if instance.metric == METRICS[-1] or instance.positions is None:
-        raise UsageError(
-            f"{instance.name} cannot be written as robot-tasks, which has no place for a matrix of distances; use json", "unsupported"
-        )
+        raise no_place(instance, "robot-tasks", "a matrix of distances")
     settings = [("name", instance.name), ("problem", instance.problem), ("metric", instance.metric)]
     n, weights = instance.num_robots, np.asarray(instance.weights)
     names = [*map(instance.robot_name, range(n)), *map(instance.task_name, range(instance.num_tasks))]
@@ -89,7 +79,7 @@ def write(instance: Any) -> str:
     return written(settings, COLUMNS[: 4 + int(weights.any())], rows)
 
 
-add_format(
+FORMATS.enter(
     Format(
         "robot-tasks", "robots and tasks with their places from CSV, one row each", recognises, read, write, (".csv",), "", PROBLEMS,
         answer="paths or parts", solutions=(".json",), kinds=("robot-tasks",),

@@ -1,3 +1,1 @@
 """Seeded recipes for auctions and task allocation."""
-
-from .... import _guard as _guard

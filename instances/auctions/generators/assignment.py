@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import UsageError
-from ...generators import Draw, Generator, Integers, Setting, add_generator
+from ...generators import GENERATORS, Draw, Generator, Integers, Setting
 from ..assignment import AssignmentInstance
 
 COSTS = ("uniform", "whole", "euclidean", "orchard")
@@ -89,4 +89,4 @@ def _pairs(draw: Draw, n: int, m: int, arcs: int) -> tuple[Integers, Integers]:
     return keys // m, keys % m
 
 
-add_generator(Generator("assignment", "robots and bins with random costs (assignment problems, bin auctions)", SETTINGS, make))
+GENERATORS.enter(Generator("assignment", "robots and bins with random costs (assignment problems, bin auctions)", SETTINGS, make))

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ...generators import Draw, Generator, Setting, add_generator
+from ...generators import GENERATORS, Draw, Generator, Setting
 from ..beliefs import expected_gains
 from ..exploration_map import ExplorationMap
 
@@ -79,4 +79,4 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> ExplorationMap:
     )  # fmt: skip
 
 
-add_generator(Generator("exploration-map", "rooms to explore, map and search (room exploration)", SETTINGS, make))
+GENERATORS.enter(Generator("exploration-map", "rooms to explore, map and search (room exploration)", SETTINGS, make))

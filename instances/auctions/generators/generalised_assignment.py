@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...generators import Draw, Generator, Setting, add_generator
+from ...generators import GENERATORS, Draw, Generator, Setting
 from ..generalised_assignment import GeneralisedAssignmentInstance
 from .assignment import orchard_distance
 
@@ -49,4 +49,4 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> GeneralisedAssignmentInstan
     return GeneralisedAssignmentInstance(costs, used, np.floor(0.8 * used.sum(axis=1) / m), **further)
 
 
-add_generator(Generator("generalised-assignment", "agents of limited capacity and jobs (generalised assignment)", SETTINGS, make))
+GENERATORS.enter(Generator("generalised-assignment", "agents of limited capacity and jobs (generalised assignment)", SETTINGS, make))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ...generators import Draw, Generator, Setting, add_generator
+from ...generators import GENERATORS, Draw, Generator, Setting
 from ..joint_assignment import JointAssignmentInstance
 from .assignment import orchard_distance
 
@@ -41,4 +41,4 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> JointAssignmentInstance:
     )  # fmt: skip
 
 
-add_generator(Generator("joint-assignment", "robots, bins and requests of an orchard at one moment (joint assignment)", SETTINGS, make))
+GENERATORS.enter(Generator("joint-assignment", "robots, bins and requests of an orchard at one moment (joint assignment)", SETTINGS, make))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ...generators import Draw, Generator, Setting, add_generator
+from ...generators import GENERATORS, Draw, Generator, Setting
 from ..orchard_jobs import OrchardJobs
 from ..orchard_rules import ORCHARD, draw_routes, orchard_rules
 
@@ -30,4 +30,4 @@ def make(draw: Draw, values: Mapping[str, Any]) -> OrchardJobs:
     return day
 
 
-add_generator(Generator("orchard-day", "whole days of small orchards, for their optimum", DAY, make))
+GENERATORS.enter(Generator("orchard-day", "whole days of small orchards, for their optimum", DAY, make))

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ...generators import Draw, Floats, Generator, Setting, add_generator
+from ...generators import GENERATORS, Draw, Floats, Generator, Setting
 from ..robot_tasks import PROBLEMS, RobotTasks
 
 LAYOUTS = ("plane", "clusters", "grid", "line")
@@ -57,4 +57,4 @@ def _places(draw: Draw, robots: int, tasks: int, size: float, layout: str) -> Fl
     return places
 
 
-add_generator(Generator("robot-tasks", "robots and tasks in the plane (auctions, balanced partition)", SETTINGS, make))
+GENERATORS.enter(Generator("robot-tasks", "robots and tasks in the plane (auctions, balanced partition)", SETTINGS, make))

@@ -1,3 +1,1 @@
 """Worlds of robots that share tasks."""
-
-from .... import _guard as _guard

@@ -46,8 +46,6 @@ class TeamWorld(ExplorationWorld):
     After it all that hear each other, over others or not, tell each other what they know. ``gains`` are the sums, before they are weighted,
     of what visits, readings of types and searches gained, each valued by all that was read before it, by whomever.
 
-    Notes
-    -----
     Source: Zhang (2015), sections 5.3 and 5.5; docs/missions/explore-map-search.md.
     """
 
@@ -124,10 +122,8 @@ def within(places: Floats, reach: float, strict: bool) -> Integers:
 def make(rng: np.random.Generator, settings: Mapping[str, Any]) -> TeamWorld:
     """A building of the generator ``exploration-map`` or a file, types of equal chance, and targets by table 5.1.
 
-    Raises
-    ------
-    InputError, UsageError
-        If a sensor's table is none of probabilities, a weight or the decay is out of range, or the budget reaches no action.
+    Raises InputError or UsageError if a sensor's table is none of probabilities, a weight or the decay is out of range, or the budget
+    reaches no action.
     """
     values = {key: setting.default for key, setting in buildings.SETTINGS.items()} | {key: settings[key] for key in OWN}
     sensors = sensors_from_text(settings["type-sensor"], settings["target-sensor"])
@@ -152,8 +148,7 @@ def make(rng: np.random.Generator, settings: Mapping[str, Any]) -> TeamWorld:
     return world
 
 
-WORLDS.add(
-    "explore-map-search",
+WORLDS.enter(
     WorldKind(
         "explore-map-search", "robots with a budget explore rooms, map and search them, and tell each other what they know where they meet",
         {

@@ -76,19 +76,10 @@ class GatheringWorld(World):
 
     ``places``, shape (sensors, 2), and ``rates`` of the sensors are drawn unless they are given.
 
-    Attributes
-    ----------
-    brought : array of shape (robots,), units
-        Unloaded by each robot at its base.
-    lost : array of shape (sensors,), units
-        What each sensor would have gathered with room in its store.
-    cut : float, units
-        Shortfall of the last steps in exhausted cells.
-    due : float, units
-        Rates of all sensors that stood in a cell, over all steps: always what was brought, loads, stores, ``lost`` and ``cut`` together.
+    ``brought``, shape (robots,), units: unloaded by each robot at its base. ``lost``, shape (sensors,), units: what each sensor would have
+    gathered with room in its store. ``cut``, units: shortfall of the last steps in exhausted cells. ``due``, units: rates of all sensors
+    that stood in a cell, over all steps: always what was brought, loads, stores, ``lost`` and ``cut`` together.
 
-    Notes
-    -----
     The cells that a sensor goes to are an order drawn for it at the start: the first with anything left and no other sensor. Its store goes
     with it. Source: Zhang (2015), section 4.3; what it leaves open: docs/missions.md#information-gathering.
     """
@@ -228,7 +219,6 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> GatheringWorld
     return GatheringWorld(GatheringRules(**values), rng)
 
 
-WORLDS.add(
-    "information-gathering",
+WORLDS.enter(
     WorldKind("information-gathering", "robots empty sensors that fill up, and bring what they take to their bases", GATHERING, _make),
 )

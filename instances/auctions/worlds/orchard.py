@@ -44,15 +44,9 @@ class OrchardObservation:
 class OrchardWorld(World):
     """A day: groups fill bins, robots bring new ones and fetch full ones. The start is drawn unless it is given.
 
-    Attributes
-    ----------
-    stood, full, returned : arrays of shape (bins,)
-        Steps at which each bin was put up in the orchard, was full and came home; -1 before.
-    idle_steps : int
-        Steps for which groups have waited for bins, all groups together.
+    ``stood``, ``full``, ``returned``, shape (bins,): steps at which each bin was put up in the orchard, was full and came home; -1 before.
+    ``idle_steps``: steps for which groups have waited for bins, all groups together.
 
-    Notes
-    -----
     In a step robots whose legs end arrive, idle ones decide, and groups work until the next one. Bins are numbered as they leave the
     repository; those that stand there at the start by groups. Source: Zhang (2015), chapter 3; what it leaves open:
     docs/missions.md#orchard.
@@ -273,6 +267,4 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> OrchardWorld:
     return OrchardWorld(orchard_rules(values), rng)
 
 
-WORLDS.add(
-    "orchard", WorldKind("orchard", "pickers fill bins in an orchard, and robots bring new ones and fetch full ones", ORCHARD, _make)
-)
+WORLDS.enter(WorldKind("orchard", "pickers fill bins in an orchard, and robots bring new ones and fetch full ones", ORCHARD, _make))

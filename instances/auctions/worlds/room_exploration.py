@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...generators import Draw, Floats, Integers
-from ...worlds import WORLDS, Setting, World, WorldKind
+from ...worlds import WORLDS, Setting, World, WorldKind, check_robot
 from ..exploration_map import ExplorationMap
 from ..generators import exploration_map as buildings
 
@@ -107,8 +107,7 @@ class ExplorationWorld(World):
         return np.asarray(heard.argmax(axis=1), dtype=np.int64)
 
     def _refuse(self, robot: Any, deed: Any) -> None:
-        if not isinstance(robot, int) or not 0 <= robot < len(self.robots):
-            raise InputError("there is no such robot", "unknown-name", expected=f"0 to {len(self.robots) - 1}", found=str(robot)[:40])
+        check_robot(robot, len(self.robots))
         fine = isinstance(deed, tuple) and len(deed) == 2 and all(isinstance(k, int) for k in deed)
         if not fine or not (0 <= deed[0] < self.building.num_rooms and deed[1] in (GO, MAP, SEARCH)):
             raise InputError(f"robot {robot} is told a room and an action from 0 to 2", found=str(deed)[:40])
@@ -125,8 +124,7 @@ def make(rng: np.random.Generator, settings: Mapping[str, Any]) -> ExplorationWo
     return ExplorationWorld(building, (buildings.READINGS, np.column_stack([detected, 1.0 - detected])), rng)
 
 
-WORLDS.add(
-    "room-exploration",
+WORLDS.enter(
     WorldKind(
         "room-exploration", "rooms of unknown types, some with targets, and robots that must be heard again and again",
         {key: Setting(s.default, s.help, s.type, s.least, s.most) for key, s in buildings.SETTINGS.items() if key in OWN}, make,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...formats.table import Settings, name_of, settings_of
 from ...text import shown
 from ..element import RiskElement
@@ -88,7 +88,7 @@ def _places(settings: Settings, grid: OccupancyGrid) -> list[RiskElement]:
     ]
 
 
-add_format(
+FORMATS.enter(
     Format(
         "risk-map", "map with risks drawn in text, a character a cell", recognises, read, problem="risky-path", problems=("risky-path",),
         sense="min or max", answer="path", solutions=(".json",), kinds=("risky-graph",),

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...formats.table import Table, name_of, settings_of, table_of, titles_of
 from ...number_arrays import Floats
 from ...text import shown
@@ -96,7 +96,7 @@ def _within(positions: Floats, reach: float) -> tuple[Indices, Indices]:
     return np.concatenate([pairs[:, 0], pairs[:, 1]]), np.concatenate([pairs[:, 1], pairs[:, 0]])
 
 
-add_format(
+FORMATS.enter(
     Format(
         "risk-states", "states with places and risks from CSV, one row each", recognises, read, problem="risky-path",
         problems=("risky-path",), sense="min or max", answer="path", solutions=(".json",), kinds=("risky-graph",),

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError, UsageError
-from ...formats import Format, add_format
-from ...formats.table import Table, name_of, settings_of, table_of, titles_of, written
+from ...errors import InputError
+from ...formats import FORMATS, Format
+from ...formats.table import Table, check_kind, name_of, no_place, settings_of, table_of, titles_of, written
 from ...text import plain, shown
 from ..uncertain_graph import COLUMNS, PROBLEMS, UncertainGraph
 
@@ -72,14 +72,10 @@ def _refuse_pairs(tails: list[str], heads: list[str], lines: list[int], undirect
 
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
-    if not isinstance(instance, UncertainGraph):
-        raise UsageError(
-            f"{getattr(instance, 'name', 'this')} has no uncertain costs and cannot be written as uncertain-edges; use json", "unsupported"
-        )
+    check_kind(instance, UncertainGraph, "uncertain costs", "uncertain-edges")
     both = instance.undirected
     if instance.positions is not None or (instance.variable is not None and not both):
-        what = "positions" if instance.positions is not None else "costs that edges share"
-        raise UsageError(f"{instance.name} cannot be written as uncertain-edges, which has no place for {what}; use json", "unsupported")
+        raise no_place(instance, "uncertain-edges", "positions" if instance.positions is not None else "costs that edges share")
     settings = [("name", instance.name), ("start", instance.vertex_name(instance.start)), ("goal", instance.vertex_name(instance.goal))]
     kept = np.nonzero(instance.tails < instance.heads)[0] if both else np.arange(instance.num_edges)
     settings += [("undirected", "true")] if both else []
@@ -91,7 +87,7 @@ def write(instance: Any) -> str:
     return written(settings, COLUMNS[: len(columns)], zip(*columns, strict=True))
 
 
-add_format(
+FORMATS.enter(
     Format(
         "uncertain-edges", "edges with mean and variance of their costs from CSV, one row each", recognises, read, write, (".csv",),
         PROBLEMS[0], PROBLEMS, answer="path", solutions=(".json",), kinds=("uncertain-graph",),

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError, UsageError
-from ...generators import Draw, Floats, Generator, Integers, Setting, add_generator
+from ...generators import GENERATORS, Draw, Floats, Generator, Integers, Setting
 from ..uncertain_graph import UncertainGraph
 
 ATTEMPTS = 100
@@ -151,5 +151,5 @@ def intensities(image: Floats, tails: Floats, heads: Floats) -> tuple[Floats, Fl
     return mean, variance
 
 
-add_generator(Generator("prm-graph", "random roadmaps with normal edge costs (risk-aware graph search)", PRM, make_prm))
-add_generator(Generator("raster-graph", "roadmaps of normal edge costs over synthetic aerial images", RASTER, make_raster))
+GENERATORS.enter(Generator("prm-graph", "random roadmaps with normal edge costs (risk-aware graph search)", PRM, make_prm))
+GENERATORS.enter(Generator("raster-graph", "roadmaps of normal edge costs over synthetic aerial images", RASTER, make_raster))

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import UsageError
-from ...generators import Draw, Floats, Generator, Setting, add_generator
+from ...generators import GENERATORS, Draw, Floats, Generator, Setting
 from ..allocation import MOST_RISK, RISKS, Affine, ChanceConstraints, CostTerm, Risk, RiskAllocationInstance
 from ..gaussian import Dynamics
 
@@ -143,4 +143,4 @@ def _instance(
     )  # fmt: skip
 
 
-add_generator(Generator("risk-allocation", "chance-constrained plans of vehicles with linear dynamics", SETTINGS, make))
+GENERATORS.enter(Generator("risk-allocation", "chance-constrained plans of vehicles with linear dynamics", SETTINGS, make))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import UsageError
-from ...generators import Draw, Generator, Setting, add_generator
+from ...generators import GENERATORS, Draw, Generator, Setting
 from ...instance import Instance
 from ..element import RiskElement
 from ..elements import LengthRisk, LocaleRisk, TurnRisk
@@ -91,4 +91,4 @@ def _blocks(draw: Draw, rows: int, columns: int, share: float, block: int, conne
     return occupied
 
 
-add_generator(Generator("risky-grid", "maps with obstacles for risky paths", SETTINGS, make))
+GENERATORS.enter(Generator("risky-grid", "maps with obstacles for risky paths", SETTINGS, make))

@@ -1,3 +1,1 @@
 """Worlds of uncertain and risky ways."""
-
-from .... import _guard as _guard

@@ -111,8 +111,7 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> UncertainGraph
     return UncertainGraphWorld(graph, rng)
 
 
-WORLDS.add(
-    "uncertain-graph",
+WORLDS.enter(
     WorldKind(
         "uncertain-graph",
         "a robot goes through a graph whose edge costs it learns on the way",

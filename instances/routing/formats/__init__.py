@@ -1,3 +1,1 @@
 """File formats of routing instances."""
-
-from .... import _guard as _guard

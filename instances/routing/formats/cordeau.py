@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...number_arrays import Floats
 from ...text import an, label, number, numbers, plain, shown, whole
 from ..instance import RoutingInstance, Sites, VehicleType
@@ -182,7 +182,7 @@ def write(instance: RoutingInstance) -> str:
     return "\n".join(out) + "\n"
 
 
-add_format(
+FORMATS.enter(
     Format(
         "cordeau", "Cordeau text (VRP, VRPTW, MDVRP, MDVRPTW)", recognises, read, write, (".mdvrp",),
         problems=("mdvrp", "cvrp", "vrptw", "min-cost-vrp"),

@@ -13,7 +13,7 @@ from typing import Any
 
 from ...document import array, fields, integer, kind_of, parse_json, real, string, strings
 from ...errors import InputError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...suggestions import did_you_mean
 from ...text import shown
 from ..instance import RoutingInstance
@@ -126,7 +126,7 @@ def _site(feature: Any, path: str) -> dict[str, Any]:
     return {**own, **beside, **properties, "lon": place[0], "lat": place[1]}
 
 
-add_format(
+FORMATS.enter(
     Format(
         "geojson", "sites as GeoJSON points", recognises, read, problems=("vrptw", "cvrp", "tsp", "min-cost-vrp"),
         solutions=(".json", ".sol", ".tour", ".geojson"), settings=KEYS,

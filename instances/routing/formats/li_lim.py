@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...text import label, plain, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
@@ -110,4 +110,4 @@ def write(instance: RoutingInstance) -> str:
     return "\n".join([f"{vehicle.count}\t{plain(vehicle.capacity)}\t1", *lines]) + "\n"
 
 
-add_format(Format("li-lim", "Li and Lim text (PDPTW)", recognises, read, write, (".pdptw",), PROBLEMS[0], PROBLEMS))
+FORMATS.enter(Format("li-lim", "Li and Lim text (PDPTW)", recognises, read, write, (".pdptw",), PROBLEMS[0], PROBLEMS))

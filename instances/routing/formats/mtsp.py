@@ -14,7 +14,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...errors import InputError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...text import is_number, label, plain, shown, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import METRICS, Travel
@@ -75,4 +75,4 @@ def write(instance: RoutingInstance) -> str:
     return "\n".join([f"{'-'.join(instance.name.split())} {travel.metric} {vehicle.count}", *lines]) + "\n"
 
 
-add_format(Format("mtsp", "min-max multiple travelling salesmen", recognises, read, write, (".mtsp",), PROBLEMS[0], PROBLEMS))
+FORMATS.enter(Format("mtsp", "min-max multiple travelling salesmen", recognises, read, write, (".mtsp",), PROBLEMS[0], PROBLEMS))

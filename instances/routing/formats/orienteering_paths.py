@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...number_arrays import Floats
 from ...text import label, number, plain, whole
 from ..instance import RoutingInstance, Sites, VehicleType
@@ -119,13 +119,13 @@ def _points(instance: RoutingInstance, format_name: str, end: int, last: str) ->
     return ["\t".join(map(plain, row)) for row in zip(*xy.T, sites.reward, strict=True)]
 
 
-add_format(
+FORMATS.enter(
     Format(
         "chao", "Chao / Golden / Wasil text (team orienteering)", recognises_chao, read_chao, write_chao, (".top",), "team-orienteering",
         ("team-orienteering", "orienteering"), sense="max",
     )
 )  # fmt: skip
-add_format(
+FORMATS.enter(
     Format(
         "tsiligirides", "Tsiligirides / Chao text (orienteering)", recognises_tsiligirides, read_tsiligirides, write_tsiligirides, (".op",),
         "orienteering", ORIENTEERING, sense="max",

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...clock import moment_of, span_of
 from ...errors import InputError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...formats.table import Table, settings_of, table_of, titles_of, written
 from ...number_arrays import Floats
 from ...text import is_number, number, plain, shown
@@ -183,7 +183,7 @@ def write(instance: RoutingInstance) -> str:
     return written(settings, titles, rows)
 
 
-add_format(
+FORMATS.enter(
     Format(
         "csv", "sites from CSV, one row each", recognises, read, write, (".csv",), problems=("vrptw", "cvrp", "tsp", "min-cost-vrp"),
         settings=SETTINGS,

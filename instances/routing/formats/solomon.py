@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import Code, InputError, UsageError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...text import label, number, numbers, plain, shown, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..reach import refuse_unreachable
@@ -138,4 +138,4 @@ def write(instance: RoutingInstance) -> str:
     return "\n".join([*top, " ".join(f"{title:>12}" for title in titles).strip(), "", *rows]) + "\n"
 
 
-add_format(Format("solomon", "Solomon / Gehring-Homberger text (VRPTW)", recognises, read, write, (".txt",), PROBLEMS[0], PROBLEMS))
+FORMATS.enter(Format("solomon", "Solomon / Gehring-Homberger text (VRPTW)", recognises, read, write, (".txt",), PROBLEMS[0], PROBLEMS))

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...text import label, plain, whole
 from ..features import features
 from ..instance import RoutingInstance, Sites, VehicleType
@@ -80,4 +80,4 @@ def write(instance: RoutingInstance) -> str:
     return "".join(" ".join(plain(value) for value in row) + "\n" for row in rows)
 
 
-add_format(Format("taillard", "Taillard text (mixed fleets)", recognises, read, write, (".hvrp",), PROBLEMS[0], PROBLEMS))
+FORMATS.enter(Format("taillard", "Taillard text (mixed fleets)", recognises, read, write, (".hvrp",), PROBLEMS[0], PROBLEMS))

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...text import label, numbers, plain, whole
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import Travel
@@ -87,7 +87,7 @@ def write(instance: RoutingInstance) -> str:
     return "\n".join(out) + "\n"
 
 
-add_format(
+FORMATS.enter(
     Format(
         "toptw", "team orienteering with time windows, made of Solomon's and Cordeau's files", recognises, read, write, (".toptw",),
         PROBLEMS[0], PROBLEMS, sense="max",

@@ -31,7 +31,7 @@ import numpy as np
 
 from ...document import array, fields, integer, kind_of, parse_json, real, square
 from ...errors import InputError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...number_arrays import Floats
 from ...text import label
 from ..instance import RoutingInstance, Sites, VehicleType
@@ -371,7 +371,7 @@ def _between(matrix: Floats, places: Sequence[int | None]) -> Floats:
     return between
 
 
-add_format(
+FORMATS.enter(
     Format(
         "vroom", "VROOM's JSON (jobs, shipments, vehicles, matrices)", recognises, read, write, (), PROBLEMS[0], PROBLEMS,
         solutions=(".json", ".sol", ".tour", ".vroom"), settings=SETTINGS,

@@ -37,7 +37,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...formats import Format, add_format
+from ...formats import FORMATS, Format
 from ...number_arrays import Floats
 from ...text import label, number, shown
 from ..fleet import with_problems
@@ -407,7 +407,7 @@ def _fleet(spec: Specification, name: str, stem: str, notes: list[str]) -> int |
     return None
 
 
-add_format(
+FORMATS.enter(
     Format(
         "vrplib", "TSPLIB / CVRPLIB / VRPLIB / OPLib / LKH-3 text (TSP, ATSP, CVRP, VRPTW, OP, VRPSPD)", recognises, read, write,
         (".vrp", ".tsp", ".oplib", ".vrpspd"), convention="file",

@@ -1,3 +1,1 @@
 """Seeded recipes for routing instances."""
-
-from .... import _guard as _guard

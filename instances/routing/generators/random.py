@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...generators import Draw, Generator, Setting, add_generator
+from ...generators import GENERATORS, Draw, Generator, Setting
 from ..fleet import with_problems
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import EXPLICIT, Travel
@@ -62,4 +62,4 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
     return with_problems(RoutingInstance(name, "generated", sites, travel, fleet))
 
 
-add_generator(Generator("random", "small uniform instances, optionally with loads and windows", SETTINGS, make))
+GENERATORS.enter(Generator("random", "small uniform instances, optionally with loads and windows", SETTINGS, make))

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from ...generators import Draw, Floats, Generator, Integers, Setting, add_generator
+from ...generators import GENERATORS, Draw, Floats, Generator, Integers, Setting
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import Travel
 
@@ -195,4 +195,4 @@ def _length(d: Floats, tour: list[int]) -> float:
     return float(d[tour, np.roll(tour, -1)].sum())
 
 
-add_generator(Generator("solomon", "time windows after Solomon's recipe, classes C1 to RC2", SETTINGS, make))
+GENERATORS.enter(Generator("solomon", "time windows after Solomon's recipe, classes C1 to RC2", SETTINGS, make))

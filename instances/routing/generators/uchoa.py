@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ...generators import Draw, Generator, Integers, Setting, add_generator
+from ...generators import GENERATORS, Draw, Generator, Integers, Setting
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import Travel
 
@@ -94,4 +94,4 @@ def _demands(draw: Draw, xy: Integers, rule: str) -> Integers:
     return np.where(draw.chosen(round(share * n), n), small, large)
 
 
-add_generator(Generator("uchoa", "capacitated instances after the recipe of Uchoa et al.'s set X", SETTINGS, make))
+GENERATORS.enter(Generator("uchoa", "capacitated instances after the recipe of Uchoa et al.'s set X", SETTINGS, make))

@@ -223,8 +223,7 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> FireWorld:
     return FireWorld(fire, (float(start[0]), float(start[1])), values["speed"], values["begin"], values["still"], rules)
 
 
-WORLDS.add(
-    "fire-monitoring",
+WORLDS.enter(
     WorldKind(
         "fire-monitoring", "a fire front spreads over a map, and an aircraft keeps returning to its hotspots",
         {

@@ -49,30 +49,23 @@ class HotspotWorld(World):
     A picture gives ``pixels`` x ``pixels`` measurements of the field, evenly spread over its footprint, each with normal noise. Between the
     centres of cells the field is bilinear.
 
+    Raises InputError if the field has a negative or unknown intensity or nothing but 0, or more than 3,600 cells, or is not that of the
+    arms; if the noise is lost to rounding beside the prior, the start is not on the field, or the budget does not suffice for one picture.
+
+    Source: Sung (2019), problem 4 and section 5.6.1; docs/missions/hotspot-identification.md.
+
     Parameters
     ----------
     field : array of shape (rows, columns)
         Intensity at the centre of each cell of 1 m; row 0 is the southernmost.
-    arms : Arms
     kernel : SquaredExponential
         Of the robot's belief.
     rng : numpy.random.Generator
         Noise.
     budget, sensing_time : float
         Time for all flights and pictures, and of one picture.
-    pixels : int
     start : (float, float), m
         Where the flight begins, at the lowest altitude.
-
-    Raises
-    ------
-    InputError
-        If the field has a negative or unknown intensity or nothing but 0, or more than 3,600 cells, or is not that of the arms; if the
-        noise is lost to rounding beside the prior, the start is not on the field, or the budget does not suffice for one picture.
-
-    Notes
-    -----
-    Source: Sung (2019), problem 4 and section 5.6.1; docs/missions/hotspot-identification.md.
     """
 
     def __init__(
@@ -200,8 +193,7 @@ def _make(rng: np.random.Generator, v: Mapping[str, Any]) -> HotspotWorld:
     return HotspotWorld(field, arms, kernel, rng, v["budget"], v["sensing-time"], v["pixels"])
 
 
-WORLDS.add(
-    "hotspot-identification",
+WORLDS.enter(
     WorldKind(
         "hotspot-identification", "an aerial robot looks for the most intense place of a field from several altitudes",
         {

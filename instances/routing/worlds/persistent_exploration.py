@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...generators import Flags, Floats
-from ...worlds import WORLDS, Setting, World, WorldKind
+from ...worlds import WORLDS, Setting, World, WorldKind, check_robot
 from ..occupancy import SIDES, Beams, RangeSensor, divergence, entropy
 from ..occupancy_maps import DecayMap, MarkovMap
 from ..terrain import EDGE, Terrain, made_terrain, middle_of
@@ -172,8 +172,7 @@ class PersistentWorld(World):
         return RobotState(cell, after, robot.flown + after, tuple(robot.ahead[bound:]), robot.aloft, free)
 
     def _refuse(self, number: Any, cells: Any) -> None:
-        if not isinstance(number, int) or not 0 <= number < len(self.robots):
-            raise InputError("there is no such robot", "unknown-name", expected=f"0 to {len(self.robots) - 1}", found=str(number)[:40])
+        check_robot(number, len(self.robots))
         state = self._observation.robots[number]
         if not (state.aloft or state.free):
             raise InputError(
@@ -211,8 +210,7 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> PersistentWorl
     )  # fmt: skip
 
 
-WORLDS.add(
-    "persistent-exploration",
+WORLDS.enter(
     WorldKind(
         "persistent-exploration", "cells of a map change, and robots with small batteries keep looking at them",
         {

@@ -13,7 +13,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...generators import Draw
-from ...worlds import WORLDS, Setting, World, WorldKind
+from ...worlds import WORLDS, Setting, World, WorldKind, check_robot
 
 Cell = tuple[int, int]
 
@@ -152,8 +152,7 @@ class PlumeWorld(World):
         )
 
     def _refuse(self, robot: Any, cell: Any) -> None:
-        if not isinstance(robot, int) or not 0 <= robot < len(self.robots):
-            raise InputError("there is no such robot", "unknown-name", expected=f"0 to {len(self.robots) - 1}", found=str(robot)[:40])
+        check_robot(robot, len(self.robots))
         if not (isinstance(cell, tuple) and len(cell) == 2 and all(isinstance(k, int | np.integer) for k in cell)):
             raise InputError(f"robot {robot} is told no cell", expected="a column and a row", found=str(cell)[:40])
         if self.arrivals[robot] > self.clock:
@@ -229,8 +228,7 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> PlumeWorld:
     return PlumeWorld(cells, start, values["robots"], values["speed"], (values["wind"] * way[0], values["wind"] * way[1]))
 
 
-WORLDS.add(
-    "plume-exploration",
+WORLDS.enter(
     WorldKind(
         "plume-exploration", "a plume of unknown shape drifts, and robots find out where it is by flying over it",
         {

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...generators import Draw, Flags
-from ...worlds import WORLDS, Setting, World, WorldKind
+from ...worlds import WORLDS, Setting, World, WorldKind, check_robot
 from ._floors import blocks, read_floor, rooms
 
 OUTSIDE = 1
@@ -155,8 +155,7 @@ class CommunicationWorld(World):
         )
 
     def _refuse(self, robot: Any, cell: Any) -> None:
-        if not isinstance(robot, int) or not 0 <= robot < len(self.robots):
-            raise InputError("there is no such robot", "unknown-name", expected=f"0 to {len(self.robots) - 1}", found=str(robot)[:40])
+        check_robot(robot, len(self.robots))
         if not isinstance(cell, int | np.integer) or abs(int(cell) - self.robots[robot]) not in (0, 1, self.width) or not self.free[cell]:
             message = f"robot {robot} cannot fly there"
             raise InputError(message, "contradiction", expected="its own cell or a free one beside it", found=str(cell)[:40])
@@ -202,8 +201,7 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> CommunicationW
     )
 
 
-WORLDS.add(
-    "unreliable-communication",
+WORLDS.enter(
     WorldKind(
         "unreliable-communication", "robots explore an unknown floor, and hear each other only when they are near",
         {

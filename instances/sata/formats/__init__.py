@@ -1,3 +1,1 @@
 """File formats of sensing graphs."""
-
-from .... import _guard as _guard

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import InputError, UsageError
-from ...formats import Format, add_format
-from ...formats.table import Table, name_of, settings_of, table_of, titles_of, written
+from ...errors import InputError
+from ...formats import FORMATS, Format
+from ...formats.table import Table, check_kind, name_of, no_place, settings_of, table_of, titles_of, written
 from ...number_arrays import Floats
 from ...text import number, plain
 from ..sensing_graph import PROBLEMS, SensingGraph, graph_of_edges
@@ -62,16 +62,11 @@ def _weights(table: Table, cells: list[list[str]]) -> Floats | None:
 
 def write(instance: Any) -> str:
     """The text; see ``Format.write``."""
-    if not isinstance(instance, SensingGraph):
-        raise UsageError(
-            f"{getattr(instance, 'name', 'this')} holds no sensing graph, so it cannot be written as edges; use json", "unsupported"
-        )
+    check_kind(instance, SensingGraph, "sensing graph", "edges")
     if instance.action_positions is not None or instance.target_positions is not None:
-        raise UsageError(f"{instance.name} cannot be written as edges, which has no place for positions; use json", "unsupported")
+        raise no_place(instance, "edges", "positions")
     if instance.problems != PROBLEMS:
-        raise UsageError(
-            f"{instance.name} cannot be written as edges, which has no place for a choice of problems; use json", "unsupported"
-        )
+        raise no_place(instance, "edges", "a choice of problems")
     rows = exact_rows(instance)
     settings = [("name", instance.name), ("problem", instance.problem)]
     if rows.order != ORDERS[0]:
@@ -87,7 +82,7 @@ def write(instance: Any) -> str:
     return written(settings, COLUMNS[: len(columns)], zip(*columns, strict=True))
 
 
-add_format(
+FORMATS.enter(
     Format(
         "edges", "edge list of a sensing graph from CSV, one row each", recognises, read, write, (".csv",), "", PROBLEMS, sense="max",
         answer="actions", solutions=(".json",), kinds=("sensing",),

@@ -1,3 +1,1 @@
 """Generators of sensing graphs and selections."""
-
-from .... import _guard as _guard

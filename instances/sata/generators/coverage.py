@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import UsageError
-from ...generators import Draw, Generator, Setting, add_generator
+from ...generators import GENERATORS, Draw, Generator, Setting
 from ..constraints import Cardinality, Constraint, Knapsack, PartitionMatroid
 from ..selection import SelectionInstance
 from ..set_functions import Coverage
@@ -51,4 +51,4 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> SelectionInstance:
     return SelectionInstance(function, rule, name=name, format="generated")
 
 
-add_generator(Generator("coverage", "random weighted coverage under a constraint on what is chosen", SETTINGS, make))
+GENERATORS.enter(Generator("coverage", "random weighted coverage under a constraint on what is chosen", SETTINGS, make))

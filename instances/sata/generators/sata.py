@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import UsageError
-from ...generators import Draw, Generator, Integers, Setting, add_generator
+from ...generators import GENERATORS, Draw, Generator, Integers, Setting
 from ..sensing_graph import SensingGraph, graph_of_edges
 
 MOST_EDGES = 50_000_000
@@ -116,4 +116,4 @@ def _connecting(keys: Integers, first: int, owner: Integers, robots: int, target
     return low
 
 
-add_generator(Generator("sata", "random sensing graphs of a given density (SATA experiments)", SETTINGS, make))
+GENERATORS.enter(Generator("sata", "random sensing graphs of a given density (SATA experiments)", SETTINGS, make))

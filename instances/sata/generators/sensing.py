@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ...generators import Draw, Generator, Setting, add_generator
+from ...generators import GENERATORS, Draw, Generator, Setting
 from ..sensing_graph import SensingGraph, graph_of_edges
 
 SPREAD = 48.0
@@ -86,4 +86,4 @@ for _name, _summary, _make in (
     ("sensing-ring", "sensing graphs on a ring: two actions a robot, each with two targets nearby", ring),
     ("sensing-geometric", "sensing graphs in the plane: four actions a robot, each sees what is near", geometric),
 ):
-    add_generator(_generator(_name, _summary, _make))
+    GENERATORS.enter(_generator(_name, _summary, _make))

@@ -1,3 +1,1 @@
 """Worlds of robots that watch targets."""
-
-from .... import _guard as _guard

@@ -196,8 +196,7 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> SearchWorld:
     return SearchWorld(rules, density, tracks, rng, robots=read_places(values["start"]))
 
 
-WORLDS.add(
-    "search-and-track",
+WORLDS.enter(
     WorldKind(
         "search-and-track",
         "robots with a limited field of view and a filter that counts and follows moving targets",

@@ -202,8 +202,7 @@ def _make(rng: np.random.Generator, values: Mapping[str, Any]) -> TrackingWorld:
     return TrackingWorld(TrackingRules(**{key.replace("-", "_"): value for key, value in full.items() if key != "scenario"}), rng)
 
 
-WORLDS.add(
-    "tracking",
+WORLDS.enter(
     WorldKind(
         "tracking",
         "robots with a sensing range in a rectangle with moving targets",

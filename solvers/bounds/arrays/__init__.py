@@ -1,3 +1,1 @@
 """Bounds on bare programs."""
-
-from .... import _guard as _guard

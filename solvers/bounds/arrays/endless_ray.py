@@ -89,4 +89,4 @@ def _lacks(problem: ArrayProblem) -> frozenset[str]:
     return frozenset(missing | (set() if gains.any() else {"bounds on all that gains"}))
 
 
-BOUNDS.add("endless-ray", BoundMethod("endless-ray", of_family("arrays", _lacks), endless_ray, order=8))
+BOUNDS.enter(BoundMethod("endless-ray", of_family("arrays", _lacks), endless_ray, order=8))

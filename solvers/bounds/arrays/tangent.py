@@ -52,4 +52,4 @@ def _lacks(problem: ArrayProblem) -> frozenset[str]:
     return frozenset() if features >= QUADRATIC and not problem.program.cones else frozenset({"a linear objective, or cones"})
 
 
-BOUNDS.add("tangent", BoundMethod("tangent", of_family("arrays", _lacks), tangent_bound, order=2))
+BOUNDS.enter(BoundMethod("tangent", of_family("arrays", _lacks), tangent_bound, order=2))

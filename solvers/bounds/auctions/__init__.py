@@ -1,3 +1,1 @@
 """Evidence for bounds of auctions and task allocation."""
-
-from .... import _guard as _guard

@@ -31,4 +31,4 @@ KERNELS = (
 )
 
 
-BOUNDS.add("assignment-prices", BoundMethod("assignment-prices", of_family("bin-assignment"), compute, order=1, kernels=KERNELS))
+BOUNDS.enter(BoundMethod("assignment-prices", of_family("bin-assignment"), compute, order=1, kernels=KERNELS))

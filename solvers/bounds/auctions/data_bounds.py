@@ -12,7 +12,7 @@ def _add(kind: str, family: str, source: str, *, valued: bool = False) -> None:
     def compute(problem: Any, *_: Any) -> Evidence:
         return Evidence(kind, source, CHECKERS[kind](problem, {}) if valued else 0.0, {})
 
-    BOUNDS.add(kind, BoundMethod(kind, of_family(family), compute))
+    BOUNDS.enter(BoundMethod(kind, of_family(family), compute))
 
 
 _add("average-part", "balanced-partition", "mean of what all parts must cost")

@@ -132,8 +132,7 @@ def _filled(gain: Floats, used: Longs, most: int) -> tuple[float, Longs]:
     return float(best[most]), np.array(chosen, dtype=np.int64)
 
 
-BOUNDS.add(
-    "job-prices",
+BOUNDS.enter(
     BoundMethod(
         "job-prices", of_family("generalised-assignment"), compute, order=1, aims=True,
         replaces=lambda problem: frozenset({"linear-relaxation"} if problem.family == "generalised-assignment" else ()),

@@ -68,4 +68,4 @@ KERNELS = ("waybound.solvers.bounds.auctions.forest_kernels",)
 MISSING = of_family("task-allocation", lambda problem: problem.features() & {"objective:mini-ave"})
 """A forest says little about the mean way."""
 
-BOUNDS.add("task-forest", BoundMethod("task-forest", MISSING, compute, order=1, kernels=KERNELS))
+BOUNDS.enter(BoundMethod("task-forest", MISSING, compute, order=1, kernels=KERNELS))

@@ -1,3 +1,1 @@
 """Evidence for bounds of problems under risk."""
-
-from .... import _guard as _guard

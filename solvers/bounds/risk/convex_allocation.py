@@ -33,8 +33,7 @@ def part_evidence(problem: RiskAllocation, rows: Ints, interval: Interval) -> tu
     return replace(interval, prices={**interval.prices, "chance": chance, "budgets": budgets}).evidence(problem.sign)
 
 
-BOUNDS.add(
-    "convex-allocation",
+BOUNDS.enter(
     BoundMethod(
         "convex-allocation", of_family("risk-allocation"), compute, order=1,
         replaces=lambda problem: frozenset({"linear-relaxation"}) if problem.family == "risk-allocation" else frozenset(),

@@ -58,4 +58,4 @@ for _method in (
     BoundMethod("all-paths", REWARDS, all_paths, order=8, aims=True),
     BoundMethod("path-potentials", of_family("uncertain-path"), path_potentials),
 ):
-    BOUNDS.add(_method.name, _method)
+    BOUNDS.enter(_method)

@@ -1,3 +1,1 @@
 """Bounds on selections and max-min programs."""
-
-from .... import _guard as _guard

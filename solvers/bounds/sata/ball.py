@@ -150,4 +150,4 @@ def ball_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | No
 
 MISSING = of_family("max-min", lambda problem: problem.features() & {"min-max", "several-packing-rows"})
 
-BOUNDS.add("ball", BoundMethod("ball", MISSING, ball_bound, order=1))
+BOUNDS.enter(BoundMethod("ball", MISSING, ball_bound, order=1))

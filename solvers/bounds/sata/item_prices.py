@@ -171,8 +171,7 @@ def _lacks(problem: SubmodularSelection) -> frozenset[str]:
     return frozenset({f"fewer than {SMALL} weights, which a linear program settles"}) if weights.entries <= SMALL else frozenset()
 
 
-BOUNDS.add(
-    "item-prices",
+BOUNDS.enter(
     BoundMethod(
         "item-prices", of_family("selection", _lacks), item_prices_bound, order=2, kernels=("waybound.solvers.bounds.sata.price_kernels",),
         replaces=lambda problem: frozenset() if problem.family != "selection" or _lacks(problem) else frozenset({"linear-relaxation"}),

@@ -153,4 +153,4 @@ def _lacks(problem: SubmodularSelection) -> frozenset[str]:
 
 KERNELS = ("waybound.solvers.bounds.sata.gain_kernels",)
 
-BOUNDS.add("marginal-gains", BoundMethod("marginal-gains", of_family("selection", _lacks), marginal_gains_bound, order=1, kernels=KERNELS))
+BOUNDS.enter(BoundMethod("marginal-gains", of_family("selection", _lacks), marginal_gains_bound, order=1, kernels=KERNELS))

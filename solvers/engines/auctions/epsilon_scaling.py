@@ -27,7 +27,6 @@ class EpsilonScalingEngine(BinEngine):
 
     name = "epsilon-scaling"
     package = "numba"
-    modules = ("numba",)
     summary = "optimal assignments by Bertsekas' auction, with the prices that prove it"
     order = 9
     features = frozenset({"objective:sum"})

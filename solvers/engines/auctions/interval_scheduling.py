@@ -26,7 +26,6 @@ class IntervalScheduling(Engine):
 
     name = "interval-scheduling"
     package = "ortools"
-    modules = ("ortools",)
     summary = "whole days in the orchard, by CP-SAT over intervals"
     interrupts = "keeps the best answer and the bound so far"
     honours = frozenset({"gap", "iterations"})
@@ -130,7 +129,7 @@ class _Intervals:
         return self.model.new_int_var(0, self.horizon, name)
 
     def _fill(self) -> None:
-        """When bins are full, at the earliest."""
+        """Steps from which bins can be full."""
         for k, before in enumerate(self.jobs.after.tolist()):
             work = int(self.jobs.work[k])
             self.model.add(self.full[k] >= self.stand.get(k, 0) + work)

@@ -32,7 +32,6 @@ class LapjvEngine(BinEngine):
 
     name = "lapjv"
     package = "scipy"
-    modules = ("scipy",)
     summary = "optimal assignments by shortest augmenting paths, with prices that prove it"
     interrupts = "scipy cannot be stopped: an assignment that is not found in time is left behind"
     order = 10

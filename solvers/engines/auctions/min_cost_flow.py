@@ -28,7 +28,6 @@ class MinCostFlowEngine(BinEngine):
 
     name = "min-cost-flow"
     package = "ortools"
-    modules = ("ortools",)
     summary = "optimal assignments as flows of least cost in whole numbers (OR-Tools), with prices that prove it"
     interrupts = "runs in a process of its own, which is ended"
     needs_process = True

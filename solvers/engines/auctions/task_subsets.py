@@ -23,7 +23,6 @@ class SubsetEngine(Engine):
     """An engine that looks at every set of tasks, of which there must be few."""
 
     package = "numba"
-    modules = ("numba",)
     honours = frozenset()
     one_thread = True
     order = 10

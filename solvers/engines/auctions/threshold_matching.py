@@ -24,7 +24,6 @@ class ThresholdMatchingEngine(BinEngine):
 
     name = "threshold-matching"
     package = "scipy"
-    modules = ("scipy",)
     summary = "assignments of the least largest cost by matchings up to a threshold, with a proof"
     interrupts = "keeps the best assignment and the bound so far"
     order = 10

@@ -43,7 +43,6 @@ class ConvexAllocation(Engine):
 
     name = "convex-allocation"
     package = "highspy"
-    modules = ("highspy",)
     summary = "risk allocation as one convex program, by successive tangents, with a proved bound"
     interrupts = "keeps the best answer and the best bound"
     one_thread = bounds_itself = True

@@ -41,7 +41,6 @@ class DisjunctiveAllocation(Engine):
 
     name = "disjunctive-allocation"
     package = "highspy"
-    modules = ("highspy",)
     summary = "risk allocation around obstacles: branch and bound over convex allocations, with a proved bound"
     interrupts = "keeps the best answer and what its tree proves"
     one_thread = bounds_itself = True

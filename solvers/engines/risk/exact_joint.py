@@ -55,7 +55,6 @@ class ExactJoint(Engine):
 
     name = "exact-joint"
     package = "highspy"
-    modules = ("highspy",)
     summary = "joint risk by its true probability, for up to 60 chance constraints"
     interrupts = "keeps the best plan"
     one_thread = True
@@ -236,8 +235,7 @@ class _Planes:
 
 
 def gradient(slack: Floats, covariance: Floats, *, points: int = POINTS) -> Floats:
-    """Derivative of the probability that any fails by each entry of ``slack``, all of them with noise; ``points`` are those of the lattice.
-    Derivative of the probability that any fails by each entry of ``slack``, all of them with noise; ``points`` are those of the lattice."""
+    """Derivative of the probability that any fails by each entry of ``slack``, all with noise; ``points`` are the lattice's."""
     deviation = np.sqrt(np.diag(covariance))
     z, correlation = slack / deviation, covariance / deviation[:, None] / deviation
     density = np.exp(-0.5 * z**2) / math.sqrt(2.0 * math.pi)

@@ -148,7 +148,6 @@ class NonDominatedPaths(Engine):
 
     name = "non-dominated-paths"
     package = "scipy"
-    modules = ("scipy",)
     summary = "optimal paths of uncertain costs by label setting over mean and variance"
     interrupts = "keeps the best of the paths found so far"
     honours = frozenset()

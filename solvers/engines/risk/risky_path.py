@@ -24,7 +24,6 @@ class RiskLabels(Engine):
 
     name = "risk-labels"
     package = "scipy"
-    modules = ("scipy",)
     summary = "risky paths by labels with memory, exact for traverse risks"
     interrupts = "keeps the best path"
     one_thread = True
@@ -66,7 +65,6 @@ class PathEnumeration(Engine):
 
     name = "path-enumeration"
     package = "scipy"
-    modules = ("scipy",)
     summary = "every path without repetition: exact, exponential, for small graphs"
     interrupts = "keeps the best path"
     one_thread = True

@@ -128,7 +128,6 @@ class SupportedPathsEngine(Engine):
 
     name = "supported-paths"
     package = "scipy"
-    modules = ("scipy",)
     summary = "optimal paths of uncertain costs by shortest paths under weights, with a proof"
     interrupts = "keeps the best path and the bound so far"
     honours = frozenset()

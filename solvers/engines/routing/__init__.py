@@ -1,3 +1,1 @@
 """Engines that find routes."""
-
-from .... import _guard as _guard

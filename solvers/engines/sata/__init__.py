@@ -1,3 +1,1 @@
 """Engines that solve max-min programs."""
-
-from .... import _guard as _guard

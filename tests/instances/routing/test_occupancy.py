@@ -123,11 +123,6 @@ def test_visibility_along_a_beam(beam, visible):
     assert np.maximum(found[0], [0.5, 1.0, 0.1]) @ worth == pytest.approx(4.2)
 
 
-def test_beams_for_cells_of_two_metres():
-    assert o.beams_needed(60, 15, 2 * math.sqrt(2)) == pytest.approx(5.545, abs=1e-3)
-    assert o.beams_needed(60, 15, 2) == pytest.approx(7.848, abs=1e-3)
-
-
 @example(1.0, 180.0, 2)  # through corners
 @given(st.floats(1, 8), st.floats(10, 360), st.integers(1, 20))
 def test_beams_pass_cells_that_touch_and_lie_within_reach(reach, field, count):

@@ -1,3 +1,1 @@
 """Parts of the searches for assignments: auctions and prices."""
-
-from ..... import _guard as _guard

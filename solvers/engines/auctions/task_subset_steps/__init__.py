@@ -1,3 +1,1 @@
 """Dynamic programs over sets of tasks."""
-
-from ..... import _guard as _guard

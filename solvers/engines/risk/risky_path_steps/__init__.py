@@ -2,5 +2,3 @@
 
 A package, so that the registry of engines leaves them alone.
 """
-
-from ..... import _guard as _guard

@@ -2,5 +2,3 @@
 
 Modules named ``*_kernels`` compile on import, through numba: they are imported inside functions only.
 """
-
-from ..... import _guard as _guard
