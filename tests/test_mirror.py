@@ -49,6 +49,7 @@ KERNELS = {
     "solvers/engines/sata/saddle_steps/descent_kernels": "solvers/engines/sata/saddle_steps/game",
     "solvers/engines/sata/saddle_steps/multigrid_kernels": "solvers/engines/sata/saddle_steps/multigrid",
     "solvers/engines/sata/saddle_steps/normal_kernels": "solvers/engines/sata/saddle_steps/normal_matrix",
+    "solvers/engines/sata/saddle_steps/halpern_kernels": "solvers/engines/sata/saddle_steps/halpern",
     "solvers/engines/sata/saddle_steps/packing_covering_kernels": "solvers/engines/sata/saddle_steps/packing_covering",
     "solvers/engines/sata/saddle_steps/regret_kernels": "solvers/engines/sata/saddle_steps/game",
     "solvers/engines/auctions/task_subset_steps/part_kernels": "solvers/engines/auctions/task_subsets",

@@ -35,10 +35,10 @@ MOST_LAYERS = 1000
 
 @BACKENDS.register("saddle")
 class Saddle(Engine):
-    """Work on the targets that fall short of a proved bound, and where all of them matter regret matching or an interior point; bounds from
-    balls and prices. Programs with several packing rows a variable go to ``PackingCovering``.
+    """Work on the targets that fall short of a proved bound, and where all of them matter first-order methods or an interior point; bounds
+    from balls and prices. Programs with several packing rows a variable go to ``PackingCovering``.
 
-    ``iterations`` counts passes over the graph, of which a step of regret matching is one and of the interior point many. Option ``h``:
+    ``iterations`` counts passes over the graph, of which a first-order step is one and of the interior point many. Option ``h``:
     start from the local algorithm with so many layers instead of robots that divide themselves evenly (0, the default, as the local
     algorithm takes longer than it saves).
     """
@@ -69,7 +69,7 @@ class Saddle(Engine):
         task = _Task(problem)
         if len(task.graph.unseen_targets):
             return task.unseen(options)
-        _compile("descent", "regret", "normal", "multigrid")
+        _compile("descent", "regret", "halpern", "normal", "multigrid")
         return _search(task, h, options, control)
 
 

@@ -1,4 +1,4 @@
-"""The whole game, by regret matching or the interior point, whichever gets on faster; docs/saddle.md#what-the-engine-does."""
+"""The whole game, by two first-order methods and the interior point, whichever gets on fastest; docs/saddle.md#what-the-engine-does."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from .....formulations.sata.balls import Floats
 from .game import Game, RegretMatching
+from .halpern import HalpernPrimalDual
 from .interior_point import InteriorPoint
 from .refinement import refine
 
@@ -19,8 +20,8 @@ FEW, LEAST_FEW = 0.02, 100
 """An answer is refined when at most this share, or this number, of the targets falls short of the value wanted."""
 
 FIRST_STEPS = 32
-MORE_STEPS = 0.5
-"""Steps of regret matching between two looks at the means: so many, later this share of all steps so far."""
+MORE_STEPS = 0.25
+"""Steps of a first-order method between two looks at what it proves: so many, later this share of all its steps so far."""
 
 TRIAL = 0.1
 """Share of the work that goes to the method that seems the slower, so that it can show that it is not."""
@@ -29,7 +30,11 @@ HOPELESS = 4.0
 """A method that would take so many times the work of the other is not tried any more, once it had this number of turns."""
 
 ENOUGH_STEPS = 4000
-"""Steps of regret matching that close most gaps; its turn comes where the steps of the interior point grow so that they would cost more."""
+"""Steps of first-order methods that close most gaps; it is their turn where the interior point's own grow so that they would cost more."""
+
+GROWTH, REST = 3.0, 2.0
+"""A step of the interior point is given up when it has cost what a first-order method takes to halve the gap, or so many times the one
+before (the first as much as all first-order steps); the next is made when the first-order methods have done so many times their work."""
 
 HORIZON = 0.5
 """Gap to which the methods are compared, as a share of the better one so far."""
@@ -87,43 +92,72 @@ class Pace:
 
 
 def play(game: Game) -> tuple[int, int]:
-    """Play until the gap is closed or a limit is reached; returns the steps of regret matching and of the interior point."""
+    """Play until the gap is closed or a limit is reached; returns the steps of both first-order methods and of the interior point."""
     record, limits = game.record, game.limits
-    matching, matched, pointed = RegretMatching(game), Pace(), Pace()
+    methods: tuple[RegretMatching, HalpernPrimalDual] = RegretMatching(game), HalpernPrimalDual(game)
+    paces, pointed = (Pace(), Pace()), Pace()
     point: InteriorPoint | None = None
-    alone = False
+    alone, resting, cost = False, 0.0, 0.0
     while not (record.closed() or limits.reached()):
-        costly = matching.steps < ENOUGH_STEPS and pointed.projected(record.gap) > ENOUGH_STEPS * game.pass_work
-        spent = 0.0 if point is None else point.work
-        if alone or costly or not matching.steps or not _interior(matched, pointed, matching.work, spent, record.gap):
-            most = math.inf if alone or costly or point is None or not matching.steps else max(TRIAL * point.work, 0.5 * matching.work)
-            steps = max(FIRST_STEPS, int(MORE_STEPS * matching.steps))
-            matching.run(max(1, min(steps, int(min(most / game.pass_work, 1e9)))))
-            if not matching.steps:
+        steps, work, spent = methods[0].steps + methods[1].steps, methods[0].work + methods[1].work, 0.0 if point is None else point.work
+        costly = steps < ENOUGH_STEPS and pointed.projected(record.gap) > ENOUGH_STEPS * game.pass_work
+        leading = int(_faster(*paces, record.gap))
+        if (
+            alone
+            or costly
+            or work < resting
+            or min(pace.turns for pace in paces) < 2
+            or not _second(paces[leading], pointed, work, spent, record.gap)
+        ):
+            k = int(_second(*paces, methods[0].work, methods[1].work, record.gap))
+            most = math.inf if alone or costly or point is None else max(TRIAL * point.work, 0.5 * methods[k].work)
+            more = max(FIRST_STEPS, int(MORE_STEPS * methods[k].steps))
+            methods[k].run(max(1, min(more, int(min(most / game.pass_work, 1e9)))))
+            if not methods[k].steps:
                 break
-            shares, cover = matching.conclude()
-            matched.note(matching.work, matching.value, matching.bound)
-            _refine_few(game, shares, cover, matching.work)
+            shares, cover = methods[k].conclude()
+            paces[k].note(methods[k].work, methods[k].value, methods[k].bound)
+            _refine_few(game, shares, cover, work)
             continue
         if point is None:
-            point = InteriorPoint.begun(game, *matching.means())
-        alone = point is None or not point.step()
-        if point is not None and not alone:
+            point = InteriorPoint.begun(game, *methods[leading].means())
+        if point is None:
+            alone = True
+            continue
+        left, most, begun = _left(paces[leading], pointed, record.gap)[0], limits.most_work, limits.work
+        allowed = min(left or math.inf, max((TRIAL if cost else 1.0) * work, GROWTH * cost))
+        limits.most_work = min(most, begun + allowed)
+        moved = point.step()
+        limits.most_work = most
+        if moved:
+            cost = limits.work - begun
             pointed.note(point.work, point.value, point.bound)
-    return matching.steps, 0 if point is None else point.steps
+        elif limits.work - begun > 0.5 * allowed:
+            resting = REST * work
+        else:
+            alone = True
+    return methods[0].steps + methods[1].steps, 0 if point is None else point.steps
 
 
-def _interior(matched: Pace, pointed: Pace, matching: float, point: float, gap: float) -> bool:
-    """Whether the interior point has the next turn, from the paces and the work of both methods.
+def _left(first: Pace, second: Pace, gap: float) -> tuple[float, float]:
+    """Work until each has halved the better gap: rates over longer distances are guesses."""
+    near = max(gap, HORIZON * min(first.gap, second.gap))
+    return first.left(near), second.left(near)
 
-    They are compared by what either takes to halve the better gap: rates over longer distances are guesses.
-    """
-    near = max(gap, HORIZON * min(matched.gap, pointed.gap))
-    by_matching, by_point = matched.left(near), pointed.left(near)
-    leads = by_point < by_matching
-    other, spent = (matched, matching) if leads else (pointed, point)
-    hopeless = other.turns >= HOPELESS and max(by_matching, by_point) > HOPELESS * min(by_matching, by_point)
-    trial = spent < TRIAL * (matching + point) and not hopeless
+
+def _faster(first: Pace, second: Pace, gap: float) -> bool:
+    """Whether the second method gets on faster."""
+    by_first, by_second = _left(first, second, gap)
+    return by_second < by_first
+
+
+def _second(first: Pace, second: Pace, work: float, second_work: float, gap: float) -> bool:
+    """Whether the second of two methods has the next turn, from their paces and their work: the faster one, or the other for a trial."""
+    by_first, by_second = _left(first, second, gap)
+    leads = by_second < by_first
+    other, spent = (first, work) if leads else (second, second_work)
+    hopeless = other.turns >= HOPELESS and max(by_first, by_second) > HOPELESS * min(by_first, by_second)
+    trial = spent < TRIAL * (work + second_work) and not hopeless
     return leads != trial
 
 
