@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numba
+import numpy as np
 from numba.core import errors, sigutils, types
 from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags
 from numba.core.compiler_lock import global_compiler_lock
@@ -190,8 +191,8 @@ def _stamps(function: Callable[..., Any]) -> list[Any]:
     file: where one of them changes, what was compiled is of no use."""
     imported = {id(one): one for one in function.__globals__.values() if isinstance(one, Kernel)}.values()
     files = (getattr(one._cache, "_cache_file", None) for one in imported if one.py_func.__module__ != function.__module__)
-    numbers = tuple(sorted((name, value) for name, value in function.__globals__.items() if type(value) in (int, float)))
-    return [numbers, *sorted({file._source_stamp for file in files if file is not None}, key=repr)]
+    numbers = {name: repr(value) for name, value in function.__globals__.items() if isinstance(value, (int, float, np.number))}
+    return [tuple(sorted(numbers.items())), *sorted({file._source_stamp for file in files if file is not None}, key=repr)]
 
 
 inner = kernel(no_cpython_wrapper=True)

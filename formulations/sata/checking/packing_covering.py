@@ -54,7 +54,7 @@ def check_packing_covering_duals(problem: Any, data: Mapping[str, Any]) -> float
         dearest, least = (z, y) if problem.sense == "max" else (y, z)
         ratio = math.fsum(dearest) / math.fsum(least)
         slack = 1.0 + (int(terms.max(initial=0)) + int(others.max(initial=0)) + 16) * _EPS
-        bound = t * ratio * slack + (_TINY if t > 0 else 0.0) if problem.sense == "max" else ratio / t / slack if t > 0 else -math.inf
+        bound = t * ratio * slack + (_TINY if len(used) else 0.0) if problem.sense == "max" else ratio / t / slack if t > 0 else -math.inf
     return bound if math.isfinite(bound) else nothing
 
 

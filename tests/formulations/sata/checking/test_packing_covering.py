@@ -106,6 +106,10 @@ def test_a_row_that_nothing_covers_proves_zero():
     assert 0.0 <= CHECKERS[KIND](problem, {"covering": [0, 1], "packing": [0]}) <= 1e-300
 
 
+def test_a_value_too_small_for_a_double_is_not_proved_to_be_zero():
+    assert CHECKERS[KIND](MaxMinLP([[1e300]], [[1e-100]]), {"covering": [1], "packing": [1]}) > 0.0
+
+
 def test_tiny_products_are_not_lost():
     # C'y and A'z both vanish in floats; their true ratio is 1e10.
     problem = MaxMinLP([[1e-320]], [[1e-310]])
