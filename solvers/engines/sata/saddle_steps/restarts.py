@@ -22,8 +22,8 @@ class Restarts:
     """The primal and the dual side of a method with restarts, each an array: compiled steps change ``point`` in place, draw it to
     ``anchor``, and put into ``ahead`` where the last plain step led.
 
-    ``lengths`` are those of the steps of the sides, ``weight`` times and over the ones given, in whose metric distances are taken. A restart goes
-    on from ``ahead``, and weighs the sides anew by how far either came (Applegate et al. 2021).
+    ``lengths`` are those of the steps of the sides: ``weight`` times, and over, the ones given, in parts of which distances are taken. A
+    restart goes on from ``ahead``, and weighs the sides anew by how far either came (Applegate et al. 2021).
     """
 
     def __init__(self, primal: Floats, dual: Floats, lengths: Pair, weight: float) -> None:
