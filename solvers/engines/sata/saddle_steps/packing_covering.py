@@ -13,18 +13,12 @@ from .....formulations.sata.balls import Floats
 from .....formulations.stop import Stop
 from .....instances.errors import UnsupportedError
 from ....backend import Control, Options, RawResult
+from .restarts import ROUND, Restarts, inverse, length
 
 if TYPE_CHECKING:
     from .....formulations.sata.max_min_lp import MaxMinLP
 
 _EPS = float(np.finfo(np.float64).eps)
-
-ROUND = 40
-"""Steps between two looks at value, bound and residual."""
-
-SUFFICIENT, NECESSARY, LONGEST = 0.2, 0.8, 0.36
-"""A restart comes once the residual has fallen by the first factor, or by the second and grows again, or after that share of all steps: the
-rules of PDLP. The residual is the distance between the point and the plain step beside it."""
 
 
 class PackingCovering:
@@ -49,11 +43,9 @@ class PackingCovering:
         self._lay_out(problem)
         x = self._even if start is None else start * self._inverse_scale
         prices = np.concatenate([np.full(k, 1.0 / k) for k in (self._packing, problem.covering.rows)])
-        self._x, self._prices, self._level = x, prices, np.zeros(1)
-        self._next, self._anchors = (x.copy(), prices.copy()), (x.copy(), prices.copy())
-        self._balance = _length(prices, self._long) / (_length(x, self._short) or 1.0)
-        self.steps, self.restarts, self._since = 0, 0, 0
-        self._first_residual = self._last_residual = math.inf
+        self._level = np.zeros(1)
+        far, wide = length(x, inverse(self._steps[0])), length(prices, inverse(self._steps[1]))
+        self._restarts = Restarts(x, prices, self._steps, far / (wide or 1.0))
         self.value, self.bound, self.answer, self.prices = -math.inf, math.inf, x, prices
         self._look()
 
@@ -64,18 +56,19 @@ class PackingCovering:
         a, c = problem.packing.scipy, problem.covering.scipy
         largest = np.where(np.bincount(c.indices, minlength=c.shape[1]) > 0, a.max(axis=0).toarray().ravel(), 0.0)
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-            self._scale, self._inverse_scale = _inverse(largest), largest
+            self._scale, self._inverse_scale = inverse(largest), largest
             a, c = a @ diags_array(self._scale), c @ diags_array(self._scale)
             a.eliminate_zeros()
             self._keep(vstack([a, -c], format="csr"))
             self._even, value = self._scaled_down(np.where(largest > 0.0, 1.0, 0.0))
             self.unit = math.ldexp(1.0, math.frexp(value)[1]) if 0.0 < value < math.inf else 0.0
-            c = c * _inverse(np.array([self.unit]))[0]
+            c = c * inverse(np.array([self.unit]))[0]
         if not (np.isfinite(self._scale).all() and np.isfinite(c.data).all() and (c.data > 0.0).all()):
             raise UnsupportedError("saddle", {"coefficients whose quotients no double holds"})
         matrix = vstack([a, -c], format="csr")
         self._keep(matrix)
-        self._short, self._long = (_inverse(np.asarray(abs(matrix).sum(axis=k), dtype=np.float64).ravel()) for k in (0, 1))
+        short, long = (inverse(np.asarray(abs(matrix).sum(axis=k), dtype=np.float64).ravel()) for k in (0, 1))
+        self._steps = short, long
 
     def _keep(self, matrix: Any) -> None:
         by_column = matrix.tocsc()
@@ -86,17 +79,24 @@ class PackingCovering:
         """Step until value and bound are within the relative ``gap``, ``stop`` is reached, or ``most`` steps are made."""
         from .packing_covering_kernels import steps
 
-        while not self.closed(gap) and self.steps < most and not stop.reached():
+        game = self._restarts
+        while not self.closed(gap) and game.steps < most and not stop.reached():
             made = steps(
-                stop.flag, *self._rows, *self._columns, self._packing, self._short / self._balance, self._long * self._balance, self._x,
-                self._prices, *self._next, *self._anchors, self._level, self._since, int(min(ROUND, most - self.steps)),
+                stop.flag, *self._rows, *self._columns, self._packing, *game.lengths, *game.point, *game.ahead, *game.anchor, self._level,
+                game.since, int(min(ROUND, most - game.steps)),
             )  # fmt: skip
-            self.steps += made
-            self._since += made
             if made:
+                game.note(made)
                 self._look()
-                if self._wants_restart():
-                    self._restart()
+                game.look()
+
+    @property
+    def steps(self) -> int:
+        return self._restarts.steps
+
+    @property
+    def restarts(self) -> int:
+        return self._restarts.count
 
     def closed(self, gap: float) -> bool:
         """Whether value and bound are within the relative ``gap``."""
@@ -115,11 +115,11 @@ class PackingCovering:
         """Make the last plain step feasible on both sides, and keep what is better than before."""
         from .packing_covering_kernels import pay_for_all
 
-        x, value = self._scaled_down(self._next[0].copy())
+        x, value = self._scaled_down(self._restarts.ahead[0].copy())
         if value * self.unit > self.value:
             self.answer, self.value = x, value * self.unit
             self._news(self, "answer")
-        (starts, columns, _), prices = self._rows, self._next[1].copy()
+        (starts, columns, _), prices = self._rows, self._restarts.ahead[1].copy()
         bound = pay_for_all(starts, columns, *self._columns, self._packing, prices) * self.unit
         bound *= 1.0 + (int(np.diff(self._columns[0]).max(initial=0)) + 16) * _EPS  # the checker rounds upwards
         if bound < self.bound:
@@ -131,36 +131,6 @@ class PackingCovering:
         from .packing_covering_kernels import scale_down
 
         return x, scale_down(*self._rows, *self._columns[:2], self._packing, x)
-
-    def _wants_restart(self) -> bool:
-        moved = (point - ahead for point, ahead in zip((self._x, self._prices), self._next, strict=True))
-        far, wide = map(_length, moved, (self._short, self._long))
-        residual = math.hypot(far * math.sqrt(self._balance), wide / math.sqrt(self._balance))
-        if self._since <= ROUND:
-            self._first_residual = residual
-        rises, self._last_residual = residual > self._last_residual, residual
-        return residual < self._first_residual * (NECESSARY if rises else SUFFICIENT) or self._since >= LONGEST * self.steps
-
-    def _restart(self) -> None:
-        """Go on from the last plain step; the sides' steps are weighed by how far either came since the last restart."""
-        far, wide = map(_length, (new - old for new, old in zip(self._next, self._anchors, strict=True)), (self._short, self._long))
-        if 0.0 < far < math.inf and 0.0 < wide < math.inf:
-            self._balance = math.sqrt(self._balance * wide / far)
-        for point, anchor, ahead in zip((self._x, self._prices), self._anchors, self._next, strict=True):
-            point[:] = anchor[:] = ahead
-        self.restarts, self._since, self._last_residual = self.restarts + 1, 0, math.inf
-
-
-def _inverse(values: Floats) -> Floats:
-    """1 over each, 0 for 0."""
-    with np.errstate(over="ignore", divide="ignore"):
-        return np.where(values > 0.0, 1.0 / values, 0.0)
-
-
-def _length(move: Floats, steps: Floats) -> float:
-    """Euclidean length of a move in the metric of the lengths of steps."""
-    with np.errstate(over="ignore", under="ignore"):
-        return float(np.sqrt(np.sum(move**2 * _inverse(steps))))
 
 
 def search_rows(problem: MaxMinLP, options: Options, control: Control, least_gap: float) -> RawResult:

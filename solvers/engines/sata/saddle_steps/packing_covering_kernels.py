@@ -4,32 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .....formulations.kernels import inner, kernel
+from .....formulations.kernels import kernel
 from .....formulations.stop_kernel import asked
-
-
-@inner
-def _to_simplex(prices, lengths, first, level):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Cut ``prices`` from ``first`` on to nonnegative ones that sum to 1, raised by ``level * lengths``; returns that level.
-
-    Newton's method on a convex and piecewise linear sum, from the level of the step before.
-    """
-    for _ in range(100):
-        total, slope, lowest = 0.0, 0.0, np.inf
-        for r in range(first, len(prices)):
-            raised = prices[r] + lengths[r] * level
-            if raised > 0.0:
-                total += raised
-                slope += lengths[r]
-            else:
-                lowest = min(lowest, (lengths[r] - prices[r]) / lengths[r])
-        ahead = level + (1.0 - total) / slope if slope > 0.0 else lowest
-        if abs(total - 1.0) <= 1e-13 or ahead == level:
-            break
-        level = ahead
-    for r in range(first, len(prices)):
-        prices[r] = max(prices[r] + lengths[r] * level, 0.0)
-    return level
+from .restarts_kernels import to_simplex
 
 
 @kernel(
@@ -63,7 +40,7 @@ def steps(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
             for k in range(starts[r], starts[r + 1]):
                 load += entries[k] * reflected[columns[k]]
             next_prices[r] = max(0.0, prices[r] + long[r] * (load - 1.0)) if r < packing else prices[r] + long[r] * load
-        level[0] = _to_simplex(next_prices, long, packing, level[0])
+        level[0] = to_simplex(next_prices, long, packing, 1.0, level[0])
         for r in range(len(prices)):
             prices[r] = kept * (2.0 * next_prices[r] - prices[r]) + (1.0 - kept) * price_anchor[r]
     return count

@@ -23,8 +23,9 @@ FIRST_STEPS = 32
 MORE_STEPS = 0.25
 """Steps of a first-order method between two looks at what it proves: so many, later this share of all its steps so far."""
 
-TRIAL = 0.1
-"""Share of the work that goes to the method that seems the slower, so that it can show that it is not."""
+TRIAL, FIRST_TRIAL = 0.1, 0.3
+"""Share of the work that goes to the method that seems the slower, so that it can show that it is not; and that which the first step of the
+interior point may take of the work of the other methods."""
 
 HOPELESS = 4.0
 """A method that would take so many times the work of the other is not tried any more, once it had this number of turns."""
@@ -34,7 +35,7 @@ ENOUGH_STEPS = 4000
 
 GROWTH, REST = 3.0, 2.0
 """A step of the interior point is given up when it has cost what a first-order method takes to halve the gap, or so many times the one
-before (the first as much as all first-order steps); the next is made when the first-order methods have done so many times their work."""
+before; the next is made when the first-order methods have done so many times their work."""
 
 HORIZON = 0.5
 """Gap to which the methods are compared, as a share of the better one so far."""
@@ -78,13 +79,20 @@ class Pace:
         times = math.log(reached / gap) / power
         return work * math.expm1(times) if times < 100.0 else math.inf
 
+
+class GrowingPace(Pace):
+    """That of the interior point, whose steps shrink the gap by much the same factor, and cost more and more."""
+
+    def left(self, gap: float) -> float:
+        return max(super().left(gap), self.projected(gap))
+
     def projected(self, gap: float) -> float:
         """Work until ``gap`` where the turns go on to cost more, and gaps to shrink, by the same factors; 0 while little is known."""
-        if len(self._seen) < 5 or self.gap <= gap:
+        works, gaps = zip(*self._seen[-5:], strict=True) if self._seen else ((), ())
+        if len(gaps) < 3 or self.gap <= gap or gaps[0] == math.inf:
             return 0.0
-        works, gaps = zip(*self._seen[-5:], strict=True)
         costs = [max(b - a, 1.0) for a, b in itertools.pairwise(works)]
-        growth, shrink = float(costs[-1] / costs[0]) ** (1 / 3), float(gaps[-1] / gaps[0]) ** 0.25
+        growth, shrink = float(costs[-1] / costs[0]) ** (1 / (len(costs) - 1)), float(gaps[-1] / gaps[0]) ** (1 / len(costs))
         if not shrink < 1.0:
             return math.inf
         turns = math.log(gap / gaps[-1]) / math.log(shrink)
@@ -95,7 +103,7 @@ def play(game: Game) -> tuple[int, int]:
     """Play until the gap is closed or a limit is reached; returns the steps of both first-order methods and of the interior point."""
     record, limits = game.record, game.limits
     methods: tuple[RegretMatching, HalpernPrimalDual] = RegretMatching(game), HalpernPrimalDual(game)
-    paces, pointed = (Pace(), Pace()), Pace()
+    paces, pointed = (Pace(), Pace()), GrowingPace()
     point: InteriorPoint | None = None
     alone, resting, cost = False, 0.0, 0.0
     while not (record.closed() or limits.reached()):
@@ -125,7 +133,7 @@ def play(game: Game) -> tuple[int, int]:
             alone = True
             continue
         left, most, begun = _left(paces[leading], pointed, record.gap)[0], limits.most_work, limits.work
-        allowed = min(left or math.inf, max((TRIAL if cost else 1.0) * work, GROWTH * cost))
+        allowed = min(left or math.inf, max((TRIAL if cost else FIRST_TRIAL) * work, GROWTH * cost))
         limits.most_work = min(most, begun + allowed)
         moved = point.step()
         limits.most_work = most

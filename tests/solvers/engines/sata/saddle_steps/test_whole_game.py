@@ -9,11 +9,11 @@ from random_sensing import optimum
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.reports.benchmarks.saddle import FAMILIES
 from waybound.solvers.engines.sata.saddle_steps import whole_game
-from waybound.solvers.engines.sata.saddle_steps.whole_game import Pace, play
+from waybound.solvers.engines.sata.saddle_steps.whole_game import GrowingPace, Pace, play
 
 
-def paced(*gaps_by_work: tuple[float, float]) -> Pace:
-    pace = Pace()
+def paced(*gaps_by_work: tuple[float, float], kind: type[Pace] = Pace) -> Pace:
+    pace = kind()
     for work, gap in gaps_by_work:
         pace.note(work, 1.0, 1.0 + gap)
     return pace
@@ -32,9 +32,18 @@ def test_nothing_is_known_before_two_turns_and_standing_still_is_without_hope():
 
 
 def test_turns_that_grow_are_projected():
-    doubling = paced(*((2.0**k, 0.5**k) for k in range(1, 7)))  # a turn costs twice the one before, and halves the gap
-    assert doubling.projected(0.5**9) == pytest.approx(64.0 + 128.0 + 256.0)
-    assert paced((1.0, 0.1), (2.0, 0.05)).projected(1e-9) == 0.0
+    doubling = tuple((2.0**k, 0.5**k) for k in range(1, 7))  # a turn costs twice the one before, and halves the gap
+    for first in range(4):
+        pace = paced(*doubling[first:], kind=GrowingPace)
+        assert pace.projected(0.5**9) == pytest.approx(64.0 + 128.0 + 256.0) and pace.left(0.5**9) >= pace.projected(0.5**9)
+    assert paced((1.0, 0.1), (2.0, 0.05), kind=GrowingPace).projected(1e-9) == 0.0
+    assert paced((1.0, math.inf), (2.0, 0.1), (3.0, 0.01), kind=GrowingPace).projected(1e-9) == 0.0
+
+
+def test_a_costly_first_turn_does_not_make_growing_ones_look_cheap():
+    """After a first turn of 250, turns of 70 and 120 halve the gap each: as a power of the work that is steep, but the next is of 200."""
+    turns = (250.0, 8e-3), (320.0, 4e-3), (440.0, 2e-3)
+    assert paced(*turns).left(2.5e-4) < 600.0 < 1000.0 < paced(*turns, kind=GrowingPace).left(2.5e-4)
 
 
 @pytest.mark.parametrize("family", ["torus", "expander", "planted"])
