@@ -38,7 +38,7 @@ test-all: $(READY)
 test-hostile: $(READY)
 	WAYBOUND_HOSTILE=1 $(TESTING) $(BIN)/python -m pytest tests/hostile -n 2 --dist worksteal -q -rs -m "hostile or not hostile" $(PYTEST_FLAGS)
 
-# Tracing takes a minute more, so CI does without; fewer than 90 % are an error.
+# Tracing takes a minute more; fewer than 90 % are an error.
 coverage: $(READY)
 	$(TESTING) $(BIN)/python -m pytest -n 2 --dist worksteal -q --cov --cov-report=term:skip-covered $(PYTEST_FLAGS)
 

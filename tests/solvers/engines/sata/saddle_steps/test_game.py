@@ -14,6 +14,7 @@ from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds.sata.ball import weights_evidence
 from waybound.solvers.engines.sata.saddle_steps.game import Game, Limits, Record, RegretMatching
+from waybound.solvers.engines.sata.saddle_steps.halpern import HalpernPrimalDual
 from waybound.solvers.engines.sata.saddle_steps.programs import Programs
 
 
@@ -170,12 +171,13 @@ def test_means_are_answers_and_prices_and_the_gap_between_them_shrinks(make_game
     assert gaps[2] < gaps[1] / 4
 
 
-def test_prices_prove_the_bound_of_the_record(make_game):
+@pytest.mark.parametrize("method", [RegretMatching, HalpernPrimalDual])
+def test_prices_prove_the_bound_of_the_record(method, make_game):
     graph = random_graph(3)
     game = make_game(graph)
-    matching = RegretMatching(game)
-    matching.run(100)
-    matching.conclude()
+    playing = method(game)
+    playing.run(100)
+    playing.conclude()
     assert weights_bound(graph, game.record.targets, game.record.weights) == pytest.approx(game.record.bound, rel=1e-12)
 
 
