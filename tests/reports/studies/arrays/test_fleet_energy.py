@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from short_forms import short_form
 
 from waybound.reports.studies.arrays import fleet_energy as study
 from waybound.reports.studies.findings import REPRODUCED, SIGN
@@ -10,8 +11,7 @@ from waybound.reports.studies.findings import REPRODUCED, SIGN
 
 @pytest.mark.slow
 def test_the_short_study():
-    report = study.fleet_energy(full=False, instances=3)
-    assert (report.num_faults, report.done, report.interrupted) == (0, report.asked, False)
+    report, _ = short_form(study.fleet_energy)
     verdicts = {finding.what: finding.verdict for finding in report.findings}
     assert verdicts["demonstration: robots of a job for ever, 2 min of flight, 34 of charging"] == REPRODUCED
     assert verdicts["demonstration: a second job for ever of 30 robots"] == REPRODUCED

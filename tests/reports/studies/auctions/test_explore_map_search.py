@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import pytest
+from short_forms import short_form
 
 from waybound.reports.studies.auctions import explore_map_search as study
 
 
 @pytest.mark.slow
 def test_the_short_study():
-    report = study.explore_map_search(full=False, instances=2)
-    assert (report.num_faults, report.done, report.interrupted) == (0, report.asked, False)
+    report, _ = short_form(study.explore_map_search)
     loops = [row for row in report.observations if "method" in row]
     assert [row["method"] for row in loops] == [*study.LOOPS] and all(row["below"] >= -1e-4 for row in loops)
     assert {row["sweep"] for row in report.rows} == {*study.SWEEPS}

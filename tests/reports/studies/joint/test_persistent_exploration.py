@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import pytest
+from short_forms import short_form
 
 from waybound.reports.studies.joint import persistent_exploration as study
-from waybound.reports.studies.page import page_of
 
 
 @pytest.mark.slow
 def test_the_short_study():
-    report = study.persistent_exploration(full=False, instances=2)
-    assert (report.num_faults, report.done, report.interrupted) == (0, report.asked, False)
+    report, html = short_form(study.persistent_exploration)
     loops = {row["method"]: row for row in report.observations if row["kind"] == "loop"}
     assert list(loops) == list(study.LOOPS) and loops["exact"]["lost"] == loops["exact"]["longer"] == 0.0
     assert all(0 <= row["gap"] <= 100 / 2.718281828 for row in loops.values())
-    html = page_of(study.persistent_exploration, study.persistent_exploration.setting(full=False), report).html()
     assert "keep a map up to date" in html
 
 

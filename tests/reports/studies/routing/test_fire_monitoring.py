@@ -6,22 +6,20 @@ import math
 
 import pandas as pd
 import pytest
+from short_forms import short_form
 
 from waybound.reports.missions.routing import fire_monitoring as mission
-from waybound.reports.studies.page import page_of
 from waybound.reports.studies.routing import fire_monitoring as study
 
 
 @pytest.mark.slow
 def test_the_short_study():
-    report = study.fire_monitoring(full=False)
-    assert (report.num_faults, report.done, report.interrupted) == (0, 2, False)
+    report, html = short_form(study.fire_monitoring)
     moving = [row for row in report.observations if row["kind"] == "0.25"]
     assert [row["method"] for row in moving] == [*study.PAIR] * 2
     assert all(len(row["curve"]) == 40 // study.EVERY for row in moving)
     bounds = [row for row in report.observations if row["kind"] == "bound"]
     assert all(0 < row["straight"] <= row["patrol"] for row in bounds)
-    html = page_of(study.fire_monitoring, study.fire_monitoring.setting(full=False), report).html()
     assert "weighted greedy returns to the hotspots" in html
 
 

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import pytest
+from short_forms import short_form
 
-from waybound.reports.studies.page import page_of
 from waybound.reports.studies.routing import hotspot_identification as study
 
 
 @pytest.mark.slow
 def test_the_short_study():
-    report = study.hotspot_identification(full=False, instances=2)
-    assert (report.num_faults, report.done, report.interrupted) == (0, report.asked, False)
+    report, html = short_form(study.hotspot_identification)
     assert [row["method"] for row in report.rows] == [*study.METHODS]
     loops = [row for row in report.observations if row["kind"] == "loop"]
     assert [row["method"] for row in loops] == [*study.LOOPS] * 2
     assert all(row["below"] >= -1e-6 for row in loops)
-    html = page_of(study.hotspot_identification, study.hotspot_identification.setting(full=False), report).html()
     assert "greedy routes among the arms" in html
 
 

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import pytest
+from short_forms import short_form
 
-from waybound.reports.studies.page import page_of
 from waybound.reports.studies.routing import plume_exploration as study
 
 
 @pytest.mark.slow
 def test_the_short_study():
-    report = study.plume_exploration(full=False, instances=2)
-    assert (report.num_faults, report.done, report.interrupted) == (0, report.asked, False)
+    report, html = short_form(study.plume_exploration)
     sweeps = [row for row in report.observations if "sweep" in row]
     assert all(row["shortest"] <= row["time"] <= row["longest"] for row in sweeps)
     loops = [row for row in report.observations if "method" in row]
-    assert [row["method"] for row in loops] == [*study.LOOPS] * 2
+    assert [row["method"] for row in loops] == [*study.LOOPS] * study.plume_exploration.setting(full=False).instances
     assert all(row["above"] >= -1e-6 for row in loops)
-    html = page_of(study.plume_exploration, study.plume_exploration.setting(full=False), report).html()
     assert "explore a plume of 60 cells" in html
 
 

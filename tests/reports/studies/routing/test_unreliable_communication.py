@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import pytest
+from short_forms import short_form
 
-from waybound.reports.studies.page import page_of
 from waybound.reports.studies.routing import unreliable_communication as study
 
 
 @pytest.mark.slow
 def test_the_short_study():
-    report = study.unreliable_communication(full=False, instances=2)
-    assert (report.num_faults, report.done, report.interrupted) == (0, report.asked, False)
+    report, html = short_form(study.unreliable_communication)
     sweeps = [row for row in report.observations if "floor" in row]
     assert [row["method"] for row in sweeps[: len(study.METHODS)]] == [*study.METHODS]
     assert all(row["returned"] <= row["explored"] * (1 + 1e-12) for row in sweeps)
     loops = [row for row in report.observations if "loop" in row]
     assert [row["method"] for row in loops] == [*study.LOOPS] * 2
     assert all(0 < row["cells"] <= row["most"] for row in loops)
-    html = page_of(study.unreliable_communication, study.unreliable_communication.setting(full=False), report).html()
     assert "four robots among rooms" in html
 
 

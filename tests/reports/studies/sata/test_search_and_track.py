@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import pandas as pd
 import pytest
+from short_forms import short_form
 
-from waybound.reports.studies.page import page_of
 from waybound.reports.studies.sata import search_and_track as study
 
 
 @pytest.mark.slow
 def test_the_short_study():
-    report = study.search_and_track(full=False, instances=2)
-    assert (report.num_faults, report.done, report.interrupted) == (0, report.asked, False)
+    report, html = short_form(study.search_and_track)
     assert [row["method"] for row in report.observations] == [*study.FLIGHTS, *study.LOOPS] * 2
     lost = {row["method"]: row["lost"] for row in report.observations if row["kind"] == "loop"}
     assert abs(lost["exact"]) < 1e-6 <= lost["sequential-greedy"] <= 50 + 1e-6 and lost["sequential-greedy"] < lost["random"]
-    html = page_of(study.search_and_track, study.search_and_track.setting(full=False), report).html()
     assert "three robots share out" in html
 
 

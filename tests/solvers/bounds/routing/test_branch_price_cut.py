@@ -226,7 +226,7 @@ def test_a_search_that_errs_proves_nothing_that_is_false(fault: str, monkeypatch
         best, sign = best_values(problem), 1.0 if problem.sense == "min" else -1.0
         assert best is not None
         for target in (best[0], None):
-            evidence = branch_price_cut_bound(problem, Stop(2.0), target=target)
+            evidence = branch_price_cut_bound(problem, Stop(0.8), target=target)
             if evidence is not None:
                 assert sign * (verified_bound(problem, evidence) - best[0]) <= 1e-9 * abs(best[0])
 
@@ -286,7 +286,7 @@ def test_what_proves_nothing_to_the_checker_counts_for_nothing(monkeypatch: pyte
     from waybound.formulations.routing.checking import set_partitioning_duals
 
     monkeypatch.setattr(set_partitioning_duals, "LABELS", 3)
-    evidence = branch_price_cut_bound(plane(1, 10, 30.0), Stop(60.0))
+    evidence = branch_price_cut_bound(plane(1, 10, 30.0), Stop(4.0))
     assert evidence is None or verified_bound(plane(1, 10, 30.0), evidence) == -math.inf
 
 
