@@ -8,6 +8,7 @@ VERSION := $(if $(filter-out python3,$(PYTHON)),-$(shell $(PYTHON) -c 'import sy
 VENV := .venv$(VERSION)
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+EXTRAS := dev
 # Tests start hundreds of processes: bytecode is kept for them, whatever the environment says. Of two workers each has one core:
 # threads of linear algebra would wait for each other by spinning.
 TESTING := PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL_NUM_THREADS=1
@@ -15,13 +16,14 @@ TESTING := PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MKL
 .PHONY: demo test test-all test-hostile coverage lint format docs screenshots benchmarks clean
 
 # python3-venv may be missing (Debian splits it off): then a bare environment, filled by the system's pip.
-$(READY): pyproject.toml
+$(VENV)/.docs-ready: EXTRAS = dev,docs
+$(READY) $(VENV)/.docs-ready: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "waybound needs Python 3.11 or newer; set PYTHON=..." >&2; exit 2; }
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) >/dev/null 2>&1 || { rm -rf $(VENV); $(PYTHON) -m venv --without-pip $(VENV); }
 	@if $(BIN)/python -m pip --version >/dev/null 2>&1; \
-	then $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'; \
-	else $(PYTHON) -m pip --python $(BIN)/python install --quiet --disable-pip-version-check --editable '.[dev]'; fi
-	@touch $@
+	then $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[$(EXTRAS)]'; \
+	else $(PYTHON) -m pip --python $(BIN)/python install --quiet --disable-pip-version-check --editable '.[$(EXTRAS)]'; fi
+	@touch $@ $(READY)
 
 demo: $(READY)
 	@mkdir -p demo
@@ -53,15 +55,9 @@ format: $(READY)
 	$(BIN)/ruff format .
 
 # The site, with all notebooks executed (some minutes); warnings are errors. The variable silences an advertisement.
-docs: $(READY) $(VENV)/.docs-ready
+docs: $(VENV)/.docs-ready
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet
 	@echo "The site is in site/index.html"
-
-$(VENV)/.docs-ready: $(READY)
-	@if $(BIN)/python -m pip --version >/dev/null 2>&1; \
-	then $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,docs]'; \
-	else $(PYTHON) -m pip --python $(BIN)/python install --quiet --disable-pip-version-check --editable '.[dev,docs]'; fi
-	@touch $@
 
 # Pictures of the site on a desk and on a phone, light and dark; needs Chromium.
 screenshots: docs
