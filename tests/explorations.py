@@ -1,7 +1,5 @@
 """Maps of rooms for tests: paths, random ones, and their optima by enumeration."""
 
-from __future__ import annotations
-
 import numpy as np
 from truth.auctions import RoomTruth
 

@@ -4,8 +4,6 @@ Prints, a line each, what is told of it and how many runs are there then: at fir
 ``damaged`` if the file is not sound.
 """
 
-from __future__ import annotations
-
 import sqlite3
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Every word that is shown of a problem against the exact truth about it."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """The small routing instances that tests share, and what every form has to fulfil."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

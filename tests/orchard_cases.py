@@ -1,7 +1,5 @@
 """Small orchards whose optima and days are known."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from waybound.formulations.auctions.orchard_day import OrchardDay

@@ -1,7 +1,5 @@
 """Programs as text, in the words of docs/formulations: what a form writes, for a reader to compare with its mathematics."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Programs from small dense arrays, and who solves them in place of a solver."""
 
-from __future__ import annotations
-
 import math
 import threading
 from collections.abc import Callable, Sequence

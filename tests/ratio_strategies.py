@@ -1,7 +1,5 @@
 """Hypothesis strategies for small selection problems and sensing graphs, made so that they shrink to few elements and small weights."""
 
-from __future__ import annotations
-
 import numpy as np
 from hypothesis import strategies as st
 

@@ -1,7 +1,5 @@
 """Risky paths with known answers: tables and examples of Xiao (2019), and small graphs on which its planners go wrong."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence

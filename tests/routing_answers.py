@@ -1,7 +1,5 @@
 """All answers of small routing problems, what is stated of them, and prices that are worth trying."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections import Counter

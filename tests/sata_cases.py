@@ -1,7 +1,5 @@
 """Small cases of simultaneous action and target assignment, with optima that were found by enumeration."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import warnings

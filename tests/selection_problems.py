@@ -1,7 +1,5 @@
 """Small selection problems for tests: reference cases, random ones, and their optima by plain enumeration."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Small routing problems in which one feature matters."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Callable

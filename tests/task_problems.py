@@ -1,7 +1,5 @@
 """Small problems of robots and tasks, and their optima by enumeration."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Every published solution file is accepted at its value under its row's convention, and rejected once it is spoilt."""
 
-from __future__ import annotations
-
 import csv
 import functools
 from collections import Counter, defaultdict

@@ -3,8 +3,6 @@
 The schedule of the tables is held against the data by plain loops; all other outputs are held against the tables.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import math

@@ -1,7 +1,5 @@
 """KEY=VALUE pairs, and numbers within bounds."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """``waybound ratio`` and ``waybound report``."""
 
-from __future__ import annotations
-
 import pytest
 
 import waybound as wb

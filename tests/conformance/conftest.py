@@ -1,7 +1,5 @@
 """One suite for every backend: programs as arrays, and the conditions that answers must meet."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import Any

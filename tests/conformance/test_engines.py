@@ -1,7 +1,5 @@
 """Every routing engine: each feature it declares against enumeration, limits, starts, interrupts, and data with fractions."""
 
-from __future__ import annotations
-
 import threading
 import time
 from dataclasses import replace

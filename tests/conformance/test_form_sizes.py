@@ -1,7 +1,5 @@
 """What every form says of its size before it is built, against what is built."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Every program backend at a limit, on an interrupt and from a start: what is said then must be true."""
 
-from __future__ import annotations
-
 import threading
 import time
 

@@ -1,8 +1,6 @@
 """Objectives in order of priority through every form and solver: the optimum of each level, the bound of each level, and what is left
 where a search ends between two of them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

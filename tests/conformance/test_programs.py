@@ -1,7 +1,5 @@
 """Every program backend on small programs whose answers are known: statuses, optima by KKT, and refusals."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Nobody ignores a feature of a routing problem: what declares it solves small problems that have it, what does not refuses by its name."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Every solver through ``solve``: the same words in, a verified answer out, whatever the solver."""
 
-from __future__ import annotations
-
 import threading
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Small random problems, and the optimum of each."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

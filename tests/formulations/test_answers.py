@@ -1,7 +1,5 @@
 """Answers read from files and written by suffix."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

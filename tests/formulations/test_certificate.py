@@ -1,7 +1,5 @@
 """Certificates hold what evidence proves, and contradictions are errors."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Certificates with much evidence: a compressed file beside them, which is read in bounds and must be what it was."""
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """A checklist keeps the largest residual of each check, and every violation."""
 
-from __future__ import annotations
-
 import json
 import math
 

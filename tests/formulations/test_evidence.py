@@ -1,7 +1,5 @@
 """Evidence, reasons and guarantees travel as JSON, infinity included."""
 
-from __future__ import annotations
-
 import json
 import math
 

@@ -1,7 +1,5 @@
 """Only exact forms are taken unasked; of a form that is named, no more is believed than its flag allows."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Answers and certificates as standard JSON."""
 
-from __future__ import annotations
-
 import json
 import math
 

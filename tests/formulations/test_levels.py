@@ -1,7 +1,5 @@
 """Bounds of further levels: of all answers that are no worse before, derived again from their evidence."""
 
-from __future__ import annotations
-
 import copy
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Events of a search as a frame."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """What a solution tells and shows."""
 
-from __future__ import annotations
-
 import inspect
 import pickle
 

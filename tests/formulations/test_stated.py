@@ -1,7 +1,5 @@
 """Fields of certificate files: what agrees, what does not, and what is malformed."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

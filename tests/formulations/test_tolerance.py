@@ -1,7 +1,5 @@
 """What is within a limit, equal and closed does not depend on the unit of the data."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

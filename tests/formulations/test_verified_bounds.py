@@ -1,7 +1,5 @@
 """Bounds are what checkers derive, and are compared by the sense of the problem."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The contract of heuristics: what they take, with which parameters, and what reaches them of what ``solve`` is told."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

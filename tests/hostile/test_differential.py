@@ -1,7 +1,5 @@
 """Random tiny problems of every family, at every scale, against brute force in exact arithmetic: no false word is shown."""
 
-from __future__ import annotations
-
 import traceback
 from collections.abc import Callable, Iterator
 from fractions import Fraction

@@ -4,8 +4,6 @@ Sites that coincide, distances and service of zero, ties, tight windows, asymmet
 fleets from several depots, all four ways of charging energy, limits on duration and distance, least numbers of routes, optional sites.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

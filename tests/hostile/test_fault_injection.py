@@ -3,8 +3,6 @@
 Each stage up to the solution fails in turn: with a fault of the code, for want of memory, by an error of the system, by Ctrl-C.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable, Iterator
 from pathlib import Path

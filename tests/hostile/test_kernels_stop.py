@@ -1,7 +1,5 @@
 """Nothing that searches in this process goes on for long once it is asked to stop, and none is kept from its end by extreme weights."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Files, plots and standard output that fail: each other output is written, and the answer is shown whatever becomes of them."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import resource

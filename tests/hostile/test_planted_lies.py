@@ -1,7 +1,5 @@
 """Lies planted in trees that prove optima of every family: each is refused, or proves nothing that is false, and never what it states."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math

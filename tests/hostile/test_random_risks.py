@@ -1,7 +1,5 @@
 """Random problems at risk of any scale, against all their paths, or against all that any method says of them: no false word is shown."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace

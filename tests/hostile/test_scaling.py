@@ -1,7 +1,5 @@
 """The same problem in other units: the same verdicts, answers and ratios, and bounds in proportion, whatever finds or checks them."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterable

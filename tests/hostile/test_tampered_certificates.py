@@ -1,7 +1,5 @@
 """Certificates with fields changed: refused in one line, or accepted with nothing false in them; the truth is known by enumeration."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math

@@ -1,7 +1,5 @@
 """Answers at the edge of what the judge lets pass: whatever it accepts beats no verified bound."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterator

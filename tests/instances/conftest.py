@@ -1,7 +1,5 @@
 """What the tests of this floor share."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Bundled instances."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

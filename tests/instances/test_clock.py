@@ -1,7 +1,5 @@
 """Times as numbers in a stated unit, and back."""
 
-from __future__ import annotations
-
 import datetime
 import math
 from typing import Any

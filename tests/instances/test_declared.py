@@ -1,7 +1,5 @@
 """What a declaration makes of an instance: the same digests and the same JSON in every version of waybound."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 from collections.abc import Callable

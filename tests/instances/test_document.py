@@ -1,7 +1,5 @@
 """Parsed JSON: what the standard does not know is refused with its line, what a key must hold with its path."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """What needs more memory than there is, is refused before anything is made."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Arrays as they come from a user."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Every reader on spoilt files: an instance that reads back the same, or one line of complaint. Nothing else may come out."""
 
-from __future__ import annotations
-
 import json
 import re
 import tracemalloc

@@ -1,7 +1,5 @@
 """Decoding, lines and numbers of input files."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The contract of worlds: names, settings, seeds."""
 
-from __future__ import annotations
-
 import pytest
 
 from waybound.instances.errors import UsageError

@@ -1,7 +1,5 @@
 """Writing of instances by name and by suffix."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What no guarantee is claimed for: rounding, greedy on a bottleneck, random choice, more layers. Each with the case that refutes it."""
 
-from __future__ import annotations
-
 import pytest
 
 from waybound.formulations.sata.bottleneck_sata import BottleneckSATA

@@ -1,7 +1,5 @@
 """Guarantees on instances that hypothesis makes, and shrinks where one is broken: the failing test prints the instance as a file."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

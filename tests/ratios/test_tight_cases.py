@@ -1,7 +1,5 @@
 """Adversarial instances: the ratios known for them are attained, and the optima by construction are the optima."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

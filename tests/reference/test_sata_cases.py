@@ -1,7 +1,5 @@
 """The reference cases of simultaneous action and target assignment on every installed solver that can take them."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import math

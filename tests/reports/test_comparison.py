@@ -1,7 +1,5 @@
 """What is made of the runs of a comparison: the best answer, the best bound, and gaps to it, level by level."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

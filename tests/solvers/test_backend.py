@@ -1,7 +1,5 @@
 """The line between ``solve`` and what searches: incumbents go out, the wish to stop comes in, and each solver is asked what it can take."""
 
-from __future__ import annotations
-
 import threading
 from typing import Any
 

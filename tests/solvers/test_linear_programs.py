@@ -1,7 +1,5 @@
 """Whoever solves linear programs on the way: same bounds, ends when asked to, and is told seed and threads."""
 
-from __future__ import annotations
-
 import threading
 from typing import Any
 

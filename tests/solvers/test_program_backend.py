@@ -1,7 +1,5 @@
 """What all program backends do alike: trivial programs, the solver's last word, infeasible or unbounded, options that are common."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """A small routing problem, and engines of any behaviour."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

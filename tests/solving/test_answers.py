@@ -1,7 +1,5 @@
 """``solve(start=...)`` and ``check`` take whatever says clearly what it is, and refuse the rest in one line."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

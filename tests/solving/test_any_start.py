@@ -1,7 +1,5 @@
 """Whatever is given as a start, of any family: an answer that is judged, or one line that says what is wrong with it."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable, Iterator
 from functools import cache

@@ -1,7 +1,5 @@
 """Bounds of a problem: before a search, beside it and after it."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import threading

@@ -1,7 +1,5 @@
 """No engine is believed: liars of every kind are caught, and what was checked is returned."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Why a problem has no answer."""
 
-from __future__ import annotations
-
 import _thread
 import json
 import math

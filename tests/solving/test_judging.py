@@ -1,7 +1,5 @@
 """What a search says and hands over, held against what was checked."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Planted liars of every sort, each caught by ``solve`` itself; and honest claims that count."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

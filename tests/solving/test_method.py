@@ -1,7 +1,5 @@
 """Which method answers: chosen, refused before it runs, or begun by a heuristic."""
 
-from __future__ import annotations
-
 import math
 import threading
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """What is asked of a search, and what is refused of it before anything runs."""
 
-from __future__ import annotations
-
 import inspect
 from dataclasses import fields
 from typing import Any

@@ -1,7 +1,5 @@
 """``solve`` checks what it is given, goes on after a crash, and hands the linear programs met on the way to the solver that is named."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

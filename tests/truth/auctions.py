@@ -1,7 +1,5 @@
 """Brute force for tiny problems of robots with tasks, bins, jobs, errands, orchards and rooms."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from fractions import Fraction

@@ -5,8 +5,6 @@ nothing of a problem but its data. ``best`` is the optimum over the answers that
 that exceed none by more than 1e-9 of what is added up and compared there: sums of doubles cannot be told apart more finely for sure.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator

@@ -5,8 +5,6 @@ Besides what keeps every limit exactly it knows what exceeds none by more than 1
 come out a rounding above.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,5 @@
 """A bare program is judged by its arrays alone, and refused where they hold no numbers."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Robots to bins: the problem and its judge."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The judge of days in the orchard, and their optima."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

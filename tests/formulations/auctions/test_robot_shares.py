@@ -1,7 +1,5 @@
 """What answers of both problems share: files, names, and the test that every task is there once."""
 
-from __future__ import annotations
-
 import pytest
 from coded import coded
 from task_problems import line, parts

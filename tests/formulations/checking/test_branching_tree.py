@@ -1,7 +1,5 @@
 """Trees of statements: what their leaves prove together, and nothing else."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import math

@@ -1,7 +1,5 @@
 """Bounds are lifted to the next value an objective can take, and never past one."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A compiled problem keeps the way back through relaxation, and its flag says how far the program may be believed."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Values of dual vectors."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

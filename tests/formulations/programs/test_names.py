@@ -1,7 +1,5 @@
 """Names that files and their readers agree on."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

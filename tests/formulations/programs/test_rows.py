@@ -1,7 +1,5 @@
 """Blocks of rows from entries in any order."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

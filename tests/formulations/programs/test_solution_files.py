@@ -1,7 +1,5 @@
 """Solution files of outside solvers, as vectors; files of another model are refused."""
 
-from __future__ import annotations
-
 import subprocess
 from collections.abc import Callable
 from functools import partial

@@ -1,7 +1,5 @@
 """Solved models, of whatever package, as vectors."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Risk allocation declared with CVXPY."""
 
-from __future__ import annotations
-
 import cvxpy as cp
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Risk allocations judged from the data: cost, limits, risks and budgets."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from risk_problems import around_a_box, margins, problem, run

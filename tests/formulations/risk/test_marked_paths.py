@@ -1,7 +1,5 @@
 """Rewards that can be had without risk, and paths with any, against all paths of small graphs."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

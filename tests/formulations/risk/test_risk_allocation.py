@@ -1,7 +1,5 @@
 """Risk allocation: statements, answers as files, the joint risk against a simulation, and problems made of another one."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

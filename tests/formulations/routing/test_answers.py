@@ -1,7 +1,5 @@
 """Routes in JSON, GeoJSON and networkx, and as tables."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

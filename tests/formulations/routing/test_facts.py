@@ -1,7 +1,5 @@
 """What is told of a problem: always the same of what all have, and the rest where there is any."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Arguments that a fleet is too small: each must be a proof."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

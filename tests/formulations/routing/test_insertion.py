@@ -1,7 +1,5 @@
 """What a route would be with one site more, at every place of it, is what the judge says of each such route."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The judge of routes: schedules by hand, every violation by name and amount, and what must not change a verdict."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

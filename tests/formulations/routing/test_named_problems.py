@@ -1,7 +1,5 @@
 """The standard members of the family: what each asks, and what it needs."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

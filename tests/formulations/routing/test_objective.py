@@ -1,7 +1,5 @@
 """Objectives: terms, sums, priorities, and their texts."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

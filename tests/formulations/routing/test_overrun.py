@@ -1,7 +1,5 @@
 """How likely routes overrun their limits: by hand, by Monte Carlo, and far out in the tail."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from statistics import NormalDist

@@ -1,7 +1,5 @@
 """Routes from lists, mappings and tables of visits."""
 
-from __future__ import annotations
-
 import datetime
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Preparation drops and tightens only what no feasible route needs, and enough of it."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

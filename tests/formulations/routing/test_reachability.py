@@ -1,7 +1,5 @@
 """Sites named unreachable are on no feasible route, and no answer has fewer routes than the least number."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Reference cases with proven optima: least cost, makespan, windows, virtual nodes, refuelling, orienteering, closing moves."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

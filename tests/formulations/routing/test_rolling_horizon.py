@@ -1,7 +1,5 @@
 """Plans in progress: what is done, where vehicles start, and what they have left."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Schedules by hand: what is on board, several windows, recharging, closing moves, travel of one's own."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Settings of routing problems: each does what its name says, and what is wrong with one is said in a line."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Statements on moves and on the number of routes: no evidence on what they leave proves more than the best answer."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import pickle

@@ -1,7 +1,5 @@
 """Why sites are left out: each reason against brute force over all places, and over all routes where it says that no vehicle can."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The judge against brute force, and what the checkers prove against it, for every feature of the family."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Bottleneck problems: values by hand and by enumeration, faults by name, answers as files and tables."""
 
-from __future__ import annotations
-
 import itertools
 import json
 from dataclasses import replace

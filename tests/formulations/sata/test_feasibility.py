@@ -1,7 +1,5 @@
 """What a constraint allows, and what may still join a set."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

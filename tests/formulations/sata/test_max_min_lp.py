@@ -1,7 +1,5 @@
 """Max-min and min-max programs: values by definition, faults by name, answers as files and tables."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Answers of selection and assignment problems: what judges them, and robots' actions as JSON."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,7 +1,5 @@
 """Selection problems: values by hand and by enumeration, constraints, answers as files and tables."""
 
-from __future__ import annotations
-
 import itertools
 import json
 

@@ -1,7 +1,5 @@
 """Winner takes all: values by hand and by enumeration, credit, answers as files and tables."""
 
-from __future__ import annotations
-
 import itertools
 import json
 from dataclasses import replace

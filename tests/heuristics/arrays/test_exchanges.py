@@ -1,7 +1,5 @@
 """Exchanges one by one and by the program of fewest takeoffs, against all schedules of tiny fleets."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Bertsekas' auction: worked bids and prices, and what epsilon promises."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from bin_assignments import OPTIMA, enumerated, worked

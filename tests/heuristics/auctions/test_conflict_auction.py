@@ -1,7 +1,5 @@
 """Conflict auction: worked epochs, the facts that are proved of it, and its worst lines."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The most gain from which a robot can be heard again by itself."""
 
-from __future__ import annotations
-
 import numpy as np
 from draws import draws
 from explorations import enumerated, path, random_map

@@ -1,7 +1,5 @@
 """List schedules, and what they guarantee."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from draws import draws

@@ -1,7 +1,5 @@
 """Online greedy: worked epochs, orders, and its worst line."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

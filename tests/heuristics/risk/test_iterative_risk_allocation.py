@@ -1,7 +1,5 @@
 """Iterative risk allocation: monotone, allowed in every round, and stalling where all constraints are active."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,7 +1,5 @@
 """Brute force finds the optimum, and refuses what is too large for it."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Continuous greedy: better than half under a partition matroid, without a random number."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Greedy on selections and on bottlenecks."""
 
-from __future__ import annotations
-
 import math
 import time
 

@@ -1,7 +1,5 @@
 """Knapsack greedy: every depth of enumeration keeps what is proved for it."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

@@ -1,7 +1,5 @@
 """Lazy greedy: greedy's answer, fewer evaluations."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

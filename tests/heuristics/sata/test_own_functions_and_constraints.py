@@ -1,7 +1,5 @@
 """Functions and constraints of which no module knows are taken by every method that can do without more than they offer."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 

@@ -1,7 +1,5 @@
 """Random answers are feasible, maximal, and evenly spread."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import numpy as np

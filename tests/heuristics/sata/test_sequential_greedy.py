@@ -1,7 +1,5 @@
 """Sequential greedy: any order, half of the optimum."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

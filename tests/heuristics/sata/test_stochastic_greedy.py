@@ -1,7 +1,5 @@
 """Stochastic greedy: seeded, cheap, good in expectation."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

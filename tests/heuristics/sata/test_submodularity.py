@@ -1,7 +1,5 @@
 """``check_submodular`` finds what breaks diminishing returns, and clears what does not."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

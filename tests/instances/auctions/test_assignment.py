@@ -1,7 +1,5 @@
 """Costs of robots and bins."""
 
-from __future__ import annotations
-
 import pickle
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Costs out of pandas frames."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Agents with capacities, and jobs."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

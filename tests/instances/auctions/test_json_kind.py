@@ -1,7 +1,5 @@
 """Auctions' data in JSON: what is written, and what is wrong in a file by its path."""
 
-from __future__ import annotations
-
 import json
 import math
 from typing import Any

@@ -1,7 +1,5 @@
 """Risk allocation in waybound's JSON."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Risk elements: what each makes of a path, and what it refuses."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Graphs of uncertain edge costs in waybound's JSON."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Risk elements that depend on the whole path."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

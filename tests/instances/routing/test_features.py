@@ -1,7 +1,5 @@
 """What routing data hold is named, each feature by itself, and in the same words by instance and problem."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

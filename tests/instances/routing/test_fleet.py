@@ -1,7 +1,5 @@
 """Fleets of equal vehicles, and which problems the data allow."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

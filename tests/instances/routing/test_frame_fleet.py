@@ -1,7 +1,5 @@
 """Vehicle types from frames and mappings."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Windows, shipments and groups as lists, mappings and frames."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

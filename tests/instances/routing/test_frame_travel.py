@@ -1,7 +1,5 @@
 """Distances from matrices, lists of moves, graphs and tables."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import networkx as nx

@@ -1,7 +1,5 @@
 """Instances from pandas frames."""
 
-from __future__ import annotations
-
 import datetime
 import math
 import re

@@ -1,7 +1,5 @@
 """Gaussian processes with noise of different sizes, against the formulas over all measurements at once."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

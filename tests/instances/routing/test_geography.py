@@ -1,7 +1,5 @@
 """Latitude and longitude."""
 
-from __future__ import annotations
-
 import math
 import warnings
 

@@ -1,7 +1,5 @@
 """Routing instances in waybound's JSON."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """All that a vehicle and its travel may hold is written and read back the same."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

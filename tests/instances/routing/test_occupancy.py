@@ -1,7 +1,5 @@
 """Occupancy cells: reference values, learnt rates, worth of readings, what beams see, and ways through cells that close."""
 
-from __future__ import annotations
-
 import heapq
 import math
 

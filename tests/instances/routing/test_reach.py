@@ -1,7 +1,5 @@
 """Shortest ways, least levels, and customers that no vehicle can reach."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Any

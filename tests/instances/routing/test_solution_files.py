@@ -1,7 +1,5 @@
 """Solution files of routes: .sol and .tour."""
 
-from __future__ import annotations
-
 import pytest
 from file_cases import check_fault, check_refused, error_of
 

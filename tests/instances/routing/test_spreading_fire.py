@@ -1,7 +1,5 @@
 """Fires that spread as ellipses, and their fronts."""
 
-from __future__ import annotations
-
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st

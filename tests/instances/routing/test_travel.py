@@ -1,7 +1,5 @@
 """Metrics of TSPLIB, conventions of rounding, and what a travel refuses."""
 
-from __future__ import annotations
-
 import math
 from decimal import ROUND_DOWN, Decimal, getcontext
 

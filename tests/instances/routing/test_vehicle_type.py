@@ -1,7 +1,5 @@
 """Vehicles and their stores, and whether they fit the sites."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

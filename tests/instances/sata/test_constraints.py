@@ -1,7 +1,5 @@
 """Constraints: their data, and the views that algorithms read."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

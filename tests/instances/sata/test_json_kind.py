@@ -1,7 +1,5 @@
 """Sensing graphs in waybound's JSON."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The filter of a probability hypothesis density: mass in a disc, prediction, update, pruning and merging, births."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

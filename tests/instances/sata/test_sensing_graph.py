@@ -1,7 +1,5 @@
 """Sensing graphs from arrays."""
 
-from __future__ import annotations
-
 import pickle
 import warnings
 from typing import Any

@@ -1,7 +1,5 @@
 """Sensing graphs as tables of names."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

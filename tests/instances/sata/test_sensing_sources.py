@@ -1,7 +1,5 @@
 """Sensing graphs from pandas, networkx and positions."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import warnings

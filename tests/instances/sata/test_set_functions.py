@@ -1,7 +1,5 @@
 """Set functions: their data, their values, and the views that algorithms read."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tracks, the motion that they learn, and the distance of sets."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

@@ -1,7 +1,5 @@
 """A row for each file and way, and exit code 1 where bounds differ."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

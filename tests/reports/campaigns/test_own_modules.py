@@ -1,7 +1,5 @@
 """Campaigns with solvers of their own."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Paired tests: the pairs are instances, and noise is told from change."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

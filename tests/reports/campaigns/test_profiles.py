@@ -1,7 +1,5 @@
 """Performance profiles of campaigns."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Before and after: what is worse beyond noise is told, and noise is not."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A campaign does what is missing, goes on after whatever ended it, and keeps what was done."""
 
-from __future__ import annotations
-
 import json
 import os
 import random

@@ -1,7 +1,5 @@
 """Films of missions."""
 
-from __future__ import annotations
-
 import io
 
 import numpy as np

@@ -1,7 +1,5 @@
 """``run``: the loop that plays any mission, and its log."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import os

@@ -1,7 +1,5 @@
 """Blocks of answers of any family."""
 
-from __future__ import annotations
-
 import pytest
 
 import waybound as wb

@@ -1,7 +1,5 @@
 """Pictures of progress."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Heuristics that break what they state, registered while a test runs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Families of instances: seeded, and made as they say."""
 
-from __future__ import annotations
-
 import pytest
 
 from waybound.reports.studies.sata.families import max_min as graphs

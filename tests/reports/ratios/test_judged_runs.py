@@ -1,7 +1,5 @@
 """One run judged: its ratio, what it states against what the literature states, and its bounds against the optimum."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Optima of small instances: whoever finds them, by family."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import risky_cases

@@ -1,7 +1,5 @@
 """Instances on which something went wrong: as files that are read back, and as lines for people."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Reports as files."""
 
-from __future__ import annotations
-
 import csv
 import math
 

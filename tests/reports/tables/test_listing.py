@@ -1,7 +1,5 @@
 """Tables of solvers and heuristics."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import waybound as wb

@@ -1,7 +1,5 @@
 """CP-SAT: counting, statuses, parameters, and what it refuses."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

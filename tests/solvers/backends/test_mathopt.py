@@ -1,7 +1,5 @@
 """MathOpt: its solvers by name, what each takes, and errors that reach the user as features."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Outer approximation: whole points in discs and cones, bounds on the way, limits, and what it refuses."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

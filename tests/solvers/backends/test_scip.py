@@ -1,7 +1,5 @@
 """SCIP through PySCIPOpt: duals with presolving off, nonconvex objectives, starts and parameters."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Duals of a form's linear relaxation prove a bound."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Trees that grow: what they drop, and that a branching for which there was no time leaves nothing behind."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Row duals multiplied out against the arrays never prove more than the optimum, and optimal ones prove it."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 from types import SimpleNamespace

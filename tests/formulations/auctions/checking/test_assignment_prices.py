@@ -1,7 +1,5 @@
 """Prices as evidence: any prove a bound, good ones the optimum, at any scale."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

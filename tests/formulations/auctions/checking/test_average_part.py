@@ -1,7 +1,5 @@
 """The checker of average parts: it passes no optimum, in any units, with weights of any sign."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,7 +1,5 @@
 """Prices of jobs as evidence: any prove a bound, whatever the units."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Robots and bins that meet pairs as evidence."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

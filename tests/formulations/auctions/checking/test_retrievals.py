@@ -1,7 +1,5 @@
 """Evidence of retrievals."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import permutations
 

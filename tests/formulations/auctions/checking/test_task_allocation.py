@@ -1,7 +1,5 @@
 """The checkers of task forests and shortest ways: their bounds hold for every answer, whatever the evidence, in any units."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,7 +1,5 @@
 """Form ``assignment-knapsacks``, from text to text."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Forms of bin assignments: every solver finds the optimum, duals prove it, and the programs are those of the page."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Form ``errand-choice``: from text to text, points and answers, and rows."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

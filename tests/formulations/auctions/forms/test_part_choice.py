@@ -1,7 +1,5 @@
 """The form of parts: its optimum is that of the problem, every partition is a point of it at its value, and back."""
 
-from __future__ import annotations
-
 import itertools
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The form of paths: its optimum is that of the problem, every answer is a point of it at its value, and back."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Form ``time-expanded``: from text to text; answers are points of their gain, and points answers."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Form ``time-indexed``: from text to text, and the optima of days on which all bins stand, as by intervals."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

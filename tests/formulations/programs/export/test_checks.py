@@ -1,7 +1,5 @@
 """What no hand-over lets pass: cones and products that it cannot hold, numbers that are none, sides that cross."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Every hand-over and file keeps the program: same arrays where they can be read back, same optimum everywhere."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

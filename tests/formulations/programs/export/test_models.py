@@ -1,7 +1,5 @@
 """Models of HiGHS, MathOpt and PuLP: the arrays as they are, the same optimum, and refusals by name."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

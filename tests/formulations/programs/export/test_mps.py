@@ -1,7 +1,5 @@
 """MPS: every number comes back to the last bit."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

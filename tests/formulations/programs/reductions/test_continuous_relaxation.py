@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from tests.program_text import expected, program_text

@@ -1,7 +1,5 @@
 """Bounds for variables that have none: from rows, and from what the objective makes worth having."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Chains of reductions: whatever is done to a program, its points, values, bounds and duals come back."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Programs are brought to sizes that solvers count in, and everything comes back in its own units."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Programs in integers: what they allow contains what the program allows, and their optimum is its optimum."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

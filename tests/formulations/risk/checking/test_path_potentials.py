@@ -1,7 +1,5 @@
 """The checker of potentials: what they prove holds for every path, whatever they are."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The bound that prices prove: for any prices, at any scale, and from the tail alone."""
 
-from __future__ import annotations
-
 import math
 from decimal import Decimal, getcontext
 from typing import Any

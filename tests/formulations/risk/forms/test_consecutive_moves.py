@@ -1,7 +1,5 @@
 """The form of consecutive moves: its optimum, its duals, and the way back."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import risky_cases as cases

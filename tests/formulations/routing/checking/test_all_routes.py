@@ -1,7 +1,5 @@
 """The proof of all routes of a few customers, by their orders and by sets of them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

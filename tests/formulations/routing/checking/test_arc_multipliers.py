@@ -1,7 +1,5 @@
 """Lagrangian bounds from arc multipliers never exceed the optimum, and good ones come close to it."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Routes through each set of customers bound every problem of the family; the truth is another enumeration's."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Cuts never exclude the optimum, whatever the prices and sets, and prove what no price of visits alone can."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

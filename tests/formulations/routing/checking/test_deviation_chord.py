@@ -1,7 +1,5 @@
 """The chord of the deviation: never beyond the optimum, the same in any unit of time, and whatever its evidence says."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import partial

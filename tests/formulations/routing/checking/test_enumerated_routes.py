@@ -1,7 +1,5 @@
 """Trees over all routes below a reduced cost: whatever they say, no more than the optimum is proved."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Walks of each type apart: never beyond the optimum whatever is left out, stated or priced, and what all routes one by one prove."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence

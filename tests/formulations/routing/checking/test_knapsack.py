@@ -1,7 +1,5 @@
 """The knapsack bound of rewards never excludes the optimum, and is the fractional knapsack at the critical ratio."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

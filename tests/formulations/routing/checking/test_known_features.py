@@ -1,7 +1,5 @@
 """Features that the checkers know, and problems without stops on the way."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

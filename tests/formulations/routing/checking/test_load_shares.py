@@ -1,7 +1,5 @@
 """What each customer pays of the routes: shares of loads, and the nearest moves, by coordinates as by matrices."""
 
-from __future__ import annotations
-
 import math
 import tracemalloc
 from dataclasses import replace

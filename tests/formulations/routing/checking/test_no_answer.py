@@ -1,7 +1,5 @@
 """Proofs that there is no answer hold only where there is none; and the vehicles that loads need."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

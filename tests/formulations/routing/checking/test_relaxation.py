@@ -1,7 +1,5 @@
 """The relaxation holds every answer: its arcs, its costs, its numbers of routes."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

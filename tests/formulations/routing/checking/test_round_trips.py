@@ -1,7 +1,5 @@
 """The largest of all routes: the farthest round trip, and the mean of all."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

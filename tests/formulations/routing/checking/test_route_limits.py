@@ -1,7 +1,5 @@
 """What one vehicle may be able to do: never less than what a route that is tried out does, and by hand what the limits are."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

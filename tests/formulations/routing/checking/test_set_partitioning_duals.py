@@ -1,7 +1,5 @@
 """Bounds from prices of visits: never above the optimum, and exactly what the cheapest route leaves, found by trying all of them."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import threading

@@ -1,7 +1,5 @@
 """Spanning-tree bounds never exceed the optimum, and reach it where a tree is all that matters."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """State-space bounds never exclude the optimum, whatever the prices, the resource and the step, and reach it where walks are routes."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

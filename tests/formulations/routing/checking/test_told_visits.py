@@ -1,7 +1,5 @@
 """Who is surely visited, and who is not, follows from requirements, needed moves and alternatives."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Each type of vehicle has moves, costs and limits of its own."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Whole levels keep what is allowed, and networks hold what they are made of."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 

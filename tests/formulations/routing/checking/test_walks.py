@@ -1,7 +1,5 @@
 """Walks in whole numbers: the least that labels find is that of all walks, tried one by one."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator

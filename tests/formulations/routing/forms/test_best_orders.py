@@ -1,7 +1,5 @@
 """The best orders of each set of sites are those that walking every order finds."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The circuit form: what it writes, and that it is enough."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

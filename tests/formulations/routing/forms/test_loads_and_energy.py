@@ -1,7 +1,5 @@
 """Loads that rise and fall, and residual energy: the rows that the three-index form writes, and the cases they are known for."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from oracles import agrees, optimum, routing

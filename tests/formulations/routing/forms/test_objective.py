@@ -1,7 +1,5 @@
 """Maxima, durations and overtime in the three-index form."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from oracles import GAP_5, OCTO_8, SQUARE_4, TW_4, agrees, optimum, routing, solved

@@ -1,7 +1,5 @@
 """Programs block after block, levels of priority, and the way from arcs to routes."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

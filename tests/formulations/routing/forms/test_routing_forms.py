@@ -1,7 +1,5 @@
 """Every routing form against brute force and reference values: same optimum, same verdict on feasibility, answers that pass the judge."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

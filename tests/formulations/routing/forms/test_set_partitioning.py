@@ -1,7 +1,5 @@
 """Set partitioning: what it writes, which routes it keeps, and programs over given routes."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Sizes of routing forms, from lists of sites; every form is held against what is built in ``tests/conformance/test_form_sizes.py``."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

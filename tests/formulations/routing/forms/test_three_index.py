@@ -1,7 +1,5 @@
 """The three-index form: what it writes, row by row, and what it alone can express."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

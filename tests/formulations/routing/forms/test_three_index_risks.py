@@ -1,7 +1,5 @@
 """Three-index forms with uncertain durations: cones, tangents and chords."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Two-index forms: what they write, row by row, duals as evidence, and the real files."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Columns and rows of the three-index form."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

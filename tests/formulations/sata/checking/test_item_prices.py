@@ -1,7 +1,5 @@
 """Prices of items: whatever they are, the bound that they prove holds for every answer that passes the check."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

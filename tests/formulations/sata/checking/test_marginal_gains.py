@@ -1,7 +1,5 @@
 """Marginal gains bound every feasible value, whatever set they are taken over."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

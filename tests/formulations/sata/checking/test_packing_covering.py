@@ -1,7 +1,5 @@
 """Prices of packing and covering rows: whatever they are, the bound that they prove holds."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

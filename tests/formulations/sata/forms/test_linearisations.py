@@ -1,7 +1,5 @@
 """The linear forms of a selection and the product form: what they write, row by row."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The max-min form against enumeration and SciPy, with evidence from any interior or vertex duals."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

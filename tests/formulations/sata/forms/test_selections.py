@@ -1,7 +1,5 @@
 """What the forms of selection share: the rows of each constraint, creditors, and the edges that serve an item best."""
 
-from __future__ import annotations
-
 import pickle
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Answers out of arrays, what is left where an auction was cut short, and rules by name."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from task_problems import drawn, line

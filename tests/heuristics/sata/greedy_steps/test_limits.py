@@ -1,7 +1,5 @@
 """Cardinality limits and partition matroids as groups with room."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,7 +1,5 @@
 """The closed form of the multilinear extension is the expected value that it stands for."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

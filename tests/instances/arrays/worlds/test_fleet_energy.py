@@ -1,7 +1,5 @@
 """The world of small batteries: ways, charging, low voltages, and what is refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,7 +1,5 @@
 """Generalised assignments in CSV."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Pairs in CSV."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Robots and tasks in CSV."""
 
-from __future__ import annotations
-
 import pytest
 from file_cases import check_refused
 

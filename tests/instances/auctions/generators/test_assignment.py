@@ -1,7 +1,5 @@
 """Random assignments, and distances in an orchard."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from file_cases import check_refused

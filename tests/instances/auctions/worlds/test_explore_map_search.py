@@ -1,7 +1,5 @@
 """Robots with budgets in rooms: what actions gain, who is told what, and input that is refused."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

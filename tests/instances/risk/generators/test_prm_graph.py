@@ -1,7 +1,5 @@
 """Random roadmaps, and images that stand in for aerial ones."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from file_cases import check_refused

@@ -1,7 +1,5 @@
 """Generated plans under chance constraints."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Random maps with risk."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,7 +1,5 @@
 """Cordeau's text format."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """GeoJSON points as sites."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Li and Lim's text format."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """A format refuses what it has no place for, by name; the names are those of the data's features."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The text formats of orienteering along paths: ``chao`` and ``tsiligirides``."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from pathlib import Path

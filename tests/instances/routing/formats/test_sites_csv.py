@@ -1,7 +1,5 @@
 """Sites from CSV."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Taillard's text format of mixed fleets."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from typing import Any

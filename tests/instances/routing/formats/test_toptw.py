@@ -1,7 +1,5 @@
 """Files of the team orienteering problem with time windows."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from pathlib import Path

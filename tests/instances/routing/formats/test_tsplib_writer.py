@@ -1,7 +1,5 @@
 """Writing of TSPLIB-like text: what is written, and what the format has no word for."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

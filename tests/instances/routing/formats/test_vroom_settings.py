@@ -1,7 +1,5 @@
 """Settings of VROOM's files: great circles, and what is left out."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Writing of VROOM's JSON."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """TSPLIB and VRPLIB files."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

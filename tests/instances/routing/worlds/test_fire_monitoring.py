@@ -1,7 +1,5 @@
 """The spreading fire, its hotspots, and the world that an aircraft flies in."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Floors: rooms that are all joined, blocks, and maps from files."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

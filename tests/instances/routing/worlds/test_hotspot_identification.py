@@ -1,7 +1,5 @@
 """The field with hotspots: time, pictures, and what is refused before the first step."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

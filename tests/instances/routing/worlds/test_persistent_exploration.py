@@ -1,7 +1,5 @@
 """Robots that fly over a changing grid: time, batteries, readings, measures, and what is refused before the first step."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

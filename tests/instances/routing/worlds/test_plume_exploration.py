@@ -1,7 +1,5 @@
 """The drifting plume: flights, events, sight, and what is refused before the first step."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

@@ -1,7 +1,5 @@
 """The unknown floor: sight, radios, energy, what comes to the base, and what is refused before the first step."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Edge lists of sensing graphs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

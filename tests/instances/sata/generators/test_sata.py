@@ -1,7 +1,5 @@
 """Random sensing graphs of a given density."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import networkx as nx

@@ -1,7 +1,5 @@
 """The world of search and tracking: what is detected, what the filter makes of it, what is refused."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

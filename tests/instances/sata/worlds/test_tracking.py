@@ -1,7 +1,5 @@
 """The tracking world: how targets and robots move, and what robots see."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Information gathering at play."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

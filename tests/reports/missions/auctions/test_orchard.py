@@ -1,7 +1,5 @@
 """The orchard as a mission: rules, auctions, assignments and schedules at play."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Monitoring a fire: scores, circling, tours, and the exact patrol against its plan and the bound."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

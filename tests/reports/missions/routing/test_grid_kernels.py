@@ -1,7 +1,5 @@
 """Steps over a grid, against scipy's shortest paths."""
 
-from __future__ import annotations
-
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st

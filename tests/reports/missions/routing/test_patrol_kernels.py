@@ -1,7 +1,5 @@
 """The exact patrol against all sequences of visits."""
 
-from __future__ import annotations
-
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Exploring a plume: by the depth-first team, by the lawn mower, and by routes through what is in sight."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Exploring under unreliable communication: by roles and without, by the nearest frontier and by shared routes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Pictures of risk allocations."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,7 +1,5 @@
 """Maps of routes: positions, scale bars, arrows, legends and titles."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

@@ -1,7 +1,5 @@
 """Experiments on random sensing graphs."""
 
-from __future__ import annotations
-
 import pytest
 
 from waybound import CheckFailedError, UsageError, WinnerTakesAllSATA

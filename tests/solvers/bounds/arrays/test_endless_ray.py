@@ -1,7 +1,5 @@
 """Endless programs are found out, and no others."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from programs import INF, program

@@ -1,7 +1,5 @@
 """Prices of a forest: they prove what the ascent says, more than the forest alone, and no more than the optimum."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

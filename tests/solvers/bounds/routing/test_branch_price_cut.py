@@ -1,7 +1,5 @@
 """Branch and price, and trees of moves: small problems are proved, nothing false is, and routes are those that trying all of them finds."""
 
-from __future__ import annotations
-
 import json
 import math
 import threading

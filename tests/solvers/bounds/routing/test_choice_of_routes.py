@@ -1,7 +1,5 @@
 """Problems that the bound takes, and that the objective decides whether limits of routes come first."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """All routes of a better answer: none is missing, and what is chosen among them is the optimum."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import math

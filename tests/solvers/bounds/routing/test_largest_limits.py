@@ -1,7 +1,5 @@
 """The largest of all routes by bisection: optima are proved at any scale, no lie is, and both ends stand whenever it stops."""
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """The set partitioning program: types of vehicle, rows of visits, and what an answer without any costs."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

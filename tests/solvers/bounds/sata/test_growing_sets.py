@@ -1,7 +1,5 @@
 """Sets that grow: values and gains are those of the function, whichever way it is given."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

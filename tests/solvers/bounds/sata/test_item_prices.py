@@ -1,7 +1,5 @@
 """Prices of items by the primal-dual method: they prove the value of the linear relaxation, and nothing less than an optimum."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The bound method for selections, and the choice of a prefix."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Engines of bin assignments: what they refuse, and what the data alone show."""
 
-from __future__ import annotations
-
 import pytest
 from bin_assignments import worked
 

@@ -1,7 +1,5 @@
 """Engine ``epsilon-scaling``."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

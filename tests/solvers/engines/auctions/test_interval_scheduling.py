@@ -1,7 +1,5 @@
 """The engine of days: what it takes, and what it leaves when it is stopped."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from orchard_cases import random_jobs, retrievals

@@ -1,7 +1,5 @@
 """The engine of best paths through ``solve``: a verified optimum, the sizes that it takes, and limits."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

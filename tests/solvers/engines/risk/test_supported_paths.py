@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from uncertain_graphs import WORKED, all_paths, graph_of, named, random_graph

@@ -1,7 +1,5 @@
 """The engine: optima with their proofs, starts that are kept, limits that leave an answer and a bound."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Optima of small routing problems: what is beyond enumeration; ``test_routing`` compares those that are found."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

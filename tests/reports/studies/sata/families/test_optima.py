@@ -1,7 +1,5 @@
 """Optima of small selection and max-min problems, against plain Python and known cases."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

@@ -1,7 +1,5 @@
 """Most reward per risk against enumeration."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import risky_cases as cases

@@ -1,7 +1,5 @@
 """Problems and answers as arrays, and back."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

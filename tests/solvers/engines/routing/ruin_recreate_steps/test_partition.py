@@ -1,7 +1,5 @@
 """Answers made of the routes of many others."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterable
 from dataclasses import replace

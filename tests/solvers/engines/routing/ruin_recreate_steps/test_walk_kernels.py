@@ -1,7 +1,5 @@
 """Walks of routes: a route is kept exactly if the judge has nothing against it, and lasts as long as the judge says."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

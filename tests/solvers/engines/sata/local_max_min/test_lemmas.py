@@ -1,7 +1,5 @@
 """The steps of the proof of the guarantee, one by one, in exact arithmetic on the layered program."""
 
-from __future__ import annotations
-
 from fractions import Fraction as F
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Programs of several packing rows a variable: both sides are proved, and close around the optimum."""
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np
