@@ -1,5 +1,3 @@
-"""Answers in CSV and in workbooks."""
-
 import io
 import zipfile
 from pathlib import Path

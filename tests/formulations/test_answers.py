@@ -1,5 +1,3 @@
-"""Answers read from files and written by suffix."""
-
 import json
 
 import pytest

@@ -1,5 +1,3 @@
-"""Certificates hold what evidence proves, and contradictions are errors."""
-
 import json
 import math
 from collections.abc import Mapping

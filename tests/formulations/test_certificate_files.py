@@ -1,5 +1,3 @@
-"""Certificates with much evidence: a compressed file beside them, which is read in bounds and must be what it was."""
-
 import gzip
 import hashlib
 import json

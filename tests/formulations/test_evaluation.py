@@ -1,5 +1,3 @@
-"""A checklist keeps the largest residual of each check, and every violation."""
-
 import json
 import math
 

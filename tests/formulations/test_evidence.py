@@ -1,5 +1,3 @@
-"""Evidence, reasons and guarantees travel as JSON, infinity included."""
-
 import json
 import math
 

@@ -1,5 +1,3 @@
-"""Only exact forms are taken unasked; of a form that is named, no more is believed than its flag allows."""
-
 import ast
 import inspect
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""Answers and certificates as standard JSON."""
-
 import json
 import math
 

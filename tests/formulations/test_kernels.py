@@ -1,5 +1,3 @@
-"""Kernels are compiled for the types that they declare, when they are first called, and off every clock."""
-
 import importlib
 import importlib.util
 import operator

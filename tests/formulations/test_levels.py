@@ -1,5 +1,3 @@
-"""Bounds of further levels: of all answers that are no worse before, derived again from their evidence."""
-
 import copy
 import math
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""The way from a solution to its picture."""
-
 import subprocess
 import sys
 

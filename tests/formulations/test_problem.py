@@ -1,5 +1,3 @@
-"""What every problem can do, unless its family does it in its own way."""
-
 import pytest
 from coded import coded
 

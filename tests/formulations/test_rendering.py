@@ -1,5 +1,3 @@
-"""Facts as people read them."""
-
 from waybound.formulations.rendering import Line, as_html, as_text, number, percent
 
 

@@ -1,5 +1,3 @@
-"""Events of a search as a frame."""
-
 import math
 
 import pytest

@@ -1,5 +1,3 @@
-"""What a solution tells and shows."""
-
 import inspect
 import pickle
 

@@ -1,5 +1,3 @@
-"""Fields of certificate files: what agrees, what does not, and what is malformed."""
-
 import math
 from typing import Any
 

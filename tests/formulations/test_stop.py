@@ -1,5 +1,3 @@
-"""A wish to end and a deadline reach Python and compiled loops alike."""
-
 import os
 import threading
 import time

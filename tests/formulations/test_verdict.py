@@ -1,5 +1,3 @@
-"""What is said to be proved is what the certificate verifies, and nothing else."""
-
 from dataclasses import replace
 
 import pytest

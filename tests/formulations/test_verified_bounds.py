@@ -1,5 +1,3 @@
-"""Bounds are what checkers derive, and are compared by the sense of the problem."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""The contract of heuristics: what they take, with which parameters, and what reaches them of what ``solve`` is told."""
-
 from typing import Any
 
 import numpy as np

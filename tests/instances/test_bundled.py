@@ -1,5 +1,3 @@
-"""Bundled instances."""
-
 import re
 from collections.abc import Callable
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""Times as numbers in a stated unit, and back."""
-
 import datetime
 import math
 from typing import Any

@@ -1,5 +1,3 @@
-"""What a declaration makes of an instance: the same digests and the same JSON in every version of waybound."""
-
 import hashlib
 import math
 from collections.abc import Callable

@@ -1,5 +1,3 @@
-"""Errors: one line each, with an exit code."""
-
 import re
 from pathlib import Path
 from typing import get_args

@@ -1,5 +1,3 @@
-"""Columns of frames."""
-
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""What all generators have in common."""
-
 from typing import Any
 
 import pytest

@@ -1,5 +1,3 @@
-"""The digest of data: the same on every machine, different for different data."""
-
 import numpy as np
 import pytest
 

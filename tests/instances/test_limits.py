@@ -1,5 +1,3 @@
-"""Numbers that users set, and what no machine can do."""
-
 import math
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""Arrays as they come from a user."""
-
 from itertools import pairwise
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""Parts that fields are declared by, in a kind of three crews."""
-
 import math
 from dataclasses import dataclass
 from typing import Annotated, Any

@@ -1,5 +1,3 @@
-"""Text as it may be shown."""
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

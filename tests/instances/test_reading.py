@@ -1,5 +1,3 @@
-"""Recognition of formats, and what every reader has in common."""
-
 from pathlib import Path
 
 import pytest

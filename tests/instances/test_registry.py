@@ -1,5 +1,3 @@
-"""The registry that everything registers itself in."""
-
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""What a misspelt name may have been meant for."""
-
 import pytest
 
 from waybound.instances.suggestions import did_you_mean, nearest

@@ -1,5 +1,3 @@
-"""Tables of the documentation."""
-
 from pathlib import Path
 
 import pytest

@@ -1,5 +1,3 @@
-"""Decoding, lines and numbers of input files."""
-
 import os
 from pathlib import Path
 

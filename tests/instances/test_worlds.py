@@ -1,5 +1,3 @@
-"""The contract of worlds: names, settings, seeds."""
-
 import pytest
 
 from waybound.instances.errors import UsageError

@@ -1,5 +1,3 @@
-"""Writing of instances by name and by suffix."""
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""What is made of the runs of a comparison: the best answer, the best bound, and gaps to it, level by level."""
-
 import math
 from dataclasses import replace
 from typing import Any

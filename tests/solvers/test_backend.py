@@ -1,5 +1,3 @@
-"""The line between ``solve`` and what searches: incumbents go out, the wish to stop comes in, and each solver is asked what it can take."""
-
 import threading
 from typing import Any
 

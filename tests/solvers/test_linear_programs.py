@@ -1,5 +1,3 @@
-"""Whoever solves linear programs on the way: same bounds, ends when asked to, and is told seed and threads."""
-
 import threading
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""One linear program with changing bounds gives what it gives when it is solved afresh."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""A solver's own options: in the types that they have, or refused with what would do."""
-
 from typing import Any
 
 import pytest

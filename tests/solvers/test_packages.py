@@ -1,5 +1,3 @@
-"""What is installed is looked for once."""
-
 import importlib.util
 from importlib.metadata import PackageNotFoundError
 

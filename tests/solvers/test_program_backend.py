@@ -1,5 +1,3 @@
-"""What all program backends do alike: trivial programs, the solver's last word, infeasible or unbounded, options that are common."""
-
 import math
 from dataclasses import replace
 from types import MappingProxyType

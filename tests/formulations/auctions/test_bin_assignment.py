@@ -1,5 +1,3 @@
-"""Robots to bins: the problem and its judge."""
-
 import math
 import pickle
 from pathlib import Path

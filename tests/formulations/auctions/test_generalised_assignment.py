@@ -1,5 +1,3 @@
-"""Generalised assignments: judged, told and refused."""
-
 import math
 from pathlib import Path
 

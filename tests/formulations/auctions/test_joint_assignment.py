@@ -1,5 +1,3 @@
-"""Joint assignments: judged, told and solved."""
-
 from pathlib import Path
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The judge of days in the orchard, and their optima."""
-
 import itertools
 
 import numpy as np

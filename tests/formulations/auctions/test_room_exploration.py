@@ -1,5 +1,3 @@
-"""Explorations of rooms: judged, told and solved."""
-
 from pathlib import Path
 
 import numpy as np

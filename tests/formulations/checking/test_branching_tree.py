@@ -1,5 +1,3 @@
-"""Trees of statements: what their leaves prove together, and nothing else."""
-
 import itertools
 import json
 import math

@@ -1,5 +1,3 @@
-"""Evidence is read as plain lists of finite numbers, or refused."""
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,5 +1,3 @@
-"""Bounds are lifted to the next value an objective can take, and never past one."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""What is a circuit, by how much a vector breaks one, and graphs that are none."""
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""A compiled problem keeps the way back through relaxation, and its flag says how far the program may be believed."""
-
 import math
 from dataclasses import replace
 from pathlib import Path

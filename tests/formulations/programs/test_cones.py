@@ -1,5 +1,3 @@
-"""By how much a vector breaks a cone, and that bounds of cones are what their definition says."""
-
 import math
 
 import numpy as np

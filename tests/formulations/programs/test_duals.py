@@ -1,5 +1,3 @@
-"""Values of dual vectors."""
-
 import math
 
 import numpy as np

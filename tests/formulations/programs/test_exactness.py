@@ -1,5 +1,3 @@
-"""Flags of forms and reductions compose, and decide what a program's bound and answer are worth."""
-
 import itertools
 
 import pytest

@@ -1,5 +1,3 @@
-"""Names that files and their readers agree on."""
-
 from typing import Any
 
 import numpy as np

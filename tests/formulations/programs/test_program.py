@@ -1,5 +1,3 @@
-"""What a program asks of a solver is told as features, and to people in the usual words."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Blocks of rows from entries in any order."""
-
 import math
 
 import numpy as np

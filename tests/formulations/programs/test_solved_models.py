@@ -1,5 +1,3 @@
-"""Solved models, of whatever package, as vectors."""
-
 from pathlib import Path
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""Risk allocation declared with CVXPY."""
-
 import cvxpy as cp
 import numpy as np
 import pytest

@@ -1,5 +1,3 @@
-"""Risk allocations judged from the data: cost, limits, risks and budgets."""
-
 import numpy as np
 import pytest
 from risk_problems import around_a_box, margins, problem, run

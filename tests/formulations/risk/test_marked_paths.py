@@ -1,5 +1,3 @@
-"""Rewards that can be had without risk, and paths with any, against all paths of small graphs."""
-
 import re
 from dataclasses import replace
 

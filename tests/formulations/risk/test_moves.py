@@ -1,5 +1,3 @@
-"""Moves as vertices: least hazards of walks, against enumeration."""
-
 import math
 
 import numpy as np

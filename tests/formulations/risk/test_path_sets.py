@@ -1,5 +1,3 @@
-"""Probabilities that one set of paths holds the cheapest: reference values, closed forms, and what always holds."""
-
 import math
 from statistics import NormalDist
 

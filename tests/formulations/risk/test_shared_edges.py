@@ -1,5 +1,3 @@
-"""Comparisons of paths that share edges: the joint normal distribution against sampling and closed forms."""
-
 import math
 
 import numpy as np

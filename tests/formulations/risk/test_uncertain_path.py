@@ -1,5 +1,3 @@
-"""Paths of uncertain costs: value, judge, files."""
-
 import math
 
 import pytest

@@ -1,5 +1,3 @@
-"""Routes in JSON, GeoJSON and networkx, and as tables."""
-
 import json
 
 import numpy as np

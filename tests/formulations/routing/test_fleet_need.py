@@ -1,5 +1,3 @@
-"""Arguments that a fleet is too small: each must be a proof."""
-
 import itertools
 import math
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""What a route would be with one site more, at every place of it, is what the judge says of each such route."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The standard members of the family: what each asks, and what it needs."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Objectives: terms, sums, priorities, and their texts."""
-
 import math
 
 import pytest

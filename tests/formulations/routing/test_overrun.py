@@ -1,5 +1,3 @@
-"""How likely routes overrun their limits: by hand, by Monte Carlo, and far out in the tail."""
-
 import math
 from dataclasses import replace
 from statistics import NormalDist

@@ -1,5 +1,3 @@
-"""Routes from lists, mappings and tables of visits."""
-
 import datetime
 import math
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""Preparation drops and tightens only what no feasible route needs, and enough of it."""
-
 import itertools
 import math
 

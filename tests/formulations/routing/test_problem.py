@@ -1,5 +1,3 @@
-"""What a routing problem answers in its own way: names of vehicles, facts, reasons why it has no answer, solution files."""
-
 import dataclasses
 import itertools
 import math

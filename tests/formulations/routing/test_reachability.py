@@ -1,5 +1,3 @@
-"""Sites named unreachable are on no feasible route, and no answer has fewer routes than the least number."""
-
 import itertools
 import math
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""Reference cases with proven optima: least cost, makespan, windows, virtual nodes, refuelling, orienteering, closing moves."""
-
 import math
 from dataclasses import replace
 

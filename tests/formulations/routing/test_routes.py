@@ -1,5 +1,3 @@
-"""Routes, and the timetables stated with them."""
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,5 +1,3 @@
-"""Schedules by hand: what is on board, several windows, recharging, closing moves, travel of one's own."""
-
 import itertools
 import math
 from dataclasses import replace

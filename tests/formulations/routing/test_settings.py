@@ -1,5 +1,3 @@
-"""Settings of routing problems: each does what its name says, and what is wrong with one is said in a line."""
-
 import math
 from dataclasses import replace
 

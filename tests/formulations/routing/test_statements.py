@@ -1,5 +1,3 @@
-"""Statements on moves and on the number of routes: no evidence on what they leave proves more than the best answer."""
-
 import itertools
 import math
 import pickle

@@ -1,5 +1,3 @@
-"""Answers as VROOM's JSON."""
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,5 +1,3 @@
-"""The judge against brute force, and what the checkers prove against it, for every feature of the family."""
-
 from dataclasses import replace
 
 import numpy as np

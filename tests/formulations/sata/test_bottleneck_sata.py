@@ -1,5 +1,3 @@
-"""Bottleneck problems: values by hand and by enumeration, faults by name, answers as files and tables."""
-
 import itertools
 import json
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""Elements that are decided on: the judge and the digest know them, methods for whole problems refuse them."""
-
 import numpy as np
 import pytest
 from coded import coded

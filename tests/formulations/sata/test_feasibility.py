@@ -1,5 +1,3 @@
-"""What a constraint allows, and what may still join a set."""
-
 import numpy as np
 import pytest
 from hypothesis import given

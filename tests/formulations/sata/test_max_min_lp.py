@@ -1,5 +1,3 @@
-"""Max-min and min-max programs: values by definition, faults by name, answers as files and tables."""
-
 import json
 
 import numpy as np

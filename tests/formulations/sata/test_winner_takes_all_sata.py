@@ -1,5 +1,3 @@
-"""Winner takes all: values by hand and by enumeration, credit, answers as files and tables."""
-
 import itertools
 import json
 from dataclasses import replace

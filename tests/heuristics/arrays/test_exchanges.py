@@ -1,5 +1,3 @@
-"""Exchanges one by one and by the program of fewest takeoffs, against all schedules of tiny fleets."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Bins first, requests afterwards."""
-
 import numpy as np
 from draws import draws
 from joint_assignments import WORKED, enumerated, random_joint

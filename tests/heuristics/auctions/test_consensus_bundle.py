@@ -1,5 +1,3 @@
-"""Bundles by consensus on task allocation: answers on every graph, what is counted, and options."""
-
 import itertools
 
 import numpy as np

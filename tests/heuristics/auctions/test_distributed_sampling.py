@@ -1,5 +1,3 @@
-"""Distributed sampling as a heuristic: initial partitions, starts, and that it never leaves the largest part larger."""
-
 import itertools
 
 import numpy as np

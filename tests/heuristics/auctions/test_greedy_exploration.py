@@ -1,5 +1,3 @@
-"""The most gain from which a robot can be heard again by itself."""
-
 import numpy as np
 from draws import draws
 from explorations import enumerated, path, random_map

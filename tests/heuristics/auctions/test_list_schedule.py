@@ -1,5 +1,3 @@
-"""List schedules, and what they guarantee."""
-
 import numpy as np
 import pytest
 from draws import draws

@@ -1,5 +1,3 @@
-"""Local ratios: half of the best profit at least, and no less on the chain that attains it."""
-
 import itertools
 
 import numpy as np

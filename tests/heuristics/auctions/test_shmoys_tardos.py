@@ -1,5 +1,3 @@
-"""Rounding of linear relaxations: no dearer, and overloaded by one job at most; within the capacities after moves."""
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Sums of the risks of places."""
-
 import itertools
 
 import numpy as np

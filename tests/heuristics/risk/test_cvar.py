@@ -1,5 +1,3 @@
-"""Conditional value at risk over samples, validated."""
-
 import pytest
 from risk_problems import context, problem
 

@@ -1,5 +1,3 @@
-"""Heuristic ``least-mean``."""
-
 from uncertain_graphs import WORKED, graph_of, named
 
 import waybound as wb

@@ -1,5 +1,3 @@
-"""The scenario approach: enough samples, and what they promise."""
-
 import math
 
 import pytest

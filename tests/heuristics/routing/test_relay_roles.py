@@ -1,5 +1,3 @@
-"""Roles of robots: who becomes what at a meeting, and what each does next."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""Brute force finds the optimum, and refuses what is too large for it."""
-
 import itertools
 
 import numpy as np

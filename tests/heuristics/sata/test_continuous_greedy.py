@@ -1,5 +1,3 @@
-"""Continuous greedy: better than half under a partition matroid, without a random number."""
-
 import math
 
 import numpy as np

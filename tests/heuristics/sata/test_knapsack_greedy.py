@@ -1,5 +1,3 @@
-"""Knapsack greedy: every depth of enumeration keeps what is proved for it."""
-
 import itertools
 import math
 

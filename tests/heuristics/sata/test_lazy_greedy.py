@@ -1,5 +1,3 @@
-"""Lazy greedy: greedy's answer, fewer evaluations."""
-
 import numpy as np
 import pytest
 from coded import coded

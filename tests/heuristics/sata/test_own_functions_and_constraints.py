@@ -1,5 +1,3 @@
-"""Functions and constraints of which no module knows are taken by every method that can do without more than they offer."""
-
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 

@@ -1,5 +1,3 @@
-"""Random answers are feasible, maximal, and evenly spread."""
-
 from collections import Counter
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Sequential greedy: any order, half of the optimum."""
-
 import itertools
 
 import numpy as np

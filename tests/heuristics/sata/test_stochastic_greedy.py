@@ -1,5 +1,3 @@
-"""Stochastic greedy: seeded, cheap, good in expectation."""
-
 import math
 
 import numpy as np

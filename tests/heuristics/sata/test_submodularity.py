@@ -1,5 +1,3 @@
-"""``check_submodular`` finds what breaks diminishing returns, and clears what does not."""
-
 import itertools
 import math
 

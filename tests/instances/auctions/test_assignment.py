@@ -1,5 +1,3 @@
-"""Costs of robots and bins."""
-
 import pickle
 from dataclasses import replace
 

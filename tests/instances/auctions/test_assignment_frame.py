@@ -1,5 +1,3 @@
-"""Costs out of pandas frames."""
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""Maps of rooms."""
-
 from typing import Any
 
 import numpy as np

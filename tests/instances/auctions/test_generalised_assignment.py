@@ -1,5 +1,3 @@
-"""Agents with capacities, and jobs."""
-
 import math
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""Robots, bins and requests."""
-
 import math
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""Auctions' data in JSON: what is written, and what is wrong in a file by its path."""
-
 import json
 import math
 from typing import Any

@@ -1,5 +1,3 @@
-"""Distances and times in the lanes of an orchard."""
-
 import numpy as np
 import pytest
 from coded import coded

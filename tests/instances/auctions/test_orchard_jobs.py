@@ -1,5 +1,3 @@
-"""Bins of an orchard as data."""
-
 import numpy as np
 import pytest
 from coded import coded

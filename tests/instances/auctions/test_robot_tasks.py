@@ -1,5 +1,3 @@
-"""Robots and tasks as data: metrics, shapes, names, and what is refused."""
-
 import networkx as nx
 import numpy as np
 import pandas as pd

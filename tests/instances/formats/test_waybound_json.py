@@ -1,5 +1,3 @@
-"""waybound's JSON around the kinds of instances."""
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,5 +1,3 @@
-"""Draws hang on nothing but ``Generator.random``, and have the distributions that they are named for."""
-
 import math
 
 import numpy as np

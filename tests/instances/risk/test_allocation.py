@@ -1,5 +1,3 @@
-"""Data of risk allocation: what is refused, each in one line."""
-
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Risk allocation from arrays and frames."""
-
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Risk allocation in waybound's JSON."""
-
 import json
 from pathlib import Path
 

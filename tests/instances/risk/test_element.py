@@ -1,5 +1,3 @@
-"""What every risk element shares: the contract of elements with a memory, and the tests of numbers and places."""
-
 import math
 from types import SimpleNamespace
 

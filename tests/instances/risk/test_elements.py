@@ -1,5 +1,3 @@
-"""Risk elements: what each makes of a path, and what it refuses."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Gaussian quantities, and the states of linear systems."""
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,5 +1,3 @@
-"""Graphs of uncertain edge costs in waybound's JSON."""
-
 import json
 
 import numpy as np

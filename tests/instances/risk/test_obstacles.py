@@ -1,5 +1,3 @@
-"""Boxes that stand in the way, and what can be seen past them."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""Occupancy grids: neighbours, and what the place of a cell says."""
-
 import math
 
 import numpy as np

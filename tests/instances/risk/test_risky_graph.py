@@ -1,5 +1,3 @@
-"""Graphs with risk: what they are made of, and what is refused."""
-
 import networkx as nx
 import numpy as np
 import pytest

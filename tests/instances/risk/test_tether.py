@@ -1,5 +1,3 @@
-"""Tethers against a string that is pulled tight, and what they refuse."""
-
 import itertools
 import math
 

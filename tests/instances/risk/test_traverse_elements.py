@@ -1,5 +1,3 @@
-"""Risk elements that depend on the whole path."""
-
 import math
 
 import numpy as np

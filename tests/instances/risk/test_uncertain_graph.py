@@ -1,5 +1,3 @@
-"""Graphs of uncertain edge costs, and what they refuse."""
-
 import networkx as nx
 import numpy as np
 import pandas as pd

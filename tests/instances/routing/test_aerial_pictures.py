@@ -1,5 +1,3 @@
-"""Places of pictures at several altitudes, and the cells in them."""
-
 import math
 
 import numpy as np

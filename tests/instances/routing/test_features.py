@@ -1,5 +1,3 @@
-"""What routing data hold is named, each feature by itself, and in the same words by instance and problem."""
-
 import math
 from typing import Any
 

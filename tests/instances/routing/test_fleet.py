@@ -1,5 +1,3 @@
-"""Fleets of equal vehicles, and which problems the data allow."""
-
 import math
 from typing import Any
 

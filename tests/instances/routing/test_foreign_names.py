@@ -1,5 +1,3 @@
-"""Names of other toolkits: each of their fields is ours, or told to be none."""
-
 import inspect
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""Vehicle types from frames and mappings."""
-
 import math
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""Windows, shipments and groups as lists, mappings and frames."""
-
 import math
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""Distances from matrices, lists of moves, graphs and tables."""
-
 from typing import Any
 
 import networkx as nx

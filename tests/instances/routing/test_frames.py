@@ -1,5 +1,3 @@
-"""Instances from pandas frames."""
-
 import datetime
 import math
 import re

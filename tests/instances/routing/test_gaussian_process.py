@@ -1,5 +1,3 @@
-"""Gaussian processes with noise of different sizes, against the formulas over all measurements at once."""
-
 import numpy as np
 import pytest
 from coded import coded

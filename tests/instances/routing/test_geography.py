@@ -1,5 +1,3 @@
-"""Latitude and longitude."""
-
 import math
 import warnings
 

@@ -1,5 +1,3 @@
-"""The data model: validation, subsets, hashes."""
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,5 +1,3 @@
-"""Routing instances in waybound's JSON."""
-
 import json
 import math
 from collections.abc import Callable

@@ -1,5 +1,3 @@
-"""All that a vehicle and its travel may hold is written and read back the same."""
-
 import json
 import math
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""Occupancy cells: reference values, learnt rates, worth of readings, what beams see, and ways through cells that close."""
-
 import heapq
 import math
 

@@ -1,5 +1,3 @@
-"""Maps that learn how their cells change."""
-
 import math
 
 import numpy as np

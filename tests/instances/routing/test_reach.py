@@ -1,5 +1,3 @@
-"""Shortest ways, least levels, and customers that no vehicle can reach."""
-
 import itertools
 import math
 from typing import Any

@@ -1,5 +1,3 @@
-"""Tables of OSRM and Valhalla."""
-
 import json
 import math
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""Solution files of routes: .sol and .tour."""
-
 import pytest
 from file_cases import check_fault, check_refused, error_of
 

@@ -1,5 +1,3 @@
-"""Fires that spread as ellipses, and their fronts."""
-
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,5 +1,3 @@
-"""Truth about grids that change."""
-
 import numpy as np
 
 from waybound.instances.routing.terrain import Terrain, middle_of

@@ -1,5 +1,3 @@
-"""Metrics of TSPLIB, conventions of rounding, and what a travel refuses."""
-
 import math
 from decimal import ROUND_DOWN, Decimal, getcontext
 

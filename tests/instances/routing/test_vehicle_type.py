@@ -1,5 +1,3 @@
-"""Vehicles and their stores, and whether they fit the sites."""
-
 import math
 from typing import Any
 

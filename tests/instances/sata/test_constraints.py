@@ -1,5 +1,3 @@
-"""Constraints: their data, and the views that algorithms read."""
-
 from typing import Any
 
 import numpy as np

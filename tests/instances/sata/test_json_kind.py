@@ -1,5 +1,3 @@
-"""Sensing graphs in waybound's JSON."""
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""Packing and covering data."""
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""Sensing graphs from arrays."""
-
 import pickle
 import warnings
 from typing import Any

@@ -1,5 +1,3 @@
-"""Sensing graphs as tables of names."""
-
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Sensing graphs from pandas, networkx and positions."""
-
 import subprocess
 import sys
 import warnings

@@ -1,5 +1,3 @@
-"""Set functions: their data, their values, and the views that algorithms read."""
-
 from typing import Any
 
 import numpy as np

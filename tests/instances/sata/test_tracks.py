@@ -1,5 +1,3 @@
-"""Tracks, the motion that they learn, and the distance of sets."""
-
 import itertools
 import math
 

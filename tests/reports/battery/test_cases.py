@@ -1,5 +1,3 @@
-"""What is drawn: the same whatever is asked of it."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""What is said of what solvers say: verdicts, crashes, interrupts, tables and files."""
-
 from dataclasses import replace
 from fractions import Fraction
 

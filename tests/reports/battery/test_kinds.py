@@ -1,5 +1,3 @@
-"""Every kind makes problems that repeat, have a form, and are small."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""The exact simplex, against one in floats."""
-
 from fractions import Fraction
 
 import numpy as np

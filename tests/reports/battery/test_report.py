@@ -1,5 +1,3 @@
-"""What examinations found, shown and written."""
-
 import os
 
 import pytest

@@ -1,5 +1,3 @@
-"""The measurement of assignments, in small."""
-
 import pytest
 
 from waybound.reports.benchmarks import assignment

@@ -1,5 +1,3 @@
-"""Greedy is proved to reach far more than it promises."""
-
 import pytest
 
 from waybound.api import solve

@@ -1,5 +1,3 @@
-"""The list of what kernels take to compile."""
-
 import subprocess
 import sys
 

@@ -1,5 +1,3 @@
-"""The compile benchmark compares models that are the same."""
-
 from pathlib import Path
 
 import pytest

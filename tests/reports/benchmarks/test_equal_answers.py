@@ -1,5 +1,3 @@
-"""Every solver and form says what enumeration says, and the command that tells so."""
-
 from collections import Counter
 from fractions import Fraction
 from pathlib import Path

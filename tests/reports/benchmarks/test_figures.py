@@ -1,5 +1,3 @@
-"""Tables of campaigns, and the campaigns that stand for benchmarks."""
-
 from pathlib import Path
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""The greedy benchmark measures the same answers."""
-
 import importlib.util
 
 import pytest

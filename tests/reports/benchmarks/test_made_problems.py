@@ -1,5 +1,3 @@
-"""Problems that campaigns make of files."""
-
 from typing import Any
 
 import pytest

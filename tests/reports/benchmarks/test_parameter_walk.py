@@ -1,5 +1,3 @@
-"""The way of the problem, on a package of which it can be counted by hand."""
-
 from pathlib import Path
 
 import pytest

@@ -1,5 +1,3 @@
-"""Both searches of the benchmark are given the same problem; the other one is played by a search through all routes."""
-
 import sys
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""The measurement of proofs: what it draws, and what it counts as proved."""
-
 from dataclasses import replace
 
 import pytest

@@ -1,5 +1,3 @@
-"""The benchmark of protective options compares equal optima, and notices when they are not."""
-
 from dataclasses import replace
 
 import pytest

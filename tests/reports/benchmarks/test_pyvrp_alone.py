@@ -1,5 +1,3 @@
-"""PyVRP alone as a solver of campaigns."""
-
 from typing import Any
 
 import pytest

@@ -1,5 +1,3 @@
-"""The benchmark of risk allocation judges what it prints."""
-
 import pytest
 
 import waybound as wb

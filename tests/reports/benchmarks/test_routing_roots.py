@@ -1,5 +1,3 @@
-"""The table of root bounds: no relaxation is above the optimum, and set partitioning is the strongest."""
-
 import pytest
 
 from waybound.reports.benchmarks import routing_roots

@@ -1,5 +1,3 @@
-"""The saddle benchmark: its graphs are as they say, and what it measures is proved."""
-
 import math
 import sys
 

@@ -1,5 +1,3 @@
-"""Two models are the same or are told apart; clocks and fresh processes."""
-
 from dataclasses import replace
 from pathlib import Path
 

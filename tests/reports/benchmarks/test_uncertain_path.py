@@ -1,5 +1,3 @@
-"""The benchmark of uncertain paths, on few of everything."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""The benchmark of winner takes all: what it measures is proved, and HiGHS agrees."""
-
 import math
 
 import pytest

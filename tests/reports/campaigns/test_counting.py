@@ -1,5 +1,3 @@
-"""Which runs count, and what they are compared with."""
-
 import math
 from pathlib import Path
 from typing import Any

@@ -1,5 +1,3 @@
-"""Results as frames and files."""
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,5 +1,3 @@
-"""Measures of the field, against values by hand."""
-
 import math
 
 import numpy as np

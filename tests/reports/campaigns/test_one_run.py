@@ -1,5 +1,3 @@
-"""One run, done in this process: whatever becomes of it is told as a row."""
-
 import json
 import platform
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""Campaigns with solvers of their own."""
-
 import sys
 from pathlib import Path
 from typing import Any

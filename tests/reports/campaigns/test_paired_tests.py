@@ -1,5 +1,3 @@
-"""Paired tests: the pairs are instances, and noise is told from change."""
-
 import math
 from pathlib import Path
 

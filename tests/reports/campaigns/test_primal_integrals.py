@@ -1,5 +1,3 @@
-"""Primal integrals of runs, from their histories."""
-
 import math
 from pathlib import Path
 

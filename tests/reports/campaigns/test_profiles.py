@@ -1,5 +1,3 @@
-"""Performance profiles of campaigns."""
-
 from pathlib import Path
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""Before and after: what is worse beyond noise is told, and noise is not."""
-
 import itertools
 from collections.abc import Callable
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""A campaign does what is missing, goes on after whatever ended it, and keeps what was done."""
-
 import json
 import os
 import random

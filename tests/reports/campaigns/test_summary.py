@@ -1,5 +1,3 @@
-"""A campaign in one table: means over what all methods answered, and what a reader must know."""
-
 from pathlib import Path
 from typing import Any
 

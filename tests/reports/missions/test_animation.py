@@ -1,5 +1,3 @@
-"""Films of missions."""
-
 import io
 
 import numpy as np

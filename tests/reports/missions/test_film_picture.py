@@ -1,5 +1,3 @@
-"""What one picture of a film shows: places, trails, headings and assignments."""
-
 import numpy as np
 import pytest
 

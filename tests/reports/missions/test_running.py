@@ -1,5 +1,3 @@
-"""``run``: the loop that plays any mission, and its log."""
-
 import dataclasses
 import math
 import os

@@ -1,5 +1,3 @@
-"""The page of one answer."""
-
 import dataclasses
 import re
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""Blocks of pages: everything in them is shown as it is."""
-
 import re
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The page of a campaign."""
-
 import re
 from pathlib import Path
 from typing import Any

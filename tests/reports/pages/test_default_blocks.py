@@ -1,5 +1,3 @@
-"""Blocks of answers of any family."""
-
 import pytest
 
 import waybound as wb

@@ -1,5 +1,3 @@
-"""Figures within a page."""
-
 import re
 
 import pytest

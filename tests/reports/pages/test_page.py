@@ -1,5 +1,3 @@
-"""Pages as files."""
-
 import base64
 import hashlib
 import re

@@ -1,5 +1,3 @@
-"""What the blocks of a page share."""
-
 import pytest
 
 from waybound.reports.pages.rendering import Rendering

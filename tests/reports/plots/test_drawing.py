@@ -1,5 +1,3 @@
-"""What plots share."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""Pictures of progress."""
-
 from dataclasses import replace
 
 import pytest

@@ -1,5 +1,3 @@
-"""How answers of any family come to be drawn, and written into files."""
-
 import subprocess
 import sys
 

@@ -1,5 +1,3 @@
-"""Families of instances: seeded, and made as they say."""
-
 import pytest
 
 from waybound.reports.studies.sata.families import max_min as graphs

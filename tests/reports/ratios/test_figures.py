@@ -1,5 +1,3 @@
-"""Figures of the studies: everything that was measured is in them, in the right place."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Optima of small instances: whoever finds them, by family."""
-
 import numpy as np
 import pytest
 import risky_cases

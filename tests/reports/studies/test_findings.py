@@ -1,5 +1,3 @@
-"""Findings: verdicts, and how means are told."""
-
 import math
 
 import pytest

@@ -1,5 +1,3 @@
-"""Means of studies and their intervals, and tables of them."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The page of a report."""
-
 import pytest
 
 from waybound.instances.errors import InputError

@@ -1,5 +1,3 @@
-"""Work spread over processes."""
-
 import os
 import sys
 import time

@@ -1,5 +1,3 @@
-"""The contract of studies: settings, faults, reports as JSON."""
-
 import json
 
 import pytest

@@ -1,5 +1,3 @@
-"""Instances on which something went wrong: as files that are read back, and as lines for people."""
-
 from pathlib import Path
 
 import pytest

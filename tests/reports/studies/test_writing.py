@@ -1,5 +1,3 @@
-"""Reports as files."""
-
 import csv
 import math
 

@@ -1,5 +1,3 @@
-"""Tables of answers."""
-
 import numpy as np
 import pandas as pd
 import pytest

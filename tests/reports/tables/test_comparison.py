@@ -1,5 +1,3 @@
-"""The table of a comparison as text."""
-
 import waybound as wb
 from waybound.reports.comparison import Compared, Comparison
 from waybound.reports.tables.comparison import comparison_lines

@@ -1,5 +1,3 @@
-"""What a problem holds, as data and as a table."""
-
 import pytest
 
 import waybound as wb

@@ -1,5 +1,3 @@
-"""Tables of solvers and heuristics."""
-
 import dataclasses
 
 import waybound as wb

@@ -1,5 +1,3 @@
-"""Tables of texts."""
-
 import html.parser
 import io
 import pickle

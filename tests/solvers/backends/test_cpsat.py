@@ -1,5 +1,3 @@
-"""CP-SAT: counting, statuses, parameters, and what it refuses."""
-
 import itertools
 import math
 from dataclasses import replace

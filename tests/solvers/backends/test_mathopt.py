@@ -1,5 +1,3 @@
-"""MathOpt: its solvers by name, what each takes, and errors that reach the user as features."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Outer approximation: whole points in discs and cones, bounds on the way, limits, and what it refuses."""
-
 import itertools
 import math
 from dataclasses import replace

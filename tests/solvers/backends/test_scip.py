@@ -1,5 +1,3 @@
-"""SCIP through PySCIPOpt: duals with presolving off, nonconvex objectives, starts and parameters."""
-
 import math
 
 import numpy as np

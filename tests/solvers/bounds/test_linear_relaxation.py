@@ -1,5 +1,3 @@
-"""Duals of a form's linear relaxation prove a bound."""
-
 import math
 
 import numpy as np

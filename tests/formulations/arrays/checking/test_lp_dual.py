@@ -1,5 +1,3 @@
-"""Row duals multiplied out against the arrays never prove more than the optimum, and optimal ones prove it."""
-
 import math
 from fractions import Fraction
 from types import SimpleNamespace

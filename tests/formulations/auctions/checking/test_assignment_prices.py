@@ -1,5 +1,3 @@
-"""Prices as evidence: any prove a bound, good ones the optimum, at any scale."""
-
 import math
 from fractions import Fraction
 

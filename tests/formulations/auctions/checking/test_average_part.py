@@ -1,5 +1,3 @@
-"""The checker of average parts: it passes no optimum, in any units, with weights of any sign."""
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,5 +1,3 @@
-"""The best visits and observations bound every exploration."""
-
 import numpy as np
 import pytest
 from bin_assignments import worked

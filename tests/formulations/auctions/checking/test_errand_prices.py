@@ -1,5 +1,3 @@
-"""Prices of errands as evidence: any prove a bound, whatever the units."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Robots and bins that meet pairs as evidence."""
-
 import itertools
 import math
 

@@ -1,5 +1,3 @@
-"""Evidence of retrievals."""
-
 from dataclasses import replace
 from itertools import permutations
 

@@ -1,5 +1,3 @@
-"""The checkers of task forests and shortest ways: their bounds hold for every answer, whatever the evidence, in any units."""
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,5 +1,3 @@
-"""Form ``assignment-knapsacks``, from text to text."""
-
 from pathlib import Path
 
 import pytest

@@ -1,5 +1,3 @@
-"""Forms of bin assignments: every solver finds the optimum, duals prove it, and the programs are those of the page."""
-
 from pathlib import Path
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Form ``errand-choice``: from text to text, points and answers, and rows."""
-
 from pathlib import Path
 
 import numpy as np

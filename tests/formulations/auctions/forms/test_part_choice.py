@@ -1,5 +1,3 @@
-"""The form of parts: its optimum is that of the problem, every partition is a point of it at its value, and back."""
-
 import itertools
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""The form of paths: its optimum is that of the problem, every answer is a point of it at its value, and back."""
-
 from pathlib import Path
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Form ``time-expanded``: from text to text; answers are points of their gain, and points answers."""
-
 from pathlib import Path
 
 import numpy as np

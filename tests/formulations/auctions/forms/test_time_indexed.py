@@ -1,5 +1,3 @@
-"""Form ``time-indexed``: from text to text, and the optima of days on which all bins stand, as by intervals."""
-
 from dataclasses import replace
 from pathlib import Path
 

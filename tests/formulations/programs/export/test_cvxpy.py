@@ -1,5 +1,3 @@
-"""CVXPY models: a vector variable a block, the same optimum."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""LP format: what is written, and what a reader makes of it."""
-
 import math
 from pathlib import Path
 

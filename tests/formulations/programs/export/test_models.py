@@ -1,5 +1,3 @@
-"""Models of HiGHS, MathOpt and PuLP: the arrays as they are, the same optimum, and refusals by name."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""MPS: every number comes back to the last bit."""
-
 import math
 from pathlib import Path
 

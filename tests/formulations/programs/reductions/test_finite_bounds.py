@@ -1,5 +1,3 @@
-"""Bounds for variables that have none: from rows, and from what the objective makes worth having."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Chains of reductions: whatever is done to a program, its points, values, bounds and duals come back."""
-
 import itertools
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Programs are brought to sizes that solvers count in, and everything comes back in its own units."""
-
 import math
 from dataclasses import replace
 

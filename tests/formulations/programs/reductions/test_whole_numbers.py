@@ -1,5 +1,3 @@
-"""Programs in integers: what they allow contains what the program allows, and their optimum is its optimum."""
-
 import math
 
 import numpy as np

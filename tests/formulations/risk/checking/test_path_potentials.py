@@ -1,5 +1,3 @@
-"""The checker of potentials: what they prove holds for every path, whatever they are."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The bound that prices prove: for any prices, at any scale, and from the tail alone."""
-
 import math
 from decimal import Decimal, getcontext
 from typing import Any

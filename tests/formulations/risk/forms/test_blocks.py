@@ -1,5 +1,3 @@
-"""Blocks that all forms share."""
-
 import numpy as np
 import pytest
 from risk_problems import problem

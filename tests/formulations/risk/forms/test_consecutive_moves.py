@@ -1,5 +1,3 @@
-"""The form of consecutive moves: its optimum, its duals, and the way back."""
-
 import numpy as np
 import pytest
 import risky_cases as cases

@@ -1,5 +1,3 @@
-"""The proof of all routes of a few customers, by their orders and by sets of them."""
-
 import math
 from dataclasses import replace
 

@@ -1,5 +1,3 @@
-"""Lagrangian bounds from arc multipliers never exceed the optimum, and good ones come close to it."""
-
 import math
 
 import numpy as np

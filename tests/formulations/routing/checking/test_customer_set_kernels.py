@@ -1,5 +1,3 @@
-"""Least routes through sets, and least ways to divide them, against enumeration."""
-
 import itertools
 import math
 

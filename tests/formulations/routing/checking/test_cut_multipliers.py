@@ -1,5 +1,3 @@
-"""Cuts never exclude the optimum, whatever the prices and sets, and prove what no price of visits alone can."""
-
 import math
 
 import numpy as np

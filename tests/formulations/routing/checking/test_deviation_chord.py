@@ -1,5 +1,3 @@
-"""The chord of the deviation: never beyond the optimum, the same in any unit of time, and whatever its evidence says."""
-
 import math
 from dataclasses import replace
 from functools import partial

@@ -1,5 +1,3 @@
-"""Trees over all routes below a reduced cost: whatever they say, no more than the optimum is proved."""
-
 import itertools
 from typing import Any
 

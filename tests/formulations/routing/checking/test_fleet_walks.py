@@ -1,5 +1,3 @@
-"""Walks of each type apart: never beyond the optimum whatever is left out, stated or priced, and what all routes one by one prove."""
-
 import itertools
 import math
 from collections.abc import Sequence

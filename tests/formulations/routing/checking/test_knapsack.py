@@ -1,5 +1,3 @@
-"""The knapsack bound of rewards never excludes the optimum, and is the fractional knapsack at the critical ratio."""
-
 import math
 from dataclasses import replace
 

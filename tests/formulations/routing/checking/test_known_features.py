@@ -1,5 +1,3 @@
-"""Features that the checkers know, and problems without stops on the way."""
-
 import itertools
 import math
 from dataclasses import replace

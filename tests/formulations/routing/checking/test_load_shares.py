@@ -1,5 +1,3 @@
-"""What each customer pays of the routes: shares of loads, and the nearest moves, by coordinates as by matrices."""
-
 import math
 import tracemalloc
 from dataclasses import replace

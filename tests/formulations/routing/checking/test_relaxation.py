@@ -1,5 +1,3 @@
-"""The relaxation holds every answer: its arcs, its costs, its numbers of routes."""
-
 import itertools
 import math
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""The largest of all routes: the farthest round trip, and the mean of all."""
-
 import math
 from dataclasses import replace
 

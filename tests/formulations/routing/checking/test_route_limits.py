@@ -1,5 +1,3 @@
-"""What one vehicle may be able to do: never less than what a route that is tried out does, and by hand what the limits are."""
-
 import math
 
 import numpy as np

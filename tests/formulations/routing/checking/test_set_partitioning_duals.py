@@ -1,5 +1,3 @@
-"""Bounds from prices of visits: never above the optimum, and exactly what the cheapest route leaves, found by trying all of them."""
-
 import itertools
 import math
 import threading

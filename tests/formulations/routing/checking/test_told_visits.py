@@ -1,5 +1,3 @@
-"""Who is surely visited, and who is not, follows from requirements, needed moves and alternatives."""
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""Each type of vehicle has moves, costs and limits of its own."""
-
 import math
 from dataclasses import replace
 

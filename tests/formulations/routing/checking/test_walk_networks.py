@@ -1,5 +1,3 @@
-"""Whole levels keep what is allowed, and networks hold what they are made of."""
-
 import itertools
 from dataclasses import replace
 

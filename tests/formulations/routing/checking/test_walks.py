@@ -1,5 +1,3 @@
-"""Walks in whole numbers: the least that labels find is that of all walks, tried one by one."""
-
 import itertools
 import math
 from collections.abc import Iterator

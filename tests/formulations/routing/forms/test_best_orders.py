@@ -1,5 +1,3 @@
-"""The best orders of each set of sites are those that walking every order finds."""
-
 from dataclasses import replace
 from typing import Any
 

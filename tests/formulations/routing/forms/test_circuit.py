@@ -1,5 +1,3 @@
-"""The circuit form: what it writes, and that it is enough."""
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""Maxima, durations and overtime in the three-index form."""
-
 import numpy as np
 import pytest
 from oracles import GAP_5, OCTO_8, SQUARE_4, TW_4, agrees, optimum, routing, solved

@@ -1,5 +1,3 @@
-"""Programs block after block, levels of priority, and the way from arcs to routes."""
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""Every routing form against brute force and reference values: same optimum, same verdict on feasibility, answers that pass the judge."""
-
 import itertools
 import math
 from dataclasses import replace

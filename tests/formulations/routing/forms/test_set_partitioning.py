@@ -1,5 +1,3 @@
-"""Set partitioning: what it writes, which routes it keeps, and programs over given routes."""
-
 import math
 from dataclasses import replace
 from pathlib import Path

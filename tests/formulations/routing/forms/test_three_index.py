@@ -1,5 +1,3 @@
-"""The three-index form: what it writes, row by row, and what it alone can express."""
-
 from pathlib import Path
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Three-index forms with uncertain durations: cones, tangents and chords."""
-
 import itertools
 import math
 from dataclasses import replace

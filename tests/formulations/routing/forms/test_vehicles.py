@@ -1,5 +1,3 @@
-"""Columns and rows of the three-index form."""
-
 import math
 from dataclasses import replace
 

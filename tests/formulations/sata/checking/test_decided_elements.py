@@ -1,5 +1,3 @@
-"""Evidence on problems with decided elements never proves more than the best answer that keeps to the decisions."""
-
 import math
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""Prices of items: whatever they are, the bound that they prove holds for every answer that passes the check."""
-
 import math
 from fractions import Fraction
 

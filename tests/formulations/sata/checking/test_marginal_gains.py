@@ -1,5 +1,3 @@
-"""Marginal gains bound every feasible value, whatever set they are taken over."""
-
 import math
 
 import numpy as np

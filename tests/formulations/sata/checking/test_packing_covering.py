@@ -1,5 +1,3 @@
-"""Prices of packing and covering rows: whatever they are, the bound that they prove holds."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The max-min form against enumeration and SciPy, with evidence from any interior or vertex duals."""
-
 import numpy as np
 import pytest
 from coded import coded

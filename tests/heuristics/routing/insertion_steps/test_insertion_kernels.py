@@ -1,5 +1,3 @@
-"""Greedy insertion against one that tries every customer at every place again and again."""
-
 import itertools
 import math
 from typing import Any

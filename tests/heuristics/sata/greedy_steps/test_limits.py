@@ -1,5 +1,3 @@
-"""Cardinality limits and partition matroids as groups with room."""
-
 import numpy as np
 import pytest
 from coded import coded

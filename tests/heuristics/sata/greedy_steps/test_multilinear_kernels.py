@@ -1,5 +1,3 @@
-"""The closed form of the multilinear extension is the expected value that it stands for."""
-
 import itertools
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Greedy picking: the same picks and gains to the bit, whichever way the gains are evaluated."""
-
 import math
 from typing import Any
 

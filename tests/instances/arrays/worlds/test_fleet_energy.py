@@ -1,5 +1,3 @@
-"""The world of small batteries: ways, charging, low voltages, and what is refused."""
-
 import numpy as np
 import pytest
 from coded import coded

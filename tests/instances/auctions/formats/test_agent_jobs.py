@@ -1,5 +1,3 @@
-"""Generalised assignments in CSV."""
-
 import math
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""Matrices in CSV."""
-
 from pathlib import Path
 
 import pytest

@@ -1,5 +1,3 @@
-"""Pairs in CSV."""
-
 from pathlib import Path
 
 import numpy as np

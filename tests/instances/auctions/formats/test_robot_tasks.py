@@ -1,5 +1,3 @@
-"""Robots and tasks in CSV."""
-
 import pytest
 from file_cases import check_refused
 

@@ -1,5 +1,3 @@
-"""Random assignments, and distances in an orchard."""
-
 import numpy as np
 import pytest
 from file_cases import check_refused

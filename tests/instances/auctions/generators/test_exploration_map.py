@@ -1,5 +1,3 @@
-"""Random buildings, and what observations are expected to tell."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""Random generalised assignments."""
-
 import numpy as np
 import pytest
 

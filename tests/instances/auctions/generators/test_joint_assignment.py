@@ -1,5 +1,3 @@
-"""Moments of an orchard."""
-
 import numpy as np
 
 from waybound.instances.generating import generate

@@ -1,5 +1,3 @@
-"""Generated days of small orchards."""
-
 from file_cases import check_refused
 
 from waybound.instances.errors import UsageError

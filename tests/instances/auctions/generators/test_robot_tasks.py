@@ -1,5 +1,3 @@
-"""Random robots and tasks."""
-
 import numpy as np
 import pytest
 from file_cases import check_refused

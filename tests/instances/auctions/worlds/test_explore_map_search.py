@@ -1,5 +1,3 @@
-"""Robots with budgets in rooms: what actions gain, who is told what, and input that is refused."""
-
 import json
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Sensors that fill up, step by step."""
-
 import numpy as np
 import pytest
 from file_cases import check_refused

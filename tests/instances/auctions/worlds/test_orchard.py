@@ -1,5 +1,3 @@
-"""A day in the orchard, step by step."""
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,5 +1,3 @@
-"""The world of rooms: moves, readings and contact."""
-
 import numpy as np
 import pytest
 from coded import coded

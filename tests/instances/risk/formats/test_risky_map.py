@@ -1,5 +1,3 @@
-"""Maps with risk drawn in text."""
-
 from pathlib import Path
 
 import pytest

@@ -1,5 +1,3 @@
-"""States with risks from CSV."""
-
 from pathlib import Path
 
 import pytest

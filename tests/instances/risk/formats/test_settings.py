@@ -1,5 +1,3 @@
-"""Settings that the text formats of risky graphs share."""
-
 import pytest
 from file_cases import refused
 

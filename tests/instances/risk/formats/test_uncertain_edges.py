@@ -1,5 +1,3 @@
-"""Edge lists with means and variances in CSV."""
-
 import pytest
 from file_cases import check_refused
 from uncertain_graphs import WORKED, graph_of

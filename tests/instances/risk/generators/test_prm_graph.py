@@ -1,5 +1,3 @@
-"""Random roadmaps, and images that stand in for aerial ones."""
-
 import numpy as np
 import pytest
 from file_cases import check_refused

@@ -1,5 +1,3 @@
-"""Generated plans under chance constraints."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Random maps with risk."""
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,5 +1,3 @@
-"""The world in which edge costs are learned on the way."""
-
 import numpy as np
 import pytest
 from coded import coded

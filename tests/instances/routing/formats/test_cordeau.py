@@ -1,5 +1,3 @@
-"""Cordeau's text format."""
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""Settings of tables, as text, for ``instance_from_frame``."""
-
 import datetime
 import re
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""GeoJSON points as sites."""
-
 import json
 from pathlib import Path
 from typing import Any

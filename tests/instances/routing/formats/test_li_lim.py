@@ -1,5 +1,3 @@
-"""Li and Lim's text format."""
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

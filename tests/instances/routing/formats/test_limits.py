@@ -1,5 +1,3 @@
-"""A format refuses what it has no place for, by name; the names are those of the data's features."""
-
 from typing import Any
 
 import numpy as np

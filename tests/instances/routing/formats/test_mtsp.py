@@ -1,5 +1,3 @@
-"""The text format of min-max multiple travelling salesmen."""
-
 from dataclasses import replace
 from functools import partial
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""The text formats of orienteering along paths: ``chao`` and ``tsiligirides``."""
-
 from dataclasses import replace
 from functools import partial
 from pathlib import Path

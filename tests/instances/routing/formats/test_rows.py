@@ -1,5 +1,3 @@
-"""Rows of numbers in formats without titles."""
-
 import pytest
 from coded import coded
 

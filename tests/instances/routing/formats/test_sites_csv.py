@@ -1,5 +1,3 @@
-"""Sites from CSV."""
-
 import json
 import math
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""Solomon's text format."""
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial

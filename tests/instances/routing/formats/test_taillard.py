@@ -1,5 +1,3 @@
-"""Taillard's text format of mixed fleets."""
-
 from dataclasses import replace
 from functools import partial
 from typing import Any

@@ -1,5 +1,3 @@
-"""Files of the team orienteering problem with time windows."""
-
 from dataclasses import replace
 from functools import partial
 from pathlib import Path

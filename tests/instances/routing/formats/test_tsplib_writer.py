@@ -1,5 +1,3 @@
-"""Writing of TSPLIB-like text: what is written, and what the format has no word for."""
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,5 +1,3 @@
-"""VROOM's JSON."""
-
 import copy
 import json
 from pathlib import Path

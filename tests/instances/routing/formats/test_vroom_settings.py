@@ -1,5 +1,3 @@
-"""Settings of VROOM's files: great circles, and what is left out."""
-
 import json
 import re
 from pathlib import Path

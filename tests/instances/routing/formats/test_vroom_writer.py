@@ -1,5 +1,3 @@
-"""Writing of VROOM's JSON."""
-
 import json
 import math
 from collections.abc import Callable

@@ -1,5 +1,3 @@
-"""TSPLIB and VRPLIB files."""
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""Small random instances."""
-
 from typing import Any
 
 import numpy as np

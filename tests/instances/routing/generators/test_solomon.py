@@ -1,5 +1,3 @@
-"""Solomon's recipe."""
-
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The recipe of set X."""
-
 import math
 from typing import Any
 

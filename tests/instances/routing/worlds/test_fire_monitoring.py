@@ -1,5 +1,3 @@
-"""The spreading fire, its hotspots, and the world that an aircraft flies in."""
-
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,5 +1,3 @@
-"""Floors: rooms that are all joined, blocks, and maps from files."""
-
 import numpy as np
 import pytest
 from hypothesis import given

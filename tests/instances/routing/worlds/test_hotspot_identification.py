@@ -1,5 +1,3 @@
-"""The field with hotspots: time, pictures, and what is refused before the first step."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Robots that fly over a changing grid: time, batteries, readings, measures, and what is refused before the first step."""
-
 import numpy as np
 import pytest
 from coded import coded

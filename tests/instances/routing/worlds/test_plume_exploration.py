@@ -1,5 +1,3 @@
-"""The drifting plume: flights, events, sight, and what is refused before the first step."""
-
 import itertools
 import math
 

@@ -1,5 +1,3 @@
-"""Edge lists of sensing graphs."""
-
 from pathlib import Path
 
 import numpy as np

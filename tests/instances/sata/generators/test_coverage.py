@@ -1,5 +1,3 @@
-"""Random weighted coverage."""
-
 from typing import Any
 
 import numpy as np

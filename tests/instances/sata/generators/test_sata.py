@@ -1,5 +1,3 @@
-"""Random sensing graphs of a given density."""
-
 from typing import Any
 
 import networkx as nx

@@ -1,5 +1,3 @@
-"""Large random sensing graphs for measuring."""
-
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The world of search and tracking: what is detected, what the filter makes of it, what is refused."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The tracking world: how targets and robots move, and what robots see."""
-
 import math
 
 import numpy as np

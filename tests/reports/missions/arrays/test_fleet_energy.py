@@ -1,5 +1,3 @@
-"""Keeping jobs going: taking them on, relieving robots, and learning how long batteries last."""
-
 import pytest
 
 import waybound as wb

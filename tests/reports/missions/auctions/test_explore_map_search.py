@@ -1,5 +1,3 @@
-"""Exploring, mapping and searching at play: plans from contact to contact, rules of groups, and the bound."""
-
 import numpy as np
 import pytest
 

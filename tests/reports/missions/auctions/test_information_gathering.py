@@ -1,5 +1,3 @@
-"""Information gathering at play."""
-
 import numpy as np
 import pytest
 

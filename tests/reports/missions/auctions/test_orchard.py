@@ -1,5 +1,3 @@
-"""The orchard as a mission: rules, auctions, assignments and schedules at play."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""Room exploration at play: rounds of the static problem, beliefs and contact."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""Policies and solvers at play on an uncertain graph."""
-
 import numpy as np
 import pytest
 from uncertain_graphs import WORKED, graph_of

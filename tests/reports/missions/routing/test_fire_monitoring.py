@@ -1,5 +1,3 @@
-"""Monitoring a fire: scores, circling, tours, and the exact patrol against its plan and the bound."""
-
 import numpy as np
 import pytest
 from hypothesis import given

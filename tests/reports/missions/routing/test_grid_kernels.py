@@ -1,5 +1,3 @@
-"""Steps over a grid, against scipy's shortest paths."""
-
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,5 +1,3 @@
-"""Looking for hotspots: by confidence bounds, by sweeps, and by routes among the best arms."""
-
 import itertools
 import math
 

@@ -1,5 +1,3 @@
-"""The exact patrol against all sequences of visits."""
-
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st

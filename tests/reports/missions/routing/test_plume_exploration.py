@@ -1,5 +1,3 @@
-"""Exploring a plume: by the depth-first team, by the lawn mower, and by routes through what is in sight."""
-
 import math
 
 import numpy as np

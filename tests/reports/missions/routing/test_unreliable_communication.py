@@ -1,5 +1,3 @@
-"""Exploring under unreliable communication: by roles and without, by the nearest frontier and by shared routes."""
-
 import numpy as np
 import pytest
 from hypothesis import given

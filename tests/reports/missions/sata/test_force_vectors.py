@@ -1,5 +1,3 @@
-"""Force vectors against values computed by hand."""
-
 import numpy as np
 import pytest
 from coded import coded

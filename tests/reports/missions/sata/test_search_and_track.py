@@ -1,5 +1,3 @@
-"""The mission of search and tracking: lanes, objectives, problems, policies, logs."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""The tracking mission: prediction, primitives, problem, actions, measures."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The page of a risk allocation."""
-
 import risk_problems
 
 import waybound as wb

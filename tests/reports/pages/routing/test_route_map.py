@@ -1,5 +1,3 @@
-"""Maps of routes within pages."""
-
 import html
 import json
 import re

@@ -1,5 +1,3 @@
-"""Routes on maps of streets."""
-
 import importlib.util
 from typing import Any
 

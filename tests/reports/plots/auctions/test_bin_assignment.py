@@ -1,5 +1,3 @@
-"""Pictures of assignments."""
-
 import numpy as np
 import pytest
 from bin_assignments import worked

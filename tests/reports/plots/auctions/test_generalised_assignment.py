@@ -1,5 +1,3 @@
-"""Pictures of generalised assignments."""
-
 import numpy as np
 import pytest
 from knapsack_assignments import worked

@@ -1,5 +1,3 @@
-"""Pictures of joint assignments."""
-
 import pytest
 
 import waybound as wb

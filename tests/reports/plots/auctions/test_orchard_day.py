@@ -1,5 +1,3 @@
-"""Pictures of days in the orchard."""
-
 from orchard_cases import TWO_ROUTES, lane
 
 import waybound as wb

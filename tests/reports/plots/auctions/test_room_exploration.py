@@ -1,5 +1,3 @@
-"""Pictures of explorations of rooms."""
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""Pictures of paths and parts."""
-
 import numpy as np
 from task_problems import line, parts
 

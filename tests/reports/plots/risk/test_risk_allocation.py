@@ -1,5 +1,3 @@
-"""Pictures of risk allocations."""
-
 import numpy as np
 import pytest
 from coded import coded

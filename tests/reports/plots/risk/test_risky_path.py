@@ -1,5 +1,3 @@
-"""Pictures of risky paths."""
-
 import numpy as np
 import risky_cases as cases
 

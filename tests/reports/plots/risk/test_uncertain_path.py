@@ -1,5 +1,3 @@
-"""Pictures of paths through uncertain graphs."""
-
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection

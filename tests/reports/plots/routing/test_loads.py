@@ -1,5 +1,3 @@
-"""Loads along routes."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Maps of routes: positions, scale bars, arrows, legends and titles."""
-
 import dataclasses
 import math
 

@@ -1,5 +1,3 @@
-"""Gantt charts of routes."""
-
 import numpy as np
 import pandas as pd
 import pytest

@@ -1,5 +1,3 @@
-"""Families of assignments."""
-
 import numpy as np
 import pytest
 

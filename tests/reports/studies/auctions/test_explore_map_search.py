@@ -1,5 +1,3 @@
-"""The study of exploring, mapping and searching, in its short form."""
-
 import pytest
 from short_forms import short_form
 

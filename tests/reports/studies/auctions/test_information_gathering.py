@@ -1,5 +1,3 @@
-"""Partition against auction: what is compared, and what is concluded."""
-
 import numpy as np
 import pandas as pd
 import pytest

@@ -1,5 +1,3 @@
-"""Families of days in an orchard."""
-
 import pytest
 
 from waybound.heuristics.auctions.list_schedule import is_ready

@@ -1,5 +1,3 @@
-"""Families of generalised assignments."""
-
 import numpy as np
 import pytest
 from knapsack_assignments import enumerated

@@ -1,5 +1,3 @@
-"""The orchard study, in its short form, and what it must show."""
-
 import numpy as np
 import pandas as pd
 import pytest

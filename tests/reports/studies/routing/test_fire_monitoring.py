@@ -1,5 +1,3 @@
-"""The study of fire monitoring, in its short form."""
-
 import math
 
 import pandas as pd

@@ -1,5 +1,3 @@
-"""The study of hotspot identification, in its short form."""
-
 import pytest
 from short_forms import short_form
 

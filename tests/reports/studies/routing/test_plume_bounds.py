@@ -1,5 +1,3 @@
-"""Formulas of the plume chapter, and the shapes on which some of its theorems fail."""
-
 import pytest
 
 from waybound.instances.routing.worlds.plume_exploration import serpentine

@@ -1,5 +1,3 @@
-"""Experiments on random sensing graphs."""
-
 import pytest
 
 from waybound import CheckFailedError, UsageError, WinnerTakesAllSATA

@@ -1,5 +1,3 @@
-"""The study of search and tracking."""
-
 import pandas as pd
 import pytest
 from short_forms import short_form

@@ -1,5 +1,3 @@
-"""Greedy against force vectors: bars, leads and findings."""
-
 import pytest
 
 from waybound.reports.plots.drawing import figure_without_display

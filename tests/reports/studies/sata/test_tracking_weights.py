@@ -1,5 +1,3 @@
-"""Weights of tracking: errors and points."""
-
 import pytest
 
 from waybound.reports.plots.drawing import figure_without_display

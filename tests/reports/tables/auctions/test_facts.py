@@ -1,5 +1,3 @@
-"""Facts of assignments, tasks and jobs: sizes and ranges."""
-
 import math
 
 import numpy as np

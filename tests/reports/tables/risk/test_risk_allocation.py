@@ -1,5 +1,3 @@
-"""Tables of risk allocations."""
-
 from risk_problems import problem
 
 from waybound.formulations.risk.allocations import Allocation

@@ -1,5 +1,3 @@
-"""What is told of uncertain graphs."""
-
 import networkx as nx
 from uncertain_graphs import WORKED, graph_of
 

@@ -1,5 +1,3 @@
-"""Tables of routes and of sites that stay unserved."""
-
 import dataclasses
 
 import numpy as np

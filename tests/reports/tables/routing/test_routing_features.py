@@ -1,5 +1,3 @@
-"""The page on who takes what is what the declarations generate."""
-
 from pathlib import Path
 
 from waybound.formulations.routing.objective import TERMS

@@ -1,5 +1,3 @@
-"""Convex quadratic programs are bounded by the tangent at their optimum."""
-
 import numpy as np
 import pytest
 from programs import INF, program

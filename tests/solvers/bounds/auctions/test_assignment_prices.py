@@ -1,5 +1,3 @@
-"""Bound ``assignment-prices``: what bounds answers of whoever brings no prices."""
-
 import math
 
 import pytest

@@ -1,5 +1,3 @@
-"""Prices of a forest: they prove what the ascent says, more than the forest alone, and no more than the optimum."""
-
 import math
 
 import numpy as np

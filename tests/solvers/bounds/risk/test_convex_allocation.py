@@ -1,5 +1,3 @@
-"""The bound for every method of risk allocation."""
-
 import pytest
 from risk_problems import around_a_box, problem
 

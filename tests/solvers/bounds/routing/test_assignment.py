@@ -1,5 +1,3 @@
-"""The assignment bound: its value is that of the cheapest assignment, and its prices are verified."""
-
 import itertools
 import math
 

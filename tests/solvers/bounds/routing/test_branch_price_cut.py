@@ -1,5 +1,3 @@
-"""Branch and price, and trees of moves: small problems are proved, nothing false is, and routes are those that trying all of them finds."""
-
 import json
 import math
 import threading

@@ -1,5 +1,3 @@
-"""Problems that the bound takes, and that the objective decides whether limits of routes come first."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Least cuts against SciPy's greatest flows."""
-
 import numpy as np
 import pytest
 import scipy.sparse as sp

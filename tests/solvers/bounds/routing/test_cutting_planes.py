@@ -1,5 +1,3 @@
-"""The program with cuts proves what its checker derives, closely, and never too much."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""All routes of a better answer: none is missing, and what is chosen among them is the optimum."""
-
 import itertools
 import json
 import math

@@ -1,5 +1,3 @@
-"""Problems of few customers are proved by all routes, and by limits on the largest route."""
-
 import math
 
 import numpy as np

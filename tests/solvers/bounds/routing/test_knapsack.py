@@ -1,5 +1,3 @@
-"""The critical ratio is the best price."""
-
 import numpy as np
 from small_routing import small
 

@@ -1,5 +1,3 @@
-"""Capacity cuts: no answer violates one, and what is found is violated."""
-
 import itertools
 from dataclasses import replace
 

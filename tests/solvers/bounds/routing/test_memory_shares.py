@@ -1,5 +1,3 @@
-"""Arrays and routes stay within their shares, and shares within the limit."""
-
 from typing import Any
 
 import numpy as np

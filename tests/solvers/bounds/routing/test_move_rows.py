@@ -1,5 +1,3 @@
-"""Rows of moves of which some are made."""
-
 import numpy as np
 
 from waybound.solvers.bounds.routing.move_rows import MoveRow

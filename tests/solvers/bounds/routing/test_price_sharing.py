@@ -1,5 +1,3 @@
-"""Shared prices end near the best ones, whether all moves are looked at from the start or not."""
-
 import numpy as np
 import pytest
 from small_routing import plane

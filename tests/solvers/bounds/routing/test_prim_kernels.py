@@ -1,5 +1,3 @@
-"""Minimum spanning trees against trying every tree, and SciPy on larger ones."""
-
 import itertools
 import math
 

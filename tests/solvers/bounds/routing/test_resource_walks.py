@@ -1,5 +1,3 @@
-"""Walks on a grid cost what the checker's own program finds, forwards and backwards."""
-
 import numpy as np
 import pytest
 from small_routing import small

@@ -1,5 +1,3 @@
-"""The pool of routes and the linear program over it."""
-
 import numpy as np
 import pytest
 

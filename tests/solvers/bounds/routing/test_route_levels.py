@@ -1,5 +1,3 @@
-"""Levels of routes: which keep walks from going round for ever, and ranges without an end."""
-
 import math
 from dataclasses import replace
 

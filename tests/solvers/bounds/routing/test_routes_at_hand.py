@@ -1,5 +1,3 @@
-"""Routes at hand: the cheapest choice of them, within all numbers of routes, with visits that may be left out."""
-
 import itertools
 import math
 

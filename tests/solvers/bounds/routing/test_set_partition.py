@@ -1,5 +1,3 @@
-"""The set partitioning program: types of vehicle, rows of visits, and what an answer without any costs."""
-
 import math
 from dataclasses import replace
 

@@ -1,5 +1,3 @@
-"""The ascent on node prices: near the optimum of its bound, in time, and believed by the checker."""
-
 import itertools
 import math
 import time

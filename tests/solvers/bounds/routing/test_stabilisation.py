@@ -1,5 +1,3 @@
-"""All ways to choose prices end at the value of the linear program, and boxes move and change their size as ascents ask for."""
-
 import math
 
 import numpy as np

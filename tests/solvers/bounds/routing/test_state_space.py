@@ -1,5 +1,3 @@
-"""Prices by ascent: near the optimum, for every problem of the family, and believed by the checker."""
-
 import math
 
 import pytest

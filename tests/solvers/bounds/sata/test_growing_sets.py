@@ -1,5 +1,3 @@
-"""Sets that grow: values and gains are those of the function, whichever way it is given."""
-
 import numpy as np
 import pytest
 from hypothesis import given

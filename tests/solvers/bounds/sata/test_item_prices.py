@@ -1,5 +1,3 @@
-"""Prices of items by the primal-dual method: they prove the value of the linear relaxation, and nothing less than an optimum."""
-
 import math
 
 import numpy as np

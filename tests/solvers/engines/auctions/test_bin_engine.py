@@ -1,5 +1,3 @@
-"""Engines of bin assignments: what they refuse, and what the data alone show."""
-
 import pytest
 from bin_assignments import worked
 

@@ -1,5 +1,3 @@
-"""Engine ``epsilon-scaling``."""
-
 import subprocess
 import sys
 

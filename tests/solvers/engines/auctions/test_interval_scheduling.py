@@ -1,5 +1,3 @@
-"""The engine of days: what it takes, and what it leaves when it is stopped."""
-
 import numpy as np
 import pytest
 from orchard_cases import random_jobs, retrievals

@@ -1,5 +1,3 @@
-"""Engine ``min-cost-flow``."""
-
 import numpy as np
 import pytest
 from bin_assignments import OPTIMA, enumerated, random_costs, worked

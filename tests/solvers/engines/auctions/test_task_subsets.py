@@ -1,5 +1,3 @@
-"""The engine of best paths through ``solve``: a verified optimum, the sizes that it takes, and limits."""
-
 import itertools
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Engine ``threshold-matching``."""
-
 import numpy as np
 import pytest
 from bin_assignments import BOTTLENECKS, enumerated, random_costs, worked

@@ -1,5 +1,3 @@
-"""Chance constraints with alternatives: a tree whose bound is verified."""
-
 import itertools
 
 import numpy as np

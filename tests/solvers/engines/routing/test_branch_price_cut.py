@@ -1,5 +1,3 @@
-"""The engine: optima with their proofs, starts that are kept, limits that leave an answer and a bound."""
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""The numbers that stand for all distances are those that a look at all of them finds."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""Families of risky paths for ratio studies."""
-
 import numpy as np
 import pytest
 import risky_cases as cases

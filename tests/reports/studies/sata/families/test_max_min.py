@@ -1,5 +1,3 @@
-"""Bottleneck problems of divisible robots: random graphs as they say, and small ones with their optima."""
-
 import numpy as np
 import pytest
 from sata_cases import CASES

@@ -1,5 +1,3 @@
-"""Traps for greedy rules: the good answer is optimal, and greed does exactly as badly as is said."""
-
 import math
 
 import pytest

@@ -1,5 +1,3 @@
-"""Prices of an assignment that came without any."""
-
 import numpy as np
 import pytest
 from bin_assignments import random_costs, worked

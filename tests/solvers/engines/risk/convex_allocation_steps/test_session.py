@@ -1,5 +1,3 @@
-"""Programs that are changed and solved again: HiGHS and Clarabel say the same."""
-
 import numpy as np
 import pytest
 

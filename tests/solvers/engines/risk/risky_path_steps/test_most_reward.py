@@ -1,5 +1,3 @@
-"""Most reward per risk against enumeration."""
-
 import numpy as np
 import pytest
 import risky_cases as cases

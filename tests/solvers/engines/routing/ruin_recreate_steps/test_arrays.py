@@ -1,5 +1,3 @@
-"""Problems and answers as arrays, and back."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Names of columns and flags."""
-
 from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k
 
 

@@ -1,5 +1,3 @@
-"""Parts cover all, lie apart, and weigh about the same."""
-
 import numpy as np
 import pytest
 

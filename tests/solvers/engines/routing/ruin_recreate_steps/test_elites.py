@@ -1,5 +1,3 @@
-"""Answers made of two others."""
-
 import numpy as np
 from small_routing import small
 

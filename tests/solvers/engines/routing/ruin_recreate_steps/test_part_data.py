@@ -1,5 +1,3 @@
-"""A part has the numbers of the whole."""
-
 from dataclasses import replace
 
 import numpy as np

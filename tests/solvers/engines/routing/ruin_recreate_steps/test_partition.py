@@ -1,5 +1,3 @@
-"""Answers made of the routes of many others."""
-
 import itertools
 from collections.abc import Iterable
 from dataclasses import replace

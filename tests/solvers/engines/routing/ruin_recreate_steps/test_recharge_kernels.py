@@ -1,5 +1,3 @@
-"""Stations at which stores are filled up between two visits."""
-
 from dataclasses import replace
 
 import numpy as np

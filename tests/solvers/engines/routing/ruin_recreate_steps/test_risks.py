@@ -1,5 +1,3 @@
-"""Risks in whole numbers: never less than the judge asks for, and hardly more."""
-
 from dataclasses import replace
 
 import numpy as np

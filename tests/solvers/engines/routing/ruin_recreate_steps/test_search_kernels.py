@@ -1,5 +1,3 @@
-"""The search keeps its books: whatever it did, all that it remembers of routes is what the routes are."""
-
 import itertools
 from dataclasses import replace
 

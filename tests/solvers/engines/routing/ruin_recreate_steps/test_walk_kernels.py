@@ -1,5 +1,3 @@
-"""Walks of routes: a route is kept exactly if the judge has nothing against it, and lasts as long as the judge says."""
-
 import math
 from dataclasses import replace
 

@@ -1,5 +1,3 @@
-"""The guarantee against the optimum, in numbers."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The steps of the proof of the guarantee, one by one, in exact arithmetic on the layered program."""
-
 from fractions import Fraction as F
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Which levels robots ask each other to test, and what is made of the answers."""
-
 import math
 
 import numpy as np

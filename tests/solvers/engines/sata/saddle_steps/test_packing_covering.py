@@ -1,5 +1,3 @@
-"""Programs of several packing rows a variable: both sides are proved, and close around the optimum."""
-
 import warnings
 
 import numpy as np
