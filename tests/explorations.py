@@ -3,8 +3,7 @@
 import numpy as np
 from truth.auctions import RoomTruth
 
-from waybound.formulations.auctions.room_exploration import RoomExploration
-from waybound.instances.auctions.exploration_map import ExplorationMap
+from waybound import ExplorationMap, RoomExploration
 
 
 def path(

@@ -10,9 +10,8 @@ from pathlib import Path
 
 from campaign_cases import Here, campaign_file, outcome
 
-from waybound.instances.errors import InputError
+from waybound import InputError, results
 from waybound.reports.campaigns.campaign import Campaign, read_campaign
-from waybound.reports.campaigns.frames import results
 from waybound.reports.campaigns.running import run_campaign
 
 

@@ -14,14 +14,8 @@ from typing import Any, Self
 import numpy as np
 import scipy.sparse as sp
 
+from waybound import BalancedPartition, BinAssignment, GeneralisedAssignment, JointAssignment, Problem, RoomExploration, TaskAllocation
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.auctions.balanced_partition import BalancedPartition
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
-from waybound.formulations.auctions.joint_assignment import JointAssignment
-from waybound.formulations.auctions.room_exploration import RoomExploration
-from waybound.formulations.auctions.task_allocation import TaskAllocation
-from waybound.formulations.problem import Problem
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.risk.risky_path import RiskyPath

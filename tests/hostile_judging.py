@@ -8,10 +8,8 @@ from typing import Any
 
 from truth.families import Truth
 
+from waybound import Evidence, Problem, Solution
 from waybound.formulations.certificate import Certificate, certify, check_certificate
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.problem import Problem
-from waybound.formulations.solution import Solution
 
 SAME = 1e-9
 """Relative difference up to which two values are one."""

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from waybound import Compiled, Program
 from waybound.formulations.problem import problem_from_instance
-from waybound.formulations.programs.compiled import Compiled
-from waybound.formulations.programs.program import Program
 from waybound.instances.reading import read_instance
 
 TWO_SITES = """

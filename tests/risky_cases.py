@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from waybound.formulations.risk.risky_path import RiskyPath
+from waybound import RiskyGraph, RiskyPath
 from waybound.instances.risk.element import RiskElement
 from waybound.instances.risk.elements import LengthRisk, LocaleRisk, MoveRisk, TurnRisk
 from waybound.instances.risk.occupancy import OccupancyGrid
-from waybound.instances.risk.risky_graph import RiskyGraph
 from waybound.instances.risk.traverse_elements import CollectedRisk
 
 TABLE_3_1_CELLS = [(2, 2), (3, 3), (4, 4), (5, 4), (6, 4), (7, 4), (7, 5), (7, 6), (7, 7), (7, 8), (8, 9), (9, 10)]

@@ -12,9 +12,8 @@ from scipy.optimize import linprog
 from truth.base import Values
 from truth.routing import RoutingTruth
 
+from waybound import Routes, RoutingProblem
 from waybound.formulations.routing.objective import PEAKS, Objective
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
 
 Decision = tuple[dict[str, Any], bool]
 

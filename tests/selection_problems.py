@@ -9,9 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from truth.families import excess_of
 
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.problem import Problem
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
+from waybound import Evidence, Problem, SubmodularSelection
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Context, Outcome
 from waybound.instances.sata.constraints import Cardinality, Constraint, Knapsack, LimitRows, LinearConstraint, PartitionMatroid

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from waybound.formulations.programs.program import Program, Rows, Variables
-from waybound.instances.errors import UnsupportedError
+from waybound import Program, Rows, UnsupportedError, Variables
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from waybound.solvers.backends.cvxpy import solvers_found
 from waybound.solvers.program_backend import ProgramBackend

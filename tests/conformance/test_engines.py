@@ -13,11 +13,7 @@ from patience import HANG
 from small_routing import FEATURES, small
 from truth.routing import best_values
 
-from waybound.formulations.routing.objective import LongestRoute, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.errors import UnsupportedError, UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
+from waybound import LongestRoute, Route, Routes, RoutingProblem, Sites, TotalCost, UnsupportedError, UsageError, Vehicles, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.isolation import run_isolated

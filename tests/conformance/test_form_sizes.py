@@ -18,11 +18,9 @@ from selection_problems import random_problem
 from small_routing import FEATURES, WHOLE_FAMILY, plane, small, varied
 
 import waybound as wb
+from waybound import BalancedPartition, Problem, TaskAllocation
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.auctions.balanced_partition import BalancedPartition
-from waybound.formulations.auctions.task_allocation import TaskAllocation
 from waybound.formulations.forms import FORMS
-from waybound.formulations.problem import Problem
 
 LEAST = 0.9
 """Of what is built: no estimate is smaller. Vehicles times moves are all but exact where there are many."""

@@ -10,7 +10,7 @@ from small_routing import small, varied
 from truth.routing import best_values
 
 import waybound as wb
-from waybound.formulations.programs.program import Program
+from waybound import Program, Routes, RoutingProblem, Sites, Travel, UnsupportedError, VehicleType
 from waybound.formulations.routing.objective import (
     Composable,
     LatestReturn,
@@ -23,11 +23,6 @@ from waybound.formulations.routing.objective import (
     TotalDuration,
     Vehicles,
 )
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
-from waybound.instances.errors import UnsupportedError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import BACKENDS, Control, LevelClaim, Options, RawResult
 from waybound.solvers.backends.highs import Highs
 from waybound.solving.search import Searched

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from waybound import InputError, Program, Rows, UnsupportedError, UsageError, Variables
 from waybound.formulations.programs.cones import Cones
-from waybound.formulations.programs.program import Program, Rows, Variables
-from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.program_backend import ProgramBackend
 

@@ -10,9 +10,7 @@ from small_routing import small
 from truth.routing import best_values
 
 import waybound as wb
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import RoutingProblem, Sites, Travel, VehicleType
 from waybound.solvers.backend import BACKENDS
 
 ROUTING = ("ortools", "pyvrp")

@@ -12,12 +12,11 @@ from coded import coded
 from programs import INF, program
 
 import waybound as wb
+from waybound import CheckFailedError, Evidence, InputError
 from waybound.formulations import certificate_files
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import Certificate, certify, check_certificate
 from waybound.formulations.certificate_files import LARGE, read_certificate, write_certificate
-from waybound.formulations.evidence import Evidence
-from waybound.instances.errors import CheckFailedError, InputError
 
 
 def covering(rows: int) -> tuple[ArrayProblem, Certificate]:

@@ -13,10 +13,9 @@ from hostile_judging import ENDED, away, of_bound, of_samples, of_solution
 from truth.families import Truth, truth
 
 import waybound as wb
-from waybound.formulations.problem import Problem
+from waybound import CheckFailedError, InputError, Problem, UnsupportedError
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import CheckFailedError, InputError, UnsupportedError
 from waybound.solvers.backend import BACKENDS
 from waybound.solving.bounding import find_bounds
 

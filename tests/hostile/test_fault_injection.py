@@ -14,12 +14,9 @@ from injected import BEST, TINY, VALUE, WORSE, InterruptAt, answer_in, failing, 
 from typer.testing import CliRunner
 
 import waybound as wb
+from waybound import CheckFailedError, Coverage, InputError, PartitionMatroid, Problem
 from waybound.cli.app import app
 from waybound.formulations.evidence import CHECKERS, Evidence
-from waybound.formulations.problem import Problem
-from waybound.instances.errors import CheckFailedError, InputError
-from waybound.instances.sata.constraints import PartitionMatroid
-from waybound.instances.sata.set_functions import Coverage
 from waybound.solvers.backend import RawResult
 from waybound.solvers.bounds import BOUNDS, replaced
 from waybound.solving.method import Run

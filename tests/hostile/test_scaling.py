@@ -13,15 +13,11 @@ from hostile_instances import FAMILIES as EXACT
 from hostile_judging import away
 
 import waybound as wb
+from waybound import CheckFailedError, Problem, Routes, RoutingProblem, Selection, WayboundError
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.forms import FORMS
-from waybound.formulations.problem import Problem
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
-from waybound.formulations.sata.selections import Selection
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import CheckFailedError, WayboundError
 from waybound.solvers.backend import BACKENDS
 from waybound.solving.bounding import find_bounds
 

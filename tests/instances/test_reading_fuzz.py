@@ -13,18 +13,15 @@ from draws import draws
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from waybound import Cardinality, InputError, Knapsack, PartitionMatroid, SelectionInstance, SensingGraph, WayboundError
 from waybound.instances import text as texts
 from waybound.instances.bundled import bundled_path
-from waybound.instances.errors import InputError, WayboundError
 from waybound.instances.formats import FORMATS, waybound_json
 from waybound.instances.generating import generate
 from waybound.instances.reading import read_instance
 from waybound.instances.routing.formats import sites_csv
 from waybound.instances.routing.solution_files import routes_from_text
-from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
 from waybound.instances.sata.max_min_lp import MaxMinInstance, SparseMatrix
-from waybound.instances.sata.selection import SelectionInstance
-from waybound.instances.sata.sensing_graph import SensingGraph
 from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation
 
 TSP = (

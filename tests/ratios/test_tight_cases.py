@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.instances.sata.constraints import Cardinality
+from waybound import Cardinality, SubmodularSelection
 from waybound.reports.ratios.judged_runs import judge, ratio_of, run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.studies.sata.families import max_min as graphs

@@ -6,9 +6,8 @@ import pytest
 from coded import coded
 
 import waybound as wb
-from waybound.formulations.evidence import Evidence
+from waybound import Evidence, Problem
 from waybound.formulations.levels import LevelBound
-from waybound.formulations.problem import Problem
 from waybound.instances.errors import Code
 from waybound.reports.comparison import Compared, Comparison, _contradictions
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult

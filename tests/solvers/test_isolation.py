@@ -16,10 +16,8 @@ from coded import coded
 from patience import HANG
 from small_routing import FEATURES, small
 
-from waybound.api import solve
-from waybound.formulations.routing.problem import RoutingProblem
+from waybound import RoutingProblem, UnsupportedError, UsageError, solve
 from waybound.formulations.stop import now
-from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers import isolation
 from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.isolation import run_isolated

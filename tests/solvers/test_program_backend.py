@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from tests.programs import program as dense
-from waybound.formulations.programs.exactness import Exactness
+from waybound import Exactness, UnsupportedError
 from waybound.formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Program, Rows, Variables
 from waybound.formulations.programs.reductions.minimisation import MINIMISATION
-from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import Control, Options, RawResult, solver_named
 from waybound.solvers.program_backend import ProgramBackend, kinds_of, settled, takers
 

@@ -12,11 +12,10 @@ import pytest
 from patience import HANG
 
 import waybound as wb
+from waybound import InputError, Problem, UnsupportedError
 from waybound.formulations.certificate import certify
 from waybound.formulations.evidence import CHECKERS, Evidence
-from waybound.formulations.problem import Problem
 from waybound.formulations.verified_bounds import proved_bound
-from waybound.instances.errors import InputError, UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from waybound.solvers.bounds import BOUNDS, BoundMethod
 from waybound.solvers.linear_programs import LinearPrograms

@@ -13,13 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from waybound.formulations.problem import Problem
-from waybound.formulations.risk.risky_path import RiskyPath
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.selections import Selection
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
+from waybound import BottleneckSATA, MaxMinLP, Problem, RiskyPath, RoutingProblem, Selection, SubmodularSelection
 from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
 from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation
 

@@ -15,10 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.routing.instance import VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import Route, Routes, RoutingProblem, Travel, VehicleType
 
 from .base import PARTS, Truth, Values, ints, scale_of
 

@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound import InputError, Program, Rows, Variables
 from waybound.formulations.programs.soundness import refuse_numbers
-from waybound.instances.errors import InputError
 
 
 def program(indices=(0, 1), data=(1.0, 1.0), lower=(0.0, 0.0), upper=(1.0, 1.0), side=(1.0, math.inf)) -> Program:

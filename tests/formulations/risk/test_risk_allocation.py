@@ -9,10 +9,9 @@ from coded import coded
 from risk_problems import around_a_box, problem, run
 
 import waybound as wb
+from waybound import Allocation, InputError, UsageError
 from waybound.formulations.problem import problem_from_instance
-from waybound.formulations.risk.allocations import Allocation
 from waybound.formulations.risk.risk_allocation import RiskAllocation
-from waybound.instances.errors import InputError, UsageError
 from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 
 

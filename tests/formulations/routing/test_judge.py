@@ -10,10 +10,8 @@ from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from waybound import LongestRoute, Makespan, Objective, Penalties, Reward, Route, Routes, RoutingProblem, TotalCost, Vehicles
 from waybound.formulations.routing.judge import CHECKS, schedule
-from waybound.formulations.routing.objective import LongestRoute, Makespan, Objective, Penalties, Reward, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.tolerance import same
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel

@@ -5,11 +5,8 @@ import numpy as np
 import pytest
 from coded import coded
 
-from waybound import generate
-from waybound.formulations.routing.problem import RoutingProblem
+from waybound import InputError, RoutingInstance, RoutingProblem, UsageError, generate
 from waybound.formulations.routing.settings import KNOWN, parts_of
-from waybound.instances.errors import InputError, UsageError
-from waybound.instances.routing.instance import RoutingInstance
 
 
 def instance(deviation: float = 0.3) -> RoutingInstance:

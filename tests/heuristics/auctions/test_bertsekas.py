@@ -6,8 +6,7 @@ from bin_assignments import OPTIMA, enumerated, worked
 from draws import draws
 
 import waybound as wb
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.instances.errors import UsageError
+from waybound import BinAssignment, UsageError
 from waybound.reports.ratios.judged_runs import run_heuristic
 
 

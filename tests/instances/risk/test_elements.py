@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 import risky_cases as cases
 
-from waybound.formulations.risk.risky_path import RiskyPath
-from waybound.instances.errors import InputError
+from waybound import InputError, RiskyPath
 from waybound.instances.risk.elements import AccessRisk, LengthRisk, LocaleRisk, MoveRisk, TurnRisk
 
 BENT = np.array([(0, 0), (1, 0), (2, 1), (2, 2), (2, 4)], dtype=float)

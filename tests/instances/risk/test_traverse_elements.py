@@ -5,8 +5,7 @@ import pytest
 import risky_cases as cases
 from coded import coded
 
-from waybound.formulations.risk.risky_path import RiskyPath
-from waybound.instances.errors import InputError
+from waybound import InputError, RiskyPath
 from waybound.instances.risk.tether import Tether
 from waybound.instances.risk.traverse_elements import CollectedRisk, FunctionRisk, TetherRisk, TravelledRisk
 

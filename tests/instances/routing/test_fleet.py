@@ -4,9 +4,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from waybound import Energy, RoutingInstance, Sites, Travel, VehicleType
 from waybound.instances.routing.fleet import equal_fleet, problems_of
-from waybound.instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 
 
 def sites(**more: Any) -> Sites:

@@ -12,12 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import waybound as wb
-from waybound.instances.errors import InputError
+from waybound import Energy, InputError, RoutingInstance, Sites, Travel, VehicleType
 from waybound.instances.formats.waybound_json import read, write
 from waybound.instances.routing.frames import instance_from_frame
-from waybound.instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
 from waybound.instances.routing.json_kind import decode, encode
-from waybound.instances.routing.travel import Travel
 
 SMALL = {
     "waybound": 1,

@@ -8,8 +8,7 @@ import pandas as pd
 import pytest
 from campaign_cases import outcome, planned
 
-from waybound.instances.errors import UsageError
-from waybound.reports.campaigns.frames import results
+from waybound import UsageError, results
 from waybound.reports.campaigns.one_run import Outcome
 from waybound.reports.campaigns.regression import regression, regression_table
 from waybound.reports.campaigns.results_file import ResultsFile

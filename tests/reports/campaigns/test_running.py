@@ -13,10 +13,9 @@ from campaign_cases import Here, campaign_file, outcome
 from coded import coded
 from killed_campaigns import ROWS
 
+from waybound import UsageError, results
 from waybound.instances.bundled import bundled_path
-from waybound.instances.errors import UsageError
 from waybound.reports.campaigns.campaign import read_campaign
-from waybound.reports.campaigns.frames import results
 from waybound.reports.campaigns.results_file import opened
 from waybound.reports.campaigns.run_processes import RunProcesses
 from waybound.reports.campaigns.running import run_campaign

@@ -9,9 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from programs import program
 
+from waybound import Program, UnsupportedError, UsageError
 from waybound.formulations.programs.cones import Cones
-from waybound.formulations.programs.program import Program
-from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.backends.outer_approximation import OuterApproximation
 

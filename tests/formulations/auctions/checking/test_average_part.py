@@ -3,10 +3,8 @@ import pytest
 from coded import coded
 from task_problems import best_partition_value, drawn, line, parts
 
-from waybound.formulations.auctions.balanced_partition import BalancedPartition
+from waybound import BalancedPartition, InputError, RobotTasks
 from waybound.formulations.evidence import CHECKERS
-from waybound.instances.auctions.robot_tasks import RobotTasks
-from waybound.instances.errors import InputError
 
 check = CHECKERS["average-part"]
 

@@ -8,11 +8,10 @@ from draws import draws
 from program_text import expected, program_text, written
 
 import waybound as wb
-from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound import BinAssignment, InputError
 from waybound.formulations.auctions.forms.bin_pairs import decoded, encoded, pair_rows
 from waybound.formulations.problem import problem_from_instance
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError
 from waybound.instances.reading import read_instance
 
 

@@ -7,8 +7,7 @@ from draws import draws
 from joint_assignments import WORKED, random_joint
 from program_text import expected, written
 
-from waybound.formulations.auctions.joint_assignment import JointAssignment
-from waybound.instances.errors import InputError
+from waybound import InputError, JointAssignment
 
 YARD = """
     {"waybound": 1, "kind": "joint-assignment", "name": "yard", "problem": "joint-assignment",

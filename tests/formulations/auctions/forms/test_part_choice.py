@@ -6,9 +6,8 @@ import pytest
 from program_text import expected, program_text
 from task_problems import best_partition_value, drawn, parts
 
-from waybound.formulations.auctions.balanced_partition import BalancedPartition
+from waybound import BalancedPartition, InputError, UnsupportedError
 from waybound.formulations.problem import problem_from_instance
-from waybound.instances.errors import InputError, UnsupportedError
 from waybound.instances.reading import read_instance
 from waybound.solvers.backend import Control, Options, solver_named
 

@@ -5,8 +5,7 @@ import pytest
 from program_text import expected, written
 from task_problems import OBJECTIVES, all_paths, best_paths_value, drawn, line
 
-from waybound.formulations.auctions.task_allocation import TaskAllocation
-from waybound.instances.errors import InputError
+from waybound import InputError, TaskAllocation
 from waybound.solvers.backend import Control, Options, solver_named
 
 

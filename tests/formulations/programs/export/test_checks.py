@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from exported import everything, reference, rows_of, variables
 
-from waybound.formulations.programs.program import Program, Rows
-from waybound.instances.errors import InputError, UnsupportedError
+from waybound import InputError, Program, Rows, UnsupportedError
 
 
 def test_pulp_refuses_a_quadratic_objective_and_only_cvxpy_takes_cones() -> None:

@@ -13,8 +13,7 @@ from exported import PROGRAMS, arrays_of, everything, highs_value, read_back, re
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from waybound.formulations.programs.program import Program
-from waybound.instances.errors import InputError, UsageError
+from waybound import InputError, Program, UsageError
 
 
 @pytest.mark.parametrize("suffix", ["mps", "lp"])

@@ -5,10 +5,9 @@ import pytest
 from coded import coded
 from uncertain_graphs import WORKED, all_paths, graph_of, random_graph
 
+from waybound import InputError, UncertainPath
 from waybound.formulations.evidence import CHECKERS
-from waybound.formulations.risk.uncertain_path import UncertainPath
 from waybound.formulations.stop import NEVER
-from waybound.instances.errors import InputError
 from waybound.solvers.engines.risk.supported_paths import supported_paths
 
 check = CHECKERS["path-potentials"]

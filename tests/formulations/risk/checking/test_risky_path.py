@@ -6,12 +6,11 @@ import risky_cases as cases
 from coded import coded
 
 import waybound as wb
+from waybound import InputError, RiskyPath
 from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.risk.checking import risky_path as module
 from waybound.formulations.risk.checking.risky_path import Remembered, following_moves, least_left
 from waybound.formulations.risk.moves import hazard_of
-from waybound.formulations.risk.risky_path import RiskyPath
-from waybound.instances.errors import InputError
 from waybound.instances.risk.elements import LocaleRisk
 
 check_potentials, check_walks, check_paths = (CHECKERS[kind] for kind in ("move-potentials", "guarded-walks", "all-paths"))

@@ -11,8 +11,7 @@ from risk_problems import margins as margins_problem
 from scipy.stats import chi2
 
 import waybound as wb
-from waybound.api import solve
-from waybound.formulations.programs.exactness import Exactness
+from waybound import Exactness, solve
 from waybound.formulations.risk.forms.fixed_risks import (
     ROUNDED,
     ellipsoid_refuses,

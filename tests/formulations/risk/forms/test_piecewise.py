@@ -6,8 +6,7 @@ from program_text import expected, written
 from risk_problems import around_a_box, margins, problem
 from scipy.special import ndtr, ndtri
 
-from waybound.api import solve
-from waybound.formulations.programs.exactness import Exactness
+from waybound import Exactness, solve
 from waybound.formulations.risk.forms import piecewise as module
 from waybound.formulations.risk.forms.piecewise import density, mean_risk, piecewise_program, points, tangents
 from waybound.formulations.stop import Stop

@@ -11,15 +11,11 @@ from hypothesis import strategies as st
 from small_routing import LINE, at_risk
 from truth.routing import RoutingTruth
 
-from waybound.formulations.evidence import Evidence
+from waybound import Energy, Evidence, InputError, Makespan, Objective, RoutingProblem, Sites, TotalCost, UsageError, VehicleType
 from waybound.formulations.routing.checking.deviation_chord import KIND, check_deviation_chord, lacks_chord, without_risks
-from waybound.formulations.routing.objective import Makespan, Objective, TotalCost
 from waybound.formulations.routing.overrun import quantile
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.features import RISKS
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.routing_variants import risky
 

@@ -9,10 +9,9 @@ from hypothesis import strategies as st
 from small_routing import small
 from truth.routing import best_values, routes
 
+from waybound import InputError, RoutingProblem
 from waybound.formulations.routing.checking import enumerated_routes
 from waybound.formulations.routing.checking.enumerated_routes import check_enumerated_routes
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import InputError
 
 FEATURES = ("capacity", "time-windows", "service-times", "max-distance", "limited-fleet", "fixed-cost", "open-routes")
 

@@ -9,15 +9,13 @@ from coded import coded
 from small_routing import WHOLE_FAMILY, few, plane, varied
 from truth.routing import RoutingTruth, best_values
 
+from waybound import Energy, InputError, Objective, TotalCost, Vehicles, VehicleType
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.routing.checking.known_features import KNOWN, unknown_features, without_stops
 from waybound.formulations.routing.fleet_need import infeasible_bound
-from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError
 from waybound.instances.routing.features import FEATURES
-from waybound.instances.routing.instance import Energy, VehicleType
 from waybound.solvers.bounds import BOUNDS
 
 INFEASIBLE = (

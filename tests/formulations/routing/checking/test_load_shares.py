@@ -7,8 +7,8 @@ import pytest
 from small_routing import WHOLE_FAMILY, drawn, enumerated, excludes, plane
 from truth.routing import best_values
 
+from waybound import Evidence, InputError, RoutingProblem, Sites, VehicleType
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.evidence import Evidence
 from waybound.formulations.routing.checking.load_shares import (
     by_coordinates,
     check_load_shares,
@@ -28,10 +28,7 @@ from waybound.formulations.routing.objective import (
     TotalDuration,
     Vehicles,
 )
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, METRICS, Travel
 
 METRIC = [name for name in METRICS if name != "GEO"]

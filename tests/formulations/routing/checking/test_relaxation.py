@@ -8,13 +8,10 @@ from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from waybound.formulations.evidence import Evidence
+from waybound import Evidence, Route, Routes, RoutingProblem, Sites, VehicleType
 from waybound.formulations.routing.checking.relaxation import carried_loads, fewest_carriers, needed_moves, relax
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.tolerance import LIMIT
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 

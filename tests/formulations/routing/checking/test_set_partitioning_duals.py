@@ -14,14 +14,11 @@ from patience import HANG
 from small_routing import small
 from truth.routing import best_values, routes
 
+from waybound import InputError, Makespan, Objective, RoutingProblem, Sites, Vehicles, VehicleType
 from waybound.formulations.routing.checking import set_partitioning_duals
 from waybound.formulations.routing.checking.relaxation import relax
 from waybound.formulations.routing.checking.set_partitioning_duals import check_set_partitioning_duals
-from waybound.formulations.routing.objective import Makespan, Objective, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop, until
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 SEEDS = st.integers(0, 10**6)

@@ -8,10 +8,8 @@ from draws import draws
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from waybound import InputError, RoutingProblem, Sites, VehicleType
 from waybound.formulations.routing.checking.spanning_tree import check_spanning_tree
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 SEEDS = st.integers(0, 10**6)

@@ -8,12 +8,10 @@ from program_text import TWO_SITES, expected, written
 from small_routing import varied
 
 import waybound as wb
+from waybound import RoutingProblem, UnsupportedError, UsageError, VehicleType
 from waybound.formulations.programs.program import CIRCUITS, INTEGERS
 from waybound.formulations.routing.forms.circuit import arcs_say_enough
 from waybound.formulations.routing.objective import Composable, Objective, Reward, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import UnsupportedError, UsageError
-from waybound.instances.routing.instance import VehicleType
 
 
 def test_circuit_from_text_to_text(tmp_path: Path) -> None:

@@ -5,8 +5,7 @@ import pytest
 from oracles import agrees, optimum, routing
 from program_text import lines_of
 
-from waybound.formulations.routing.objective import Makespan
-from waybound.instances.routing.instance import Energy, Shipment, VehicleType
+from waybound import Energy, Makespan, Shipment, VehicleType
 
 LINE = np.array([(0, 0), (1, 0), (2, 0)], dtype=float)
 

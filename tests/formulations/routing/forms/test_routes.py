@@ -7,6 +7,7 @@ from oracles import SQUARE_4, routing
 from small_routing import varied
 from truth.routing import RoutingTruth
 
+from waybound import InputError, Route
 from waybound.formulations.routing.forms._routes import ArcIndex, levels, routes_of, used
 from waybound.formulations.routing.objective import (
     Composable,
@@ -21,8 +22,6 @@ from waybound.formulations.routing.objective import (
     Vehicles,
 )
 from waybound.formulations.routing.preparation import Preparation, Resource, prepare
-from waybound.formulations.routing.routes import Route
-from waybound.instances.errors import InputError
 
 NAMES = list("oabcd")
 

@@ -9,13 +9,9 @@ from oracles import GAP_5, SQUARE_4, agrees, optimum, routing, set_partitioning_
 from program_text import TWO_SITES, expected, program_text, written
 from small_routing import at_risk
 
+from waybound import Exactness, InputError, LatestReturn, LongestRoute, Makespan, Reward, Route, Routes, TotalCost, VehicleType
 from waybound.formulations.forms import FORMS
-from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.routing.forms.set_partitioning import over
-from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, Reward, TotalCost
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import VehicleType
 
 
 def test_set_partitioning_from_text_to_text(tmp_path: Path) -> None:

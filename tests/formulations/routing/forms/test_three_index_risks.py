@@ -14,14 +14,9 @@ from program_text import expected, written
 from small_routing import LINE, at_risk, varied
 from truth.routing import RoutingTruth
 
-from waybound.formulations.programs.exactness import Exactness
+from waybound import Energy, Exactness, Objective, Routes, RoutingProblem, Sites, TotalCost, UnsupportedError, VehicleType
 from waybound.formulations.routing.forms import three_index_risks
-from waybound.formulations.routing.objective import Objective, TotalCost
 from waybound.formulations.routing.overrun import quantile
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
-from waybound.instances.errors import UnsupportedError
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.routing_variants import risky
 from waybound.solvers.backend import BACKENDS, Control, Options, solver_named

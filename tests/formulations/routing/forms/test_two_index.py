@@ -13,14 +13,10 @@ from oracles import SQUARE_4, TW_4, TWO_INDEX, agrees, optimum, routing, small_p
 from program_text import expected, program_text, written
 from small_routing import WHOLE_FAMILY, varied
 
+from waybound import Energy, Group, InputError, Objective, Penalties, Program, Reward, RoutingProblem, TotalCost, TotalDuration
 from waybound.formulations.problem import problem_from_instance
-from waybound.formulations.programs.program import Program
-from waybound.formulations.routing.objective import Objective, Penalties, Reward, TotalCost, TotalDuration
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError
 from waybound.instances.reading import read_instance
-from waybound.instances.routing.instance import Energy, Group
 
 TWO_SITES = """
     # vehicles: 2

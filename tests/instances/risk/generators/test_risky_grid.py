@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 from coded import coded
 
-from waybound.formulations.risk.risky_path import RiskyPath
-from waybound.instances.errors import UsageError
+from waybound import RiskyPath, UsageError
 from waybound.instances.generating import generate
 
 

@@ -8,11 +8,10 @@ import pytest
 from coded import coded
 from file_cases import Change, Differences, Read, Refusal, check_fault, check_refused, check_unwritable, with_line_of
 
-from waybound.instances.errors import InputError, UsageError
+from waybound import InputError, UsageError, VehicleType
 from waybound.instances.reading import read_instance
 from waybound.instances.routing.formats._rows import Rows
 from waybound.instances.routing.formats.cordeau import Table, read, recognises, write
-from waybound.instances.routing.instance import VehicleType
 
 MDVRP = """\
 2 3 3 2

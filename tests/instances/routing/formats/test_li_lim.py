@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 from file_cases import Change, Differences, Read, Refusal, check_fault, check_unwritable, with_line_of
 
+from waybound import Shipment, VehicleType
 from waybound.instances.routing.formats.li_lim import read, recognises, write
-from waybound.instances.routing.instance import VehicleType
-from waybound.instances.routing.sites import Shipment
 
 GOOD = (
     "25\t200\t1\n0\t40\t50\t0\t0\t1236\t0\t0\t0\n1\t45\t68\t-10\t0\t967\t90\t3\t0\n"

@@ -3,10 +3,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from waybound.instances.errors import UsageError
+from waybound import RoutingInstance, Sites, Travel, UsageError, VehicleType
 from waybound.instances.routing.formats._limits import refuse_inexpressible
-from waybound.instances.routing.instance import RoutingInstance, Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 
 XY = np.array([(0, 0), (3, 0), (0, 4)], dtype=float)
 

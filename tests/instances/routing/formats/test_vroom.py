@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 from file_cases import Differences, Read, Refusal
 
+from waybound import Energy, Shipment, VehicleType
 from waybound.instances.formats import waybound_json
 from waybound.instances.generating import generate
 from waybound.instances.routing.formats.vroom import read, recognises, write
-from waybound.instances.routing.instance import VehicleType
-from waybound.instances.routing.sites import Shipment
-from waybound.instances.routing.vehicle_type import Energy
 
 DURATIONS = [[0, 2104, 197, 1299], [2103, 0, 2255, 3152], [197, 2256, 0, 1102], [1299, 3153, 1102, 0]]
 GOOD: dict[str, Any] = {

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from file_cases import check_refused
 
-from waybound.instances.errors import InputError
+from waybound import InputError, Travel
 from waybound.instances.reading import read_instance
 from waybound.instances.routing.formats.vroom import read
-from waybound.instances.routing.travel import Travel
 
 PLACES = {
     "vehicles": [

@@ -6,11 +6,9 @@ from typing import Any
 import pytest
 from file_cases import check_unwritable
 
+from waybound import Energy, RoutingInstance, Shipment, Sites, VehicleType
 from waybound.instances.routing.formats._vroom_writer import write
-from waybound.instances.routing.instance import RoutingInstance, Sites, VehicleType
-from waybound.instances.routing.sites import Shipment
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.instances.routing.vehicle_type import Energy
 
 
 def tiny(

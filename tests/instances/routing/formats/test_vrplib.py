@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 from file_cases import Change, Differences, Read, Refusal, check_fault, check_refused, check_unwritable, refused, tsplib
 
-from waybound.instances.errors import InputError, UsageError
+from waybound import InputError, Shipment, UsageError, VehicleType
 from waybound.instances.generating import generate
 from waybound.instances.routing.formats._tsplib_writer import write
 from waybound.instances.routing.formats.vrplib import read, recognises
-from waybound.instances.routing.instance import VehicleType
-from waybound.instances.routing.sites import Shipment
 
 CVRP = tsplib(
     "NAME : small", "COMMENT : (nobody, No of trucks: 2)", "TYPE : CVRP", "DIMENSION : 4", "EDGE_WEIGHT_TYPE : EUC_2D", "CAPACITY : 10",

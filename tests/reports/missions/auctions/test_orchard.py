@@ -2,11 +2,9 @@ import numpy as np
 import pytest
 
 import waybound as wb
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.formulations.auctions.orchard_day import OrchardDay
+from waybound import BinAssignment, OrchardDay, UsageError
 from waybound.instances.auctions.orchard_grid import OrchardGrid
 from waybound.instances.auctions.orchard_rules import OrchardRules
-from waybound.instances.errors import UsageError
 from waybound.reports.missions.animation import Film
 from waybound.reports.missions.auctions.orchard import Orchard
 from waybound.reports.missions.auctions.orchard_days.days import play_day

@@ -13,12 +13,11 @@ from draws import draws
 from small_routing import plane, small
 from truth.routing import best_values
 
-from waybound import Evidence, Routes, RoutingProblem, Sites, Travel, VehicleType
+from waybound import Evidence, InputError, Routes, RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.kernels import kernels
 from waybound.formulations.routing.objective import PEAKS, Objective
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError
 from waybound.instances.routing.travel import EXPLICIT
 from waybound.solvers.bounds.routing import branch_price_cut, largest_limits
 from waybound.solvers.bounds.routing.choice_of_routes import largest_route_bound

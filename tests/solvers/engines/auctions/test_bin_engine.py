@@ -2,8 +2,7 @@ import pytest
 from bin_assignments import worked
 
 import waybound as wb
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.instances.errors import UnsupportedError
+from waybound import BinAssignment, UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Options
 
 OTHER = {"lapjv": "bottleneck", "epsilon-scaling": "bottleneck", "min-cost-flow": "bottleneck", "threshold-matching": "sum"}

@@ -4,8 +4,7 @@ from bin_assignments import OPTIMA, enumerated, random_costs, worked
 from draws import draws
 
 import waybound as wb
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.formulations.programs.exactness import Exactness
+from waybound import BinAssignment, Exactness
 from waybound.solvers.backend import BACKENDS, Control, Options
 
 

@@ -7,8 +7,7 @@ from small_routing import plane, small, varied
 from truth.routing import best_values
 
 import waybound as wb
-from waybound.formulations.routing.objective import Objective
-from waybound.instances.errors import UnsupportedError, UsageError
+from waybound import Objective, UnsupportedError, UsageError
 from waybound.solvers.backend import BACKENDS
 from waybound.solving.search_log import counts_of
 

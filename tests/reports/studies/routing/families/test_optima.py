@@ -3,10 +3,7 @@
 import numpy as np
 import pytest
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import CheckFailedError, UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import CheckFailedError, RoutingProblem, Sites, Travel, UsageError, VehicleType
 from waybound.reports.ratios.optimum import optimum
 
 
