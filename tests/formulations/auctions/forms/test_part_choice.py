@@ -51,8 +51,7 @@ def test_part_choice_from_text_to_text(tmp_path: Path) -> None:
     (tmp_path / "t.csv").write_text("role,name,x,y,weight\nrobot,r,0,0,\nrobot,s,9,0,\ntask,a,0,0,4\ntask,b,2,0,-1\n")
     instance = read_instance(tmp_path / "t.csv")
     problem = problem_from_instance(instance, "balanced-partition", edges="clique", objective="min-difference")
-    assert program_text(problem.compile("part-choice").program) == expected(
-        """
+    assert program_text(problem.compile("part-choice").program) == expected("""
         min 4 t - 4 s
         share[a]: y[a,r] + y[a,s] = 1
         share[b]: y[b,r] + y[b,s] = 1
@@ -68,5 +67,4 @@ def test_part_choice_from_text_to_text(tmp_path: Path) -> None:
         second[a,b,s]: - y[b,s] + z[a,b,s] <= 0
         y[a,r], y[a,s], y[b,r], y[b,s], z[a,b,r], z[a,b,s] binary
         -0.25 <= t, s <= 1.5
-        """
-    )
+    """)

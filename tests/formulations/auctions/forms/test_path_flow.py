@@ -66,8 +66,7 @@ TEAM = """
 
 def test_path_flow_from_text_to_text(tmp_path: Path) -> None:
     """Arcs from both robots and between both tasks, with as much flow as tasks are still to come."""
-    assert written(TEAM, "path-flow", tmp_path) == expected(
-        """
+    assert written(TEAM, "path-flow", tmp_path) == expected("""
         path-flow, exact
         min 4 x[robot r,task a] + 5 x[robot r,task b] + 5 x[robot s,task a] + 5.83095 x[robot s,task b] + 3 x[task a,task b] + 3
             x[task b,task a]
@@ -88,5 +87,4 @@ def test_path_flow_from_text_to_text(tmp_path: Path) -> None:
         x[robot r,task a], x[robot r,task b], x[robot s,task a], x[robot s,task b], x[task a,task b], x[task b,task a] binary
         0 <= f[robot r,task a], f[robot r,task b], f[robot s,task a], f[robot s,task b] <= 2
         0 <= f[task a,task b], f[task b,task a] <= 1
-        """
-    )
+    """)

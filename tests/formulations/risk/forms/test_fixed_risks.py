@@ -115,8 +115,7 @@ TERMS = """
 
 def test_uniform_from_text_to_text(tmp_path: Path) -> None:
     """Risks 0.05 and 0.02: 5 - 2 x 1.644854 and 6 - 0.5 - 2.053749. The square is 3 (x1 + x2 - 1)^2, multiplied out."""
-    assert written(TERMS, "uniform", tmp_path, ".json") == expected(
-        """
+    assert written(TERMS, "uniform", tmp_path, ".json") == expected("""
         uniform, restriction
         min - 7 x[x1] - 8 x[x2] + 2 absolute-1[0] + 0.5 norm-2[0] + 3 x[x1]^2 + 6 x[x1] x[x2] + 3 x[x2]^2 + 6
         constraint[1]: x[x1] + x[x2] <= 7
@@ -128,8 +127,7 @@ def test_uniform_from_text_to_text(tmp_path: Path) -> None:
         cone-1: |(2 x[x1], x[x2] + 1)| <= x[x2] + 5
         0 <= x[x1] <= 4
         x[x2], absolute-1[0], norm-2[0] >= 0
-        """
-    )
+    """)
 
 
 def test_the_radius_is_that_of_the_noise_there_is() -> None:
@@ -170,8 +168,7 @@ PLANE = """
 
 def test_ellipsoid_from_text_to_text(tmp_path: Path) -> None:
     """Three constraints of noise in two dimensions: rho^2 = -2 ln 0.1, so rho = 2.145966; deviations 1, 2 and the root of 5."""
-    assert written(PLANE, "ellipsoid", tmp_path, ".json") == expected(
-        """
+    assert written(PLANE, "ellipsoid", tmp_path, ".json") == expected("""
         ellipsoid, restriction
         max x[x1] + 3 x[x2] - norm-1[0]
         constraint[1]: x[x1] - x[x2] >= -2
@@ -181,5 +178,4 @@ def test_ellipsoid_from_text_to_text(tmp_path: Path) -> None:
         norm-1: |(x[x1] + 1, 2 x[x2])| <= norm-1[0]
         -1 <= x[x1], x[x2] <= 6
         norm-1[0] >= 0
-        """
-    )
+    """)

@@ -16,8 +16,7 @@ from waybound.formulations.routing.forms.set_partitioning import over
 
 def test_set_partitioning_from_text_to_text(tmp_path: Path) -> None:
     """b before a reaches a after 9: of both together there is one route."""
-    assert written(TWO_SITES, "set-partitioning", tmp_path) == expected(
-        """
+    assert written(TWO_SITES, "set-partitioning", tmp_path) == expected("""
         set-partitioning, exact
         min 6 y[a] + 12 y[a-b] + 10 y[b]
         visit[a]: y[a] + y[a-b] = 1
@@ -25,8 +24,7 @@ def test_set_partitioning_from_text_to_text(tmp_path: Path) -> None:
         vehicles[vehicle]: y[a] + y[a-b] + y[b] <= 2
         fleet: y[a] + y[a-b] + y[b] >= 1
         y[a], y[a-b], y[b] binary
-        """
-    )
+    """)
 
 
 def test_a_maximum_has_a_row_a_site_and_one_for_each_way_straight_home() -> None:

@@ -134,8 +134,7 @@ def test_three_index_cones_from_text_to_text(tmp_path: Path) -> None:
 
     All is over by 17: the longest ways out of o, a and b take 5, 2 + 4 and 1 + 5.
     """
-    assert written(TWO_SITES, "three-index-cones", tmp_path, ".json") == expected(
-        """
+    assert written(TWO_SITES, "three-index-cones", tmp_path, ".json") == expected("""
         three-index-cones, exact
         min 3 x[o,a,1] + 5 x[o,b,1] + 4 x[a,b,1] + 3 x[a,o,1] + 4 x[b,a,1] + 5 x[b,o,1]
         visit[a]: x[a,b,1] + x[a,o,1] = 1
@@ -161,8 +160,7 @@ def test_three_index_cones_from_text_to_text(tmp_path: Path) -> None:
         5 <= t[b,1] <= 11
         0 <= return[1] <= 17
         0 <= deviation[1] <= 5.09902
-        """
-    )
+    """)
 
 
 CHORDS, TANGENTS = "three-index-chords", "three-index-tangents"
