@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from patience import HANG
+from programs import program
 from small_routing import small
 from truth.routing import best_values
 
@@ -38,7 +39,7 @@ def test_all_solvers_find_the_optimum_of_small_problems(solver: str, feature: st
     assert solution.status in ("optimal", "feasible")
 
 
-def test_programs_that_are_not_routing_are_solved_as_they_are(solver: str, program) -> None:
+def test_programs_that_are_not_routing_are_solved_as_they_are(solver: str) -> None:
     if solver in ROUTING:
         pytest.skip("an engine for routing problems")
     solution = wb.solve(program([2, 3], [[1, 1]], 4.5, np.inf, integer=[1]), solver)
