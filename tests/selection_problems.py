@@ -9,19 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from truth.families import excess_of
 
-from waybound import Evidence, Problem, SubmodularSelection
+from waybound import Coverage, DenseFacilityLocation, Evidence, Problem, SubmodularSelection
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Context, Outcome
 from waybound.instances.sata.constraints import Cardinality, Constraint, Knapsack, LimitRows, LinearConstraint, PartitionMatroid
-from waybound.instances.sata.set_functions import (
-    Coverage,
-    DenseFacilityLocation,
-    FacilityLocation,
-    ItemFunction,
-    ItemWeights,
-    SetFunction,
-    UserFunction,
-)
+from waybound.instances.sata.set_functions import FacilityLocation, ItemFunction, ItemWeights, SetFunction, UserFunction
 from waybound.solvers.linear_programs import LinearPrograms
 
 KINDS = ("coverage", "facility-location", "dense", "dense32", "user")

@@ -10,19 +10,8 @@ from small_routing import small, varied
 from truth.routing import best_values
 
 import waybound as wb
-from waybound import Program, Routes, RoutingProblem, Sites, Travel, UnsupportedError, VehicleType
-from waybound.formulations.routing.objective import (
-    Composable,
-    LatestReturn,
-    LongestRoute,
-    Makespan,
-    Objective,
-    Penalties,
-    Reward,
-    TotalCost,
-    TotalDuration,
-    Vehicles,
-)
+from waybound import LatestReturn, LongestRoute, Program, Routes, RoutingProblem, Sites, Travel, UnsupportedError, VehicleType
+from waybound.formulations.routing.objective import Composable, Makespan, Objective, Penalties, Reward, TotalCost, TotalDuration, Vehicles
 from waybound.solvers.backend import BACKENDS, Control, LevelClaim, Options, RawResult
 from waybound.solvers.backends.highs import Highs
 from waybound.solving.search import Searched

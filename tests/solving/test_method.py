@@ -14,20 +14,10 @@ from programs import program
 from sata_cases import CASES
 
 import waybound as wb
-from waybound import BottleneckSATA, Routes, RoutingProblem, UnsupportedError, UsageError, WinnerTakesAllSATA, solve
+from waybound import BottleneckSATA, LatestReturn, Routes, RoutingProblem, UnsupportedError, UsageError, WinnerTakesAllSATA, solve
 from waybound.formulations.forms import FORMS, nearest_form
 from waybound.formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC
-from waybound.formulations.routing.objective import (
-    TERMS,
-    Composable,
-    LatestReturn,
-    LongestRoute,
-    Makespan,
-    Objective,
-    Reward,
-    TotalCost,
-    Vehicles,
-)
+from waybound.formulations.routing.objective import TERMS, Composable, LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
 from waybound.heuristics.heuristic import HEURISTICS, Outcome
 from waybound.instances.routing.features import FEATURES, UNASKED
 from waybound.instances.routing.instance import Energy, Sites, VehicleType

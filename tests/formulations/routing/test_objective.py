@@ -7,17 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import waybound as wb
-from waybound.formulations.routing.objective import (
-    TERMS,
-    Composable,
-    Makespan,
-    Objective,
-    Reward,
-    TotalCost,
-    Vehicles,
-    Weighted,
-    objective_from,
-)
+from waybound import Makespan
+from waybound.formulations.routing.objective import TERMS, Composable, Objective, Reward, TotalCost, Vehicles, Weighted, objective_from
 from waybound.instances.errors import Code, UsageError
 
 

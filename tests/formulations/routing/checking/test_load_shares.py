@@ -7,7 +7,7 @@ import pytest
 from small_routing import WHOLE_FAMILY, drawn, enumerated, excludes, plane
 from truth.routing import best_values
 
-from waybound import Evidence, InputError, RoutingProblem, Sites, VehicleType
+from waybound import Evidence, InputError, LatestReturn, RoutingProblem, Sites, VehicleType
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.routing.checking.load_shares import (
     by_coordinates,
@@ -17,17 +17,7 @@ from waybound.formulations.routing.checking.load_shares import (
     least_round_trips,
 )
 from waybound.formulations.routing.checking.vehicle_moves import terms_of
-from waybound.formulations.routing.objective import (
-    Composable,
-    LatestReturn,
-    Makespan,
-    Objective,
-    Penalties,
-    Reward,
-    TotalCost,
-    TotalDuration,
-    Vehicles,
-)
+from waybound.formulations.routing.objective import Composable, Makespan, Objective, Penalties, Reward, TotalCost, TotalDuration, Vehicles
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.routing.travel import EXPLICIT, METRICS, Travel
 

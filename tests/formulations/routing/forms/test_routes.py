@@ -7,20 +7,9 @@ from oracles import SQUARE_4, routing
 from small_routing import varied
 from truth.routing import RoutingTruth
 
-from waybound import InputError, Route
+from waybound import InputError, LatestReturn, LongestRoute, Route
 from waybound.formulations.routing.forms._routes import ArcIndex, levels, routes_of, used
-from waybound.formulations.routing.objective import (
-    Composable,
-    LatestReturn,
-    LongestRoute,
-    Makespan,
-    Objective,
-    Penalties,
-    Reward,
-    TotalCost,
-    TotalDuration,
-    Vehicles,
-)
+from waybound.formulations.routing.objective import Composable, Makespan, Objective, Penalties, Reward, TotalCost, TotalDuration, Vehicles
 from waybound.formulations.routing.preparation import Preparation, Resource, prepare
 
 NAMES = list("oabcd")
