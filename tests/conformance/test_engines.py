@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
-from oracles import optimum as first_level_optimum
-from oracles import small_problems
+from oracles import optimum as first_level_optimum, small_problems
 from patience import HANG
 from small_routing import FEATURES, small
 from truth.routing import best_values

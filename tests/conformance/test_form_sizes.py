@@ -12,8 +12,7 @@ from explorations import random_map
 from joint_assignments import random_joint
 from knapsack_assignments import random_assignment
 from programs import program
-from risk_problems import around_a_box
-from risk_problems import problem as risks
+from risk_problems import around_a_box, problem as risks
 from selection_problems import random_problem
 from small_routing import FEATURES, WHOLE_FAMILY, plane, small, varied
 

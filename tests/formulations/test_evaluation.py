@@ -2,8 +2,7 @@ import json
 import math
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.formulations.evaluation import Check, Checklist, Evaluation, Violation, judge
 

@@ -2,8 +2,7 @@ import json
 import math
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.formulations.json_text import finite, json_text
 

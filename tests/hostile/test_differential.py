@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hostile_instances import AT_RISK, Units
-from hostile_instances import FAMILIES as CERTAIN
+from hostile_instances import AT_RISK, FAMILIES as CERTAIN, Units
 from hostile_judging import ENDED, away, of_bound, of_samples, of_solution
 from truth.families import Truth, truth
 

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hostile_instances import AT_RISK, UNCERTAIN, Rng, Units, shaken
-from hostile_instances import FAMILIES as EXACT
+from hostile_instances import AT_RISK, FAMILIES as EXACT, UNCERTAIN, Rng, Units, shaken
 from hostile_judging import away
 
 import waybound as wb

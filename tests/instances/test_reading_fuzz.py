@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from waybound import Cardinality, InputError, Knapsack, PartitionMatroid, SelectionInstance, SensingGraph, WayboundError
 from waybound.instances import text as texts

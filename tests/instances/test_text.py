@@ -3,8 +3,7 @@ from pathlib import Path
 
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances import text as t
 from waybound.instances.errors import InputError

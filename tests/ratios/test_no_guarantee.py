@@ -5,9 +5,7 @@ import pytest
 from waybound import BottleneckSATA, Cardinality, SubmodularSelection, UsageError, UserFunction
 from waybound.reports.ratios.judged_runs import judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
-from waybound.reports.studies.sata.families import max_min as graphs
-from waybound.reports.studies.sata.families import selection as random
-from waybound.reports.studies.sata.families import selection_traps as traps
+from waybound.reports.studies.sata.families import max_min as graphs, selection as random, selection_traps as traps
 
 
 def whole(rows, name="case"):

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, note, settings
-from hypothesis import strategies as st
+from hypothesis import given, note, settings, strategies as st
 from ratio_strategies import assignments, bottlenecks, selections
 
 from waybound.reports.ratios.judged_runs import judge, run_heuristic

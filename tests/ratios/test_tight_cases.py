@@ -8,8 +8,7 @@ import pytest
 from waybound import Cardinality, SubmodularSelection
 from waybound.reports.ratios.judged_runs import judge, ratio_of, run_heuristic
 from waybound.reports.ratios.optimum import optimum
-from waybound.reports.studies.sata.families import max_min as graphs
-from waybound.reports.studies.sata.families import selection_traps as traps
+from waybound.reports.studies.sata.families import max_min as graphs, selection_traps as traps
 from waybound.reports.studies.sata.families.optima import MOST_ELEMENTS
 
 EXACT = {"search": "secant", "eps": 1e-6, "ball": False}

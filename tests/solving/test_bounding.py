@@ -19,8 +19,7 @@ from waybound.formulations.verified_bounds import proved_bound
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from waybound.solvers.bounds import BOUNDS, BoundMethod
 from waybound.solvers.linear_programs import LinearPrograms
-from waybound.solving import bounding, solve
-from waybound.solving import search as searching
+from waybound.solving import bounding, search as searching, solve
 from waybound.solving.bounding import AT_ONCE, Beside, BoundWork, Goal, find_bounds, free_core
 
 GRAPH = wb.SensingGraph.from_edges([0, 1], [0, 1], [0, 1], np.array([3.0, 2.0]))

@@ -7,8 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from waybound import LongestRoute, Makespan, Objective, Penalties, Reward, Route, Routes, RoutingProblem, TotalCost, Vehicles
 from waybound.formulations.routing.judge import CHECKS, schedule

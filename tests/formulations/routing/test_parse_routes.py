@@ -7,8 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import waybound as wb
 from waybound.formulations.routing.parse_routes import routes_given, stated_times

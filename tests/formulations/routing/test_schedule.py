@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from truth.routing import RoutingTruth
 
 from waybound import Energy, Objective, Route, Routes, RoutingProblem, Shipment, Sites, VehicleType

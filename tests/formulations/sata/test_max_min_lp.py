@@ -3,8 +3,7 @@ import json
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from random_sensing import optimum
 from sata_cases import matrices_of, random_graph
 from truth.local_algorithm import random_graph as graph_of_robots

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from sata_cases import CASES, dense_weights, random_graph, relabelled, selections, value
 
 import waybound as wb

@@ -6,8 +6,7 @@ import time
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from sata_cases import graph_of_rows
 from selection_problems import (
     KINDS,

@@ -3,8 +3,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import KINDS, context, only_evidence, optimum, random_problem, run, value
 
 from waybound import Coverage, Knapsack, SubmodularSelection, UserFunction

@@ -2,8 +2,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from sata_cases import CASES, graph_of_rows
 from selection_problems import KINDS, half_tight, only_evidence, optimum, random_problem, run, value
 

@@ -6,8 +6,7 @@ import pandas as pd
 import pytest
 from coded import coded
 from file_cases import check_refused, refused
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import waybound as wb
 from waybound.instances.clock import Times

@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.errors import InputError
 from waybound.instances.routing.gaussian_process import GaussianProcess, SquaredExponential

@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import waybound as wb
 from waybound import Energy, InputError, RoutingInstance, Sites, Travel, VehicleType

@@ -4,8 +4,7 @@ import math
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 from waybound.instances.errors import InputError
 from waybound.instances.routing import occupancy as o

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from draws import draws
 from file_cases import check_refused
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from waybound import InputError, RoutingInstance, Sites, VehicleType
 from waybound.instances.routing import reach

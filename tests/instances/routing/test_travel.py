@@ -4,8 +4,7 @@ from decimal import ROUND_DOWN, Decimal, getcontext
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.travel import CONVENTIONS, Travel, convention_named

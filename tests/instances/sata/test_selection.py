@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from coded import coded
 from file_cases import refused
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import Apart, Weights
 
 from waybound import Cardinality, Coverage, DenseFacilityLocation, FacilityLocation, InputError, Knapsack, PartitionMatroid

@@ -3,8 +3,7 @@ from typing import Any
 import numpy as np
 import pytest
 from file_cases import refused
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import KINDS, OWN_KINDS, random_function
 
 from waybound import Coverage

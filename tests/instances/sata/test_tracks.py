@@ -3,8 +3,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.sata.phd_filter import Mixture
 from waybound.instances.sata.tracks import TrackRules, Tracks, forecast, ospa

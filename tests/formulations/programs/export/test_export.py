@@ -10,8 +10,7 @@ import scipy.sparse as sp
 from coded import coded
 from draws import draws
 from exported import PROGRAMS, arrays_of, everything, highs_value, read_back, reference, rows_of, variables
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from waybound import InputError, Program, UsageError
 

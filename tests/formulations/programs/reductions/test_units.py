@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 from draws import draws
 from hostile_instances import FAMILIES, UNCERTAIN, Units
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import waybound as wb
 from waybound.formulations.programs.cones import Cones

@@ -3,11 +3,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from program_text import expected, written
-from risk_problems import around_a_box, problem
-from risk_problems import margins as margins_problem
+from risk_problems import around_a_box, margins as margins_problem, problem
 from scipy.stats import chi2
 
 import waybound as wb

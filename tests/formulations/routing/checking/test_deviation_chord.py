@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from draws import draws
 from hostile_instances import Units, routing_at_risk
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from small_routing import LINE, at_risk
 from truth.routing import RoutingTruth
 

@@ -4,8 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from small_routing import small
 from truth.routing import best_values, routes
 

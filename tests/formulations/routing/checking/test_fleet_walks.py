@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from routing_answers import Answers, best_of, drawn_evidence, drawn_statement, grown, partition
 from small_routing import FEATURES, WHOLE_FAMILY, drawn
 from truth.routing import Roads, RoutingTruth, best_values

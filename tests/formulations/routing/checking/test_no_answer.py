@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from small_routing import WHOLE_FAMILY, excludes, few, plane, varied
 
 from waybound import InputError, Makespan, Objective, Reward, RoutingProblem, TotalCost, Vehicles

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from waybound import Evidence, Route, Routes, RoutingProblem, Sites, VehicleType
 from waybound.formulations.routing.checking.relaxation import carried_loads, fewest_carriers, needed_moves, relax

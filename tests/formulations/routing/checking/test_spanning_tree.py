@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from waybound import InputError, RoutingProblem, Sites, VehicleType
 from waybound.formulations.routing.checking.spanning_tree import check_spanning_tree

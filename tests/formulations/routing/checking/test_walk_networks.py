@@ -4,8 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from waybound.formulations.routing.checking import walk_networks
 from waybound.formulations.routing.checking.relaxation import Resource

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 from oracles import agrees, routing
 from program_text import expected, written
 from small_routing import LINE, at_risk, varied

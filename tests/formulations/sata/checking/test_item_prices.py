@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 from coded import coded
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from selection_problems import CONSTRAINTS, cover_30, half_tight, optimum, random_problem
 
 from waybound import Coverage, DenseFacilityLocation, InputError, MaxMinLP, Selection, SubmodularSelection

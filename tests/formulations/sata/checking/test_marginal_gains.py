@@ -3,8 +3,7 @@ import math
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import CONSTRAINTS, KINDS, cover_30, cover_tight, feasible_sets, optimum, random_problem
 
 from waybound import BottleneckSATA, Evidence, InputError, Selection, SensingGraph, SubmodularSelection

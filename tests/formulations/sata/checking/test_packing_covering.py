@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from coded import coded
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from sata_cases import best_value
 
 from waybound import BottleneckSATA, InputError, MaxMinLP

@@ -3,8 +3,7 @@ import math
 
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.worlds.plume_exploration import PlumeWorld, flight_time, neighbours, read_plume, serpentine

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.worlds.unreliable_communication import CommunicationWorld

@@ -5,8 +5,7 @@ import pytest
 from coded import coded
 from draws import draws
 from file_cases import check_refused
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.sata.worlds.tracking import SCENARIOS, TrackingRules, TrackingWorld, linked

@@ -10,8 +10,7 @@ import waybound as wb
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.solvers.backend import Control
 from waybound.solvers.engines.routing.routing_integers import searched_integers
-from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k
-from waybound.solvers.engines.routing.ruin_recreate_steps import partition
+from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k, partition
 from waybound.solvers.engines.routing.ruin_recreate_steps.arrays import arrays
 from waybound.solvers.engines.routing.ruin_recreate_steps.partition import Pool
 

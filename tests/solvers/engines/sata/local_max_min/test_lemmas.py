@@ -2,8 +2,7 @@ from fractions import Fraction as F
 
 import numpy as np
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from truth.local_algorithm import ExactLocal, random_graph, robots_of
 
 

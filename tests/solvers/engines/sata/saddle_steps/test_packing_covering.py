@@ -3,8 +3,7 @@ import warnings
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from patience import HANG
 
 import waybound as wb
