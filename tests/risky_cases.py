@@ -48,6 +48,17 @@ def graph(
     return RiskyGraph(states or int(max(tail.max(), head.max())) + 1, tail, head, tuple(elements), start, conditional, **given)
 
 
+BENT = np.array([(0, 0), (1, 0), (2, 1), (2, 2), (2, 4)], dtype=float)
+LINE = [(0, 1), (1, 2), (2, 3), (3, 4)]
+
+
+def risks(element: RiskElement, positions: Any = BENT, arcs: Any = LINE) -> Any:
+    """Risks of the states of a path that passes them in turn."""
+    states = len(positions)
+    problem = RiskyPath(graph(arcs, [element], states=states, goals=(states - 1,), positions=positions))
+    return problem.risks(range(states))[element.label]
+
+
 def of_table(rows: Sequence[Sequence[float]], reward: float = 0.0) -> RiskyPath:
     """A path whose states have the risks of a table, one row a state."""
     columns = np.array(rows).T
