@@ -1,3 +1,5 @@
+"""What benchmarks share: options of a command and its exit codes, fresh processes, clocks and tables."""
+
 import importlib
 from pathlib import Path
 from typing import Annotated
