@@ -1,7 +1,3 @@
-"""Every study that repeats an experiment, in its short form: findings, rows that the seed decides, interrupts, pages."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
