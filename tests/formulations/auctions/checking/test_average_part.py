@@ -1,9 +1,8 @@
 import numpy as np
 import pytest
-from coded import coded
-from task_problems import best_partition_value, drawn, line, parts
+from task_problems import best_partition_value, drawn, parts
 
-from waybound import BalancedPartition, InputError, RobotTasks
+from waybound import BalancedPartition, RobotTasks
 from waybound.formulations.evidence import CHECKERS
 
 check = CHECKERS["average-part"]
@@ -45,8 +44,3 @@ def test_no_least_difference_of_weights_is_below():
         weights = rng.integers(-2 if k % 3 == 0 else 0, 9, int(rng.integers(1, 6))) * (1.0, 3.0, 0.1)[k % 3]
         asked = parts([0.0] * len(weights), int(rng.integers(1, 4)), weights=weights, edges="none", objective="min-difference")
         assert check(asked, {}) <= best_partition_value(asked)
-
-
-def test_other_families_are_refused():
-    with pytest.raises(InputError, check=coded("foreign")):
-        check(line([0], [1]), {})
