@@ -1,4 +1,5 @@
 import math
+import pickle
 
 import pytest
 
@@ -17,6 +18,12 @@ def test_every_world_is_made_with_its_defaults_and_does_the_three_things():
         world.step({})
         assert world.time == 1
         assert set(world.metrics()) == before
+
+
+@pytest.mark.parametrize("name", sorted(set(WORLDS) - {"plume-exploration"}))  # which holds what cannot be pickled
+def test_the_same_seed_gives_the_same_world_and_another_one_another(name):
+    one, same, other = (pickle.dumps(make_world(name, seed)) for seed in (5, 5, 6))
+    assert one == same != other
 
 
 @pytest.mark.parametrize("name", list(WORLDS))

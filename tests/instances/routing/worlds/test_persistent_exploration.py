@@ -155,8 +155,3 @@ def test_a_map_without_free_cells_is_refused():
 def test_contradictions_are_refused(settings, message):
     with pytest.raises(InputError, match=message):
         make_world(KIND, 1, **settings)
-
-
-def test_the_same_seed_gives_the_same_place_and_another_one_another():
-    one, same, other = (make_world(KIND, seed) for seed in (5, 5, 6))
-    assert (one.terrain.period == same.terrain.period).all() and not (one.terrain.period == other.terrain.period).all()

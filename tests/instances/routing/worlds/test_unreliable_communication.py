@@ -140,9 +140,3 @@ def test_orders_that_cannot_be_followed_change_nothing(robot, by, message, code)
 def test_what_cannot_be_explored_is_refused_at_once(how, message, code):
     with pytest.raises(InputError, match=message, check=coded(code)):
         CommunicationWorld(*how)
-
-
-def test_the_same_seed_gives_the_same_floor_and_another_one_another():
-    one, same, other = (make_world("unreliable-communication", seed) for seed in (5, 5, 6))
-    assert (one.free == same.free).all() and one.base == same.base
-    assert not np.array_equal(one.free, other.free)
